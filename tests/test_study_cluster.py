@@ -8,6 +8,7 @@ import socket
 import sys
 import threading
 import time
+from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -407,6 +408,30 @@ def test_study_through_all_losses(tmp_path, study_folder):
     assert [one.read_bytes() for one in sorted((study_folder / "chunks").glob("[0-9]*.npz"))] == [
         one.read_bytes() for one in chunks
     ]
+
+
+@pytest.mark.slow
+def test_answers_on_a_cluster(local, study_folder, monkeypatch):
+    """Workers write what they calculate, this process reads it; the answer is that of one process."""
+    from study_runs import answers_as_text, study_of_answers
+
+    from torsionnet.study.evaluator import Evaluator
+    from torsionnet.study.run import shared_blocks
+    from torsionnet.study.run.workers import Workers
+
+    @contextmanager
+    def these(_):
+        yield local
+
+    monkeypatch.setattr("torsionnet.study.cluster.connecting.connected", these)
+    monkeypatch.setattr(shared_blocks, "BEGIN", 0.0)
+    monkeypatch.setattr(shared_blocks, "WORTH", 0.0)
+    study = study_of_answers(("shares", "worst"))
+    alone = answers_as_text(study)
+    assert answers_as_text(study, study_folder, Workers(cluster="local:2")) == alone
+    assert len(list((study_folder / "answers").glob("*.log"))) in (2, 3)  # of this process, and who did something
+    monkeypatch.setattr(Evaluator, "rows", lambda *_: pytest.fail("calculated"))
+    assert answers_as_text(study, study_folder) == alone
 
 
 @pytest.mark.slow

@@ -18,19 +18,17 @@ if TYPE_CHECKING:
 
     from torsionnet.response import Table
     from torsionnet.study.answer import Conclusion, Conclusions
-    from torsionnet.study.run.workers import Workers
+    from torsionnet.study.run.answering import AnsweredStudy
     from torsionnet.study.run.workload import Workload
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
-
-NO_VARIANTS = "the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values"
 
 WORTH_SAYING = 10.0
 """Seconds from which on it is said beforehand how long a study takes."""
 
 
-SHOWN_LINES = 100
-"""More lines than that are no table for a screen."""
+SHOWN_LINES, FIRST_LINES = 100, 10
+"""More lines than that are no table for a screen: only the first ones are shown."""
 
 
 class StudyCommand(Command):
@@ -69,17 +67,12 @@ class StudyCommand(Command):
     )
 
     def answer(self) -> Answer:
-        from torsionnet.core.errors import UsageError
         from torsionnet.study.loading_study import load_study
-        from torsionnet.study.run.workers import Workers
 
         study = load_study(self.file)
         tell(study.findings)
-        workers = Workers(self.processes, self.threads, self.cluster, lambda link: message("dashboard", link))
-        if not study.count and (unanswered := [name for name, one in study.answers.items() if one.of_variants]):
-            raise UsageError(f"{', '.join(unanswered)}: {NO_VARIANTS}")
-        result = self._calculated(study, workers) if study.count or not study.answers else None
-        conclusions = {name: one.found(study, result) for name, one in study.answers.items()}  # type: ignore[arg-type]
+        answered = self._answered(study)
+        result, conclusions = answered.result, answered.conclusions
         return Answer(
             screen=lambda: _screen(result, conclusions),
             data=lambda: _as_data(study, result, conclusions),
@@ -88,33 +81,42 @@ class StudyCommand(Command):
             figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
         )
 
-    def _calculated(self, study: Study, workers: Workers) -> StudyResult:
-        from torsionnet.cli.progress import progress
-        from torsionnet.study.run.run_chunks import LONGEST, run_study
+    def _answered(self, study: Study) -> AnsweredStudy:
+        from torsionnet.cli.progress import stages
+        from torsionnet.study.run.answering import answer_study
+        from torsionnet.study.run.run_chunks import LONGEST
+        from torsionnet.study.run.workers import Workers
 
-        longest = float("inf") if self.anyway else LONGEST * workers.count
-        with workers.executor(self._place) as executor, progress("calculating", 1.0) as advance:
-            done = 0
-
-            def told(now: int, total: int) -> None:
-                nonlocal done
-                advance((now - done) / total)
-                done = now
-
+        workers = Workers(self.processes, self.threads, self.cluster, lambda link: message("dashboard", link))
+        with stages() as show:
             try:
-                return run_study(
-                    study, self._place, executor=executor, progress=told, announce=_announce, longest=longest
+                return answer_study(
+                    study,
+                    self._place,
+                    workers=workers,
+                    progress=lambda done, total: show("calculating", done, total),
+                    answering=lambda name, done, total: show(name, done, total, _counted(name, done)),
+                    announce=_announce,
+                    longest=float("inf") if self.anyway else LONGEST * workers.count,
                 )
             except KeyboardInterrupt:
-                if self._place:
-                    message(
-                        "note", f"stopped; what is done is in {self._place}, and the same command goes on from there"
-                    )
+                message("note", _kept(self._place))
                 raise
 
     @property
     def _place(self) -> Path | None:
         return Path(self.folder) if self.folder else None
+
+
+def _counted(answer: str, done: int) -> str:
+    return f"{answer}: {done:,} variants".replace(",", " ") if done else answer
+
+
+def _kept(folder: Path | None) -> str:
+    """What is left of a study that was stopped."""
+    if folder is None:
+        return "stopped; nothing is kept without a folder, and with -o FOLDER a study goes on from where it was stopped"
+    return f"stopped; what is done is in {folder}, and the same command goes on from there"
 
 
 def _announce(workload: Workload) -> None:
@@ -128,8 +130,19 @@ def _screen(result: StudyResult | None, conclusions: Conclusions) -> Iterator[Ta
     for conclusion in conclusions.values():
         yield ""
         table = conclusion.table()
-        yield table
+        yield _beginning(table)
         yield from (one for one in conclusion.sentences if one not in table.notes)
+
+
+def _beginning(table: Table) -> Table:
+    """A long table's first lines, with how many there are and where."""
+    from dataclasses import replace
+
+    total = len(table.rows)
+    if total <= SHOWN_LINES:
+        return table
+    left_out = f"{FIRST_LINES} of {total} lines; --csv FILE and --json have all"
+    return replace(table, rows=table.rows[:FIRST_LINES], notes=(left_out, *table.notes))
 
 
 def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[str, Table]]:
@@ -173,6 +186,7 @@ def _as_data(study: Study, result: StudyResult | None, conclusions: Conclusions)
 
 def _write_variants(result: StudyResult | None, file: str) -> None:
     from torsionnet.core.errors import UsageError
+    from torsionnet.study.run.answering import NO_VARIANTS
 
     if result is None:
         raise UsageError(NO_VARIANTS)

@@ -8,7 +8,9 @@ if TYPE_CHECKING:
     from torsionnet.study.correlation import Correlation as Correlation
     from torsionnet.study.loading_study import load_study as load_study
     from torsionnet.study.optimum.conditions_damper import damper_over_conditions as damper_over_conditions
+    from torsionnet.study.run.answering import answer_study as answer_study
     from torsionnet.study.run.run_chunks import run_study as run_study
+    from torsionnet.study.run.workers import Workers as Workers
     from torsionnet.study.samples import Samples as Samples
     from torsionnet.study.space import Space as Space
     from torsionnet.study.study import Study as Study
@@ -33,6 +35,8 @@ _HOMES = {
     "Triangular": "torsionnet.study.variations.triangle",
     "Uniform": "torsionnet.study.variations.uniform",
     "ValueRange": "torsionnet.study.variations.value_range",
+    "Workers": "torsionnet.study.run.workers",
+    "answer_study": "torsionnet.study.run.answering",
     "damper_over_conditions": "torsionnet.study.optimum.conditions_damper",
     "define": "torsionnet.study.study",
     "load_study": "torsionnet.study.loading_study",

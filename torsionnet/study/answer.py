@@ -46,7 +46,7 @@ class AskedStudy(Protocol):
     @property
     def count(self) -> int: ...
     def model_in(self, configuration: str) -> Drivetrain: ...
-    def evaluator(self, configuration: str = "") -> Evaluator: ...
+    def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator: ...
 
 
 class VariantValues(Protocol):
@@ -99,6 +99,11 @@ class StudyAnswer(Declared):
         """
         del study
         yield from ()
+
+    def variants(self, study: AskedStudy) -> int | None:
+        """How many variants it chooses and calculates, where that is known beforehand."""
+        del study
+        return None
 
     def found(self, study: AskedStudy, result: VariantValues) -> Conclusion:
         """The answer; ``result`` has the values of all variants of the study, case by case."""

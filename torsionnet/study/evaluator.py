@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -17,8 +18,27 @@ from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.single_responses import GRAPH
 from torsionnet.study.variant_block import VariantBlock
 
-TOGETHER = 2000
-"""Variants solved together, which bounds the memory."""
+SINGLY = 4
+"""Variants of a block that are solved one by one."""
+FEWEST, MOST, PARTS = 500, 2000, 32
+"""Variants of a block that are solved together: small ones cost more, large ones cannot be shared among workers."""
+
+Values = Mapping[str, FloatArray]
+"""Parameter -> values (n,) in SI."""
+
+
+class BlockDesk(Protocol):
+    """Who calculates blocks of variants, and may know them from before."""
+
+    def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
+        """Of every block what :meth:`Evaluator.rows` gives."""
+        ...
+
+    def once(
+        self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
+    ) -> FloatArray:
+        """Numbers (n,) that work on one variant comes to, or came to before: what else a search may ask."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +55,18 @@ class Evaluator:
         By name.
     method : str
         Of the solver of responses.
+    configuration : str
+        Its name.
+    desk : BlockDesk or None
+        Who calculates; None: this process, each time anew.
     """
 
     model: Drivetrain
     names: tuple[str, ...]
     quantities: Mapping[str, StudyQuantity]
     method: str = GRAPH
+    configuration: str = ""
+    desk: BlockDesk | None = None
 
     @cached_property
     def plan(self) -> BatchPlan | None:
@@ -51,22 +77,46 @@ class Evaluator:
         """Those of the model, which modes of variants are told by."""
         return natural_modes(self.model)[0]
 
-    def block(self, values: Mapping[str, FloatArray]) -> VariantBlock:
+    def block(self, values: Values) -> VariantBlock:
         """Variants with these values, (n,) each."""
         batch = None if self.plan is None else self.plan.batch(values)
         return VariantBlock(
             self.model, values, self.quantities, batch, method=self.method, nominal=lambda: self.nominal_modes
         )
 
-    def __call__(self, values: Mapping[str, FloatArray], names: tuple[str, ...] = ()) -> dict[str, FloatArray]:
-        """Quantities (n,), of curves (n, n_points); all, or those of ``names``."""
+    def rows(self, values: Values, names: tuple[str, ...]) -> FloatArray:
+        """Quantities of some variants side by side (n, n_points of all), calculated here."""
+        block = self.block(values)
+        return np.concatenate([block.of(name) for name in names], axis=1)
+
+    def __call__(self, values: Values, names: tuple[str, ...] = ()) -> dict[str, FloatArray]:
+        """Quantities (n,), of curves (n, n_points); all, or those of ``names``.
+
+        Variants go in blocks that follow from their number alone, so that values are the same to the last bit whoever
+        calculates them.
+        """
         count = len(next(iter(values.values())))
         wanted = names or tuple(self.quantities)
-        found: dict[str, list[FloatArray]] = {name: [] for name in wanted}
-        for start in range(0, count, TOGETHER):
-            block = self.block({name: column[start : start + TOGETHER] for name, column in values.items()})
-            for name in wanted:
-                found[name].append(block.of(name))
-        curves = {name: self.quantities[name].measured(self.model, self.quantities).is_curve for name in wanted}
-        joined = {name: np.concatenate(parts) for name, parts in found.items()}
-        return {name: array if curves[name] else array[:, 0] for name, array in joined.items()}
+        singly = self.plan is None or any(self._is_singly(name) for name in wanted)
+        together = SINGLY if singly else max(FEWEST, min(MOST, count // PARTS))
+        blocks = [
+            {name: column[start : start + together] for name, column in values.items()}
+            for start in range(0, count, together)
+        ]
+        if self.desk is None:
+            rows = np.concatenate([self.rows(block, wanted) for block in blocks])
+        else:
+            rows = np.concatenate(self.desk.rows(self, blocks, wanted))
+        forms = [self.quantities[name].measured(self.model, self.quantities) for name in wanted]
+        parts = np.split(rows, np.cumsum([len(form.points) for form in forms])[:-1], axis=1)
+        return {
+            name: part if form.is_curve else part[:, 0] for name, form, part in zip(wanted, forms, parts, strict=True)
+        }
+
+    def once(self, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]) -> FloatArray:
+        """Numbers (n,) that ``work`` on one variant comes to, or came to when ``what`` was asked before."""
+        return work() if self.desk is None else self.desk.once(self, what, values, work)
+
+    def _is_singly(self, name: str) -> bool:
+        quantity = self.quantities[name]
+        return quantity.singly or any(self._is_singly(part) for part in quantity.parts)

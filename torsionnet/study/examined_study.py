@@ -15,7 +15,7 @@ from torsionnet.study.space import Space
 from torsionnet.study.space_entries import SpaceEntries
 from torsionnet.study.space_in_configurations import faults_in
 from torsionnet.study.study_file import StudyEntries, chosen_configurations
-from torsionnet.study.study_fit import lacking, unknown_limits, wrong_units
+from torsionnet.study.study_fit import lacking, taken_names, unknown_limits, wrong_units
 from torsionnet.study.variations.variation import Variation
 
 
@@ -77,6 +77,7 @@ def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     found = _not_about(lacking(model, configurations, asked), named)
     faults += found
     quantities = _sound_quantities(asked, found)
+    faults += taken_names(named, names_in(given, "vary"))
     faults += unknown_limits(names_in(given, "limits"), named)
     limits = {name: one for name, one in (values.get("limits") or {}).items() if name in quantities}
     faults += wrong_units(model, configurations, quantities, limits)

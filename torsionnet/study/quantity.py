@@ -66,6 +66,11 @@ class StudyQuantity(Declared):
         del model, quantities
         yield from ()
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the quantities that it is made of."""
+        return ()
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         """Unit and points."""
         raise NotImplementedError

@@ -104,9 +104,13 @@ class Study:
         """The model in one of its configurations."""
         return self.model.configured(configuration) if configuration else self.model
 
-    def evaluator(self, configuration: str = "") -> Evaluator:
-        """What calculates the quantities of any variants in a configuration."""
-        return Evaluator(self.model_in(configuration), self.space.names, self.quantities, self.method)
+    def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
+        """What calculates the quantities of any variants in a configuration.
+
+        ``names`` vary, by default those of the space; ``method`` is of the solver, by default that of the study.
+        """
+        model = self.model_in(configuration)
+        return Evaluator(model, names or self.space.names, self.quantities, method or self.method, configuration)
 
 
 def define(

@@ -12,6 +12,18 @@ from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.quantity_limit import QuantityLimit
 from torsionnet.study.quantity_value import wrong_unit
 
+RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}
+
+
+def taken_names(quantities: Iterable[Any], parameters: Iterable[Any]) -> list[Fault]:
+    """Quantities with the name of a column of something else, which would take its place in tables of variants."""
+    meanings = dict.fromkeys(parameters, "a parameter that varies") | RESERVED
+    return [
+        Fault(f'"{name}" is {meanings[name]}; give the quantity another name', ("quantities", name), on_key=True)
+        for name in quantities
+        if name in meanings
+    ]
+
 
 def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fault]:
     """Faults of limits of quantities that are none."""

@@ -71,6 +71,7 @@ class BestDamper(StudyAnswer):
     def found(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
         del result
         parameters, _ = bounded(study.model, self.design)
+        evaluator, asked = study.evaluator(), self.to_data()
         return damper_over_conditions(
             study.model,
             self.output,
@@ -79,4 +80,5 @@ class BestDamper(StudyAnswer):
             input=self.input,
             band=self.band,
             excitations=self.excitations or None,
+            kept=lambda what, search: evaluator.once(f"best damper {asked} {what}", {}, search),
         )

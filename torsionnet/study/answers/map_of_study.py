@@ -62,6 +62,12 @@ class Map(StudyAnswer):
                 )
                 yield Fault(f"{text}; take others: {FIXED}", ("others",))
 
+    def variants(self, study: AskedStudy) -> int:
+        others = next(answer_cases(study)).space.random_names
+        draws = 1 if self.others == FIXED or {*others} <= {self.x, self.y} else self.draws
+        sizes = (len(self._axis(case, self.x)) * len(self._axis(case, self.y)) for case in answer_cases(study))
+        return draws * sum(sizes)
+
     def found(self, study: AskedStudy, result: VariantValues | None = None) -> MapFound:
         del result
         maps = {case.label: self._of_case(case) for case in answer_cases(study)}

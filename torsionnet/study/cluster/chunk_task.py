@@ -13,9 +13,10 @@ from typing import Any, Generic, TypeVar
 from torsionnet.core.threads import one_thread
 from torsionnet.study.cluster.worker_versions import Versions, differences, own_versions, refuse_faults
 
+S = TypeVar("S")
 T = TypeVar("T")
 
-_works: dict[str, Callable[[int], Any]] = {}
+_works: dict[str, Callable[[Any], Any]] = {}
 
 
 @dataclass(frozen=True)
@@ -24,21 +25,18 @@ class DoneChunk(Generic[T]):
 
     Attributes
     ----------
-    number : int
-        Of the chunk.
     result : object
         What the work told of it, small.
     seconds : float
         Wall clock.
     """
 
-    number: int
     result: T
     seconds: float
 
 
-def done_chunks(work: Callable[[int], T], name: str, numbers: Sequence[int], needed: Versions) -> list[DoneChunk[T]]:
-    """Calculate the chunks with these numbers in this process, which must have the versions ``needed``.
+def done_chunks(work: Callable[[S], T], name: str, parts: Sequence[S], needed: Versions) -> list[DoneChunk[T]]:
+    """Calculate these parts in this process, which must have the versions ``needed``.
 
     Work of the same ``name`` is the same: what a process prepares for the first task serves for those after it.
     """
@@ -46,14 +44,14 @@ def done_chunks(work: Callable[[int], T], name: str, numbers: Sequence[int], nee
     work = _remembered(name, work)
     done: list[DoneChunk[T]] = []
     with one_thread():
-        for number in numbers:
+        for part in parts:
             began = perf_counter()
-            result = work(number)
-            done.append(DoneChunk(number, result, perf_counter() - began))
+            result = work(part)
+            done.append(DoneChunk(result, perf_counter() - began))
     return done
 
 
-def _remembered(name: str, work: Callable[[int], T]) -> Callable[[int], T]:
+def _remembered(name: str, work: Callable[[S], T]) -> Callable[[S], T]:
     if name not in _works:
         _works.clear()
     return _works.setdefault(name, work)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.study.cluster.cluster_error import ClusterError
+from torsionnet.study.run.executor import named
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -32,12 +33,12 @@ def scheduler_expected(client: Client) -> Iterator[None]:
 
 
 @contextmanager
-def workers_expected(numbers: Sequence[int]) -> Iterator[None]:
+def workers_expected(parts: Sequence[object]) -> Iterator[None]:
     """Say it if workers die of these chunks."""
     from distributed import KilledWorker
 
-    first, last = numbers[0], numbers[-1]
-    chunks = f"chunk {first}" if first == last else f"chunks {first} to {last}"
+    first, last = parts[0], parts[-1]
+    chunks = named(first) if first == last or not isinstance(first, int) else f"chunks {first} to {last}"
     try:
         yield
     except KilledWorker as error:

@@ -6,9 +6,10 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.core.errors import UsageError
 from torsionnet.study.cluster.chunk_task import DoneChunk, done_chunks
@@ -20,6 +21,7 @@ from torsionnet.study.cluster.worker_versions import Versions, check_versions
 if TYPE_CHECKING:
     from distributed import Client, Future
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 TASKS_AHEAD = 2
@@ -34,7 +36,7 @@ LOOK_EVERY = 2.0
 
 @dataclass(frozen=True, eq=False)
 class DaskExecutor:
-    """Work on numbered chunks by the workers of ``client``, which leave the values in a folder that all see.
+    """Work on the parts of a study by the workers of ``client``, which leave the values in a folder that all see.
 
     A bounded number of tasks is with the scheduler at a time; a worker that is lost has its tasks done by others, and
     workers that join are used. ``work`` keeps what it calculates in the ``folder`` and returns next to nothing.
@@ -50,8 +52,8 @@ class DaskExecutor:
     client: Client
     folder: Path
 
-    def map(self, work: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
-        """Number and result of every chunk, in the order in which they are done.
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Every part with its result, in the order in which they are done.
 
         Raises
         ------
@@ -63,12 +65,19 @@ class DaskExecutor:
         if getattr(work, "folder", self.folder) is None:
             raise UsageError("on a cluster a study needs a folder for its results, which all workers share")
         with scheduler_expected(self.client):
-            needed = check_versions(self.client)
-            check_folder(self.client, self.folder)
-        yield from _Running(self.client, self.folder.name, needed).results(work, deque(numbers))
+            needed = self._versions
+        running: _Running[S] = _Running(self.client, self.folder.name, needed)
+        yield from running.results(work, deque(parts))
+
+    @cached_property
+    def _versions(self) -> Versions:
+        """What all workers have, asked once, with whether they see the folder."""
+        needed = check_versions(self.client)
+        check_folder(self.client, self.folder)
+        return needed
 
 
-class _Running:
+class _Running(Generic[S]):
     """The tasks that are with the scheduler."""
 
     def __init__(self, client: Client, name: str, needed: Versions) -> None:
@@ -76,30 +85,31 @@ class _Running:
 
         self.client, self.needed = client, needed
         self.key = f"{name}-{uuid.uuid4().hex}"
-        self.tasks: dict[Future, tuple[int, ...]] = {}
+        self.tasks: dict[Future, tuple[S, ...]] = {}
         self.finished = as_completed(loop=client.loop)
         self.size = TaskSize()
-        self.threads, self.looked = 0, -1e9
+        self.threads, self.looked, self.submitted = 0, -1e9, 0
 
-    def results(self, work: Callable[[int], T], left: deque[int]) -> Iterator[tuple[int, T]]:
+    def results(self, work: Callable[[S], T], left: deque[S]) -> Iterator[tuple[S, T]]:
         try:
             while left or self.tasks:
                 with scheduler_expected(self.client):
                     self._submit(work, left)
                     done = self._next()
-                self.size.learn(one.seconds for one in done)
-                yield from ((one.number, one.result) for one in done)
+                self.size.learn(one.seconds for _, one in done)
+                yield from ((part, one.result) for part, one in done)
         finally:
             let_go(self.client, self.tasks)
 
-    def _submit(self, work: Callable[[int], T], left: deque[int]) -> None:
+    def _submit(self, work: Callable[[S], T], left: deque[S]) -> None:
         bound = (1 + TASKS_AHEAD) * max(self._threads(), 1)
         while left and len(self.tasks) < bound:
-            numbers = tuple(left.popleft() for _ in range(self.size.chunks(len(left), self.threads)))
-            key = (self.key, numbers[0])
-            asked = (work, self.key, numbers, self.needed)
+            parts = tuple(left.popleft() for _ in range(self.size.chunks(len(left), self.threads)))
+            key = (self.key, self.submitted)
+            self.submitted += 1
+            asked = (work, self.key, parts, self.needed)
             task = self.client.submit(done_chunks, *asked, key=key, pure=False, retries=TRIES)
-            self.tasks[task] = numbers
+            self.tasks[task] = parts
             self.finished.add(task)
 
     def _threads(self) -> int:
@@ -108,7 +118,7 @@ class _Running:
             self.threads, self.looked = sum(self.client.nthreads().values()), monotonic()
         return self.threads
 
-    def _next(self) -> list[DoneChunk[Any]]:
+    def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
         """What has been done since this was asked before, waiting until something is."""
         ended = self.finished.next_batch(block=True)
         for task in ended:
@@ -117,6 +127,5 @@ class _Running:
                     task.result()
         # All together: one by one each would take the time of a round to its worker.
         results: list[list[DoneChunk[Any]]] = self.client.gather(ended)
-        for task in ended:
-            del self.tasks[task]
-        return [one for done in results for one in done]
+        parts = [part for task in ended for part in self.tasks.pop(task)]
+        return list(zip(parts, (one for done in results for one in done), strict=True))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,7 +19,7 @@ from torsionnet.response.damper_optimum import EQUAL, DesignParameter, LevelPeak
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
 from torsionnet.solve.design.levels import Levels, OrderLevels
-from torsionnet.solve.design.minimax import Box, smallest_maximum
+from torsionnet.solve.design.minimax import smallest_maximum
 from torsionnet.solve.design.worst_levels import WorstLevels
 from torsionnet.solve.grid import vibration_range
 from torsionnet.solve.modes import modes
@@ -153,6 +154,7 @@ def damper_over_conditions(
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
+    kept: Callable[[str, Callable[[], FloatArray]], FloatArray] = lambda _what, search: search(),
 ) -> DamperOverConditions:
     """Search the damper with which the largest level in the worst of several conditions is smallest.
 
@@ -160,6 +162,8 @@ def damper_over_conditions(
     ----------
     conditions : sequence of str, optional
         Configurations of the drivetrain; by default all.
+    kept : callable, optional
+        Gives what a search for a condition, or "" for all of them, came to, or came to before.
     drivetrain, output, parameters, input, band, speeds, speed_of, excitations
         As for :meth:`torsionnet.Drivetrain.damper_design`.
 
@@ -187,7 +191,11 @@ def damper_over_conditions(
         levels_of(rig, varied, output, input, band, speeds, speed_of, chosen)
         for rig, varied in zip(rigs, sought, strict=True)
     )
-    best = smallest_maximum(WorstLevels(parts, _highest(parts, band)), box, start)
+    best = kept("", lambda: smallest_maximum(WorstLevels(parts, _highest(parts, band)), box, start))
+    alone = [
+        kept(f"{label} alone", partial(smallest_maximum, levels, box, start))
+        for label, levels in zip(labels, parts, strict=True)
+    ]
     return DamperOverConditions(
         parts[0].channel,
         parts[0].of,
@@ -195,7 +203,7 @@ def damper_over_conditions(
             DesignParameter(name, unit, *map(float, numbers))
             for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
         ),
-        tuple(_in_condition(*pair, box, names, start, best) for pair in zip(labels, parts, strict=True)),
+        tuple(_in_condition(*one, names, start, best) for one in zip(labels, parts, alone, strict=True)),
         drivetrain.name,
     )
 
@@ -206,8 +214,7 @@ def _highest(parts: Sequence[Levels], band: tuple[float, float] | None) -> float
 
 
 def _in_condition(
-    label: str, levels: Levels, box: Box, names: Sequence[str], start: FloatArray, best: FloatArray
+    label: str, levels: Levels, alone: FloatArray, names: Sequence[str], start: FloatArray, best: FloatArray
 ) -> DamperInCondition:
-    alone = smallest_maximum(levels, box, start)
     before, after, own = (highest_peaks(levels, values)[0] for values in (start, best, alone))
     return DamperInCondition(label, before, after, own, dict(zip(names, map(float, alone), strict=True)))

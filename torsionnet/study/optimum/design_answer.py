@@ -15,7 +15,6 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answer_names import PARAMETER, QUANTITY
-from torsionnet.study.evaluator import Evaluator
 from torsionnet.study.optimum.design_entries import DESIGN, DesignBounds, bounded
 from torsionnet.study.optimum.design_goals import DesignGoals
 from torsionnet.study.optimum.design_problem import DesignProblem
@@ -82,9 +81,7 @@ class DesignAnswer(StudyAnswer):
         goals = self.goals({**study.limits, **self.limits})
         varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
         method = "compiled" if find_spec("numba") else "graph"
-        evaluators = tuple(
-            Evaluator(study.model_in(one), varied, study.quantities, method) for one in study.configurations
-        )
+        evaluators = tuple(study.evaluator(one, varied, method) for one in study.configurations)
         quantities = DesignQuantities(evaluators, goals.quantities)
         problem = DesignProblem(parameters, goals, quantities, None if names else quantities.slopes)
         return replace(problem, polish=peak_polish(problem, evaluators)), quantities

@@ -27,12 +27,17 @@ def peak_polish(problem: DesignProblem, evaluators: tuple[Evaluator, ...]) -> Po
     levels = _levels(problem.goals, problem.names, evaluators)
     if levels is None:
         return None
+    sought = problem.goals.objectives[0].quantities, [one.configuration for one in evaluators]
+    what = f"smallest peak of {sought} within {problem.box.lower.tolist()} and {problem.box.upper.tolist()}"
 
     def polished(place: FloatArray) -> FloatArray:
-        try:
-            return searched(levels, problem.box, place)
-        except SolveError:
-            return place
+        def found() -> FloatArray:
+            try:
+                return searched(levels, problem.box, place)
+            except SolveError:
+                return place
+
+        return evaluators[0].once(what, dict(zip(problem.names, map(float, place), strict=True)), found)
 
     return polished
 

@@ -84,6 +84,10 @@ class QuantityExpression(StudyQuantity):
         except UsageError as error:
             yield Fault(str(error), ("of",))
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        return tuple(sorted(self.of.names))
+
     def circle(self, quantities: Mapping[str, object], above: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Names of quantities that need each other, the first one twice; empty where none do."""
         for name in sorted(self.of.names):

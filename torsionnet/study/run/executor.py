@@ -1,4 +1,4 @@
-"""Who calculates the chunks of a study."""
+"""Who calculates the chunks of a study, and the blocks of its answers."""
 
 from __future__ import annotations
 
@@ -6,20 +6,21 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 
 class Executor(Protocol):
-    """Does work on numbered chunks."""
+    """Does work on parts: numbers of chunks, or whatever else says what is to be done."""
 
-    def map(self, work: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
-        """Number and result of every chunk, in the order in which they are done; ``work`` can be pickled."""
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Every part with its result, in the order in which they are done; all of it can be pickled."""
         ...
 
 
 @dataclass(frozen=True)
 class SerialExecutor:
-    """One chunk after the other, in this process.
+    """One part after the other, in this process.
 
     Examples
     --------
@@ -27,7 +28,16 @@ class SerialExecutor:
     [(-1, 1), (2, 2)]
     """
 
-    def map(self, work: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
-        """Number and result, in the order of the numbers."""
-        for number in numbers:
-            yield number, work(number)
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Part and result, in the order of the parts."""
+        for part in parts:
+            yield part, work(part)
+
+
+def named(part: object) -> str:
+    """A part as messages call it.
+
+    >>> named(7)
+    'chunk 7'
+    """
+    return f"chunk {part}" if isinstance(part, int) else str(part)

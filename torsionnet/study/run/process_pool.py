@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from collections import Counter
@@ -12,13 +13,17 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from torsionnet.core.errors import SolveError
 from torsionnet.core.threads import one_thread
+from torsionnet.study.run.executor import named
 from torsionnet.study.run.thread_pool import AHEAD
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 DEATHS = 3
@@ -26,14 +31,24 @@ DEATHS = 3
 ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
 """The C library keeps the memory of one chunk for the next."""
 
-_work: Callable[[int], Any] | None = None
 
-
-def _begin(work: Callable[[int], Any]) -> None:
-    global _work  # noqa: PLW0603  (a process of a pool has what it is started with and nothing else)
-    _work = work
+def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that started this one ends it
     threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits; a process that is started meanwhile never hears of it, not even while it still imports."""
+    if os.name == "nt":
+        yield
+        return
+    resource_tracker.ensure_running()  # its own start lets interrupts through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:
@@ -44,37 +59,56 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _call(number: int) -> Any:
-    if _work is None:
-        raise RuntimeError("the process was not prepared")
+@lru_cache(maxsize=1)
+def _unpacked(packed: bytes) -> Callable[[Any], Any]:
+    work: Callable[[Any], Any] = pickle.loads(packed)  # noqa: S301  (packed by the process that asks)
+    return work
+
+
+def _call(packed: bytes, part: Any) -> Any:
     with one_thread():
-        return _work(number)
+        return _unpacked(packed)(part)
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class ProcessExecutor:
-    """Chunks on ``workers`` processes; those that a dying process had in hand are done again."""
+    """Parts on ``workers`` processes; those that a dying process had in hand are done again.
+
+    Within ``with`` the processes stay from one call of :meth:`map` to the next.
+    """
 
     workers: int
+    _pool: ProcessPoolExecutor | None = None
+    _stays: bool = False
 
-    def map(self, work: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
-        """Number and result, as they are done.
+    def __enter__(self) -> ProcessExecutor:
+        self._stays = True
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stays = False
+        self._end()
+
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Part and result, as they are done.
 
         Raises
         ------
         SolveError
-            Processes die of a chunk again and again.
+            Processes die of a part again and again.
         """
-        left, again, deaths = iter(numbers), list[int](), Counter[int]()
-        while True:
-            with self._pool(work) as pool:
-                waiting: dict[Future[T], int] = {}
+        packed = pickle.dumps(work)
+        left, again, deaths = iter(parts), list[S](), Counter[S]()
+        try:
+            while True:
+                waiting: dict[Future[T], S] = {}
                 try:
                     while True:
                         room = AHEAD * self.workers - len(waiting)
-                        for number in [*again[:room], *islice(left, max(0, room - len(again)))]:
-                            waiting[pool.submit(_call, number)] = number
-                        again = again[room:]
+                        again += islice(left, max(0, room - len(again)))
+                        for part in again[:room]:
+                            waiting[self._submitted(packed, part)] = part
+                            del again[0]
                         if not waiting:
                             return
                         for done in wait(waiting, return_when=FIRST_COMPLETED).done:
@@ -83,26 +117,45 @@ class ProcessExecutor:
                 except BrokenProcessPool:
                     again += waiting.values()
                     deaths.update(waiting.values())
+                    self._end()
                     self._give_up(deaths)
+                finally:
+                    for one in waiting:
+                        one.cancel()
+        finally:
+            if not self._stays:
+                self._end()
 
-    def _give_up(self, deaths: Counter[int]) -> None:
-        number, count = deaths.most_common(1)[0] if deaths else (0, 0)
+    def _give_up(self, deaths: Counter[S]) -> None:
+        part, count = deaths.most_common(1)[0] if deaths else (0, 0)
         if count >= DEATHS:
             raise SolveError(
-                f"{count} processes died while chunk {number} was in hand; see whether memory was short, and try with "
-                "fewer workers. What was calculated is kept: the study goes on from there when it is run again"
+                f"{count} processes died while {named(part)} was in hand; see whether memory was short, and try with "
+                "fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read it "
+                "too. What was calculated is kept: the study goes on from there when it is run again"
             )
 
-    @contextmanager
-    def _pool(self, work: Callable[[int], Any]) -> Iterator[ProcessPoolExecutor]:
-        """Processes that are started afresh, on every system alike."""
-        kept = {name: os.environ.get(name) for name in ENVIRONMENT}
-        os.environ.update(ENVIRONMENT)
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_begin, initargs=(work,))
-        try:
-            yield pool
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-            for name, value in kept.items():
-                os.environ.pop(name, None) if value is None else os.environ.update({name: value})
+    def _submitted(self, packed: bytes, part: S) -> Future[Any]:
+        """A task, for which another process may be started: afresh, on every system alike."""
+        if self._pool is None:
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_begin)
+        with _surroundings(), _uninterrupted():
+            return self._pool.submit(_call, packed, part)
+
+    def _end(self) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+
+@contextmanager
+def _surroundings() -> Iterator[None]:
+    """What processes that are started here inherit."""
+    kept = {name: os.environ.get(name) for name in ENVIRONMENT}
+    os.environ.update(ENVIRONMENT)
+    try:
+        yield
+    finally:
+        for name, value in kept.items():
+            os.environ.pop(name, None) if value is None else os.environ.update({name: value})

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import errno
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from itertools import chain
 from pathlib import Path
 
@@ -18,7 +16,7 @@ from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
 from torsionnet.study.run.kept_part import kept_every
 from torsionnet.study.run.reducing import reduced
-from torsionnet.study.run.study_folder import StudyFolder
+from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
 from torsionnet.study.run.workload import Workload
 from torsionnet.study.study import Study
@@ -78,10 +76,10 @@ def run_study(
         work = ChunkWork(study, chunks, every, None)
         return _in_memory(study, work, executor or SerialExecutor(), progress)
     place = StudyFolder(Path(folder).resolve())
-    with _writing(place.path):
+    with writing(place.path):
         place.opened(study_record(study, chunks, every))
     work = ChunkWork(study, chunks, every, place.path)
-    with _writing(place.path), locked(place.path):
+    with writing(place.path), locked(place.path):
         done = {number for number in place.done(chunks.total) if place.chunk(number) is not None}
         left = (number for number in range(chunks.total) if number not in done)
         progress(len(done), chunks.total)
@@ -105,19 +103,6 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
         return found
 
     return chunk
-
-
-@contextmanager
-def _writing(folder: Path) -> Iterator[None]:
-    """Say what is left where a folder cannot be written, be it its record, its lock or a chunk."""
-    try:
-        yield
-    except OSError as error:
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-        why = "the disk is full" if full else f"it cannot be written: {error.strerror or error}"
-        raise SolveError(
-            f"{folder}: {why}; the chunks in it are whole, and the study goes on from there when it is run again"
-        ) from error
 
 
 def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import write_text
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.run.calculating import chunk_file
 from torsionnet.study.run.chunk_values import ChunkValues, DamagedChunk
+from torsionnet.study.run.evaluation_memory import ANSWERS
 from torsionnet.study.run.study_record import record_text, unlike
 
 RECORD = "study.json"
@@ -19,7 +23,10 @@ RECORD = "study.json"
 
 @dataclass(frozen=True)
 class StudyFolder:
-    """A folder with ``study.json`` and ``chunks/``; it can be copied and moved as a whole."""
+    """A folder with ``study.json``, ``chunks/``, and ``answers/`` with what these have asked themselves.
+
+    It can be copied and moved as a whole.
+    """
 
     path: Path
 
@@ -37,7 +44,7 @@ class StudyFolder:
             raise UsageError(f"{self.path} cannot be a folder of results: {error.strerror}") from None
         file = self.path / RECORD
         if not file.exists():
-            if any((self.path / "chunks").iterdir()):
+            if any(any((self.path / part).glob("*.*")) for part in ("chunks", ANSWERS)):
                 raise UsageError(f"{self.path} holds chunks but no {RECORD}; nothing says what they are of")
             write_text(file, record_text(record))
             return
@@ -68,3 +75,16 @@ class StudyFolder:
         names = [entry.name for entry in os.scandir(self.path / "chunks")]
         numbers = (int(name[:-4]) for name in names if name.endswith(".npz") and name[:-4].isdigit())
         return sorted(number for number in numbers if number < total)
+
+
+@contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Say what is left where a folder cannot be written, be it its record, its lock or a chunk."""
+    try:
+        yield
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        why = "the disk is full" if full else f"it cannot be written: {error.strerror or error}"
+        raise SolveError(
+            f"{folder}: {why}; the chunks in it are whole, and the study goes on from there when it is run again"
+        ) from error

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TypeVar
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 AHEAD = 2
@@ -26,15 +27,15 @@ class ThreadExecutor:
 
     workers: int
 
-    def map(self, work: Callable[[int], T], numbers: Iterable[int]) -> Iterator[tuple[int, T]]:
-        """Number and result, as they are done."""
-        left = iter(numbers)
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Part and result, as they are done."""
+        left = iter(parts)
         with ThreadPoolExecutor(self.workers) as pool:
-            waiting: dict[Future[T], int] = {}
+            waiting: dict[Future[T], S] = {}
             try:
                 while True:
-                    for number in islice(left, AHEAD * self.workers - len(waiting)):
-                        waiting[pool.submit(work, number)] = number
+                    for part in islice(left, AHEAD * self.workers - len(waiting)):
+                        waiting[pool.submit(work, part)] = part
                     if not waiting:
                         return
                     for done in wait(waiting, return_when=FIRST_COMPLETED).done:

@@ -50,7 +50,8 @@ class Workers:
             with self._of_cluster(folder) as found:
                 yield found
         elif self.processes > 1:
-            yield ProcessExecutor(self.processes)
+            with ProcessExecutor(self.processes) as pool:
+                yield pool
         else:
             yield ThreadExecutor(self.threads) if self.threads > 1 else SerialExecutor()
 
@@ -60,7 +61,7 @@ class Workers:
         from torsionnet.study.cluster.dask_executor import DaskExecutor
 
         if folder is None:
-            raise UsageError("a study on a cluster needs a folder that all its workers see")
+            raise UsageError("a study on a cluster needs a folder that all its workers see: -o FOLDER")
         with connected(self.cluster) as client:
             if self.announce is not None:
                 self.announce(str(client.dashboard_link))

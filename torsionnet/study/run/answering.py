@@ -1,0 +1,149 @@
+"""A study and its answers, from where they stand."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from torsionnet.core.errors import UsageError
+from torsionnet.study.answer import Conclusion, Conclusions, VariantValues
+from torsionnet.study.run import run_chunks
+from torsionnet.study.run.chunks import Chunks
+from torsionnet.study.run.evaluation_memory import EvaluationMemory
+from torsionnet.study.run.executor import Executor
+from torsionnet.study.run.folder_lock import locked
+from torsionnet.study.run.running_study import running
+from torsionnet.study.run.shared_blocks import SharedBlocks
+from torsionnet.study.run.study_folder import StudyFolder, writing
+from torsionnet.study.run.study_record import study_record
+from torsionnet.study.run.workers import Workers
+from torsionnet.study.run.workload import Workload
+from torsionnet.study.study import Study
+from torsionnet.study.study_result import StudyResult
+
+NO_VARIANTS = "the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values"
+
+Answering = Callable[[str, int, int | None], None]
+"""Called with the name of an answer, the variants it has calculated, and how many it will if that is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class AnsweredStudy:
+    """What a study came to.
+
+    Attributes
+    ----------
+    result : StudyResult or None
+        Of its own variants; None where answers alone choose some.
+    conclusions : mapping
+        By the name of the answer.
+    """
+
+    result: StudyResult | None
+    conclusions: Conclusions
+
+
+def answer_study(
+    study: Study,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    workers: Workers | None = None,
+    progress: run_chunks.Progress = lambda _done, _all: None,
+    answering: Answering = lambda _name, _done, _all: None,
+    announce: Callable[[Workload], None] = lambda _: None,
+    longest: float = run_chunks.LONGEST,
+) -> AnsweredStudy:
+    """Calculate the variants of a study and what is concluded from them.
+
+    What is in the folder is not calculated again, be it variants of the study or those that answers have chosen. The
+    result is the same, to the last bit, whoever calculates and however often it was broken off.
+
+    Parameters
+    ----------
+    study : Study
+    folder : path, optional
+        Where everything is kept as soon as it is done; without one, nothing is.
+    workers : Workers, optional
+        Who calculates; default: this process.
+    progress, announce, longest
+        As for :func:`torsionnet.study.run_study`.
+    answering : callable, optional
+        Called with the name of an answer, the variants it has calculated, and how many it will, None if not known.
+
+    Raises
+    ------
+    UsageError
+        No variants, more than can be calculated in that time, or a folder that holds something else.
+    SolveError
+        An answer that cannot be found, or a folder that cannot be written any more; what is in it stays valid.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> study = tn.study.define(tn.load("dmf_rig"), {"k_2": {"type": "normal", "deviation": "5 %"}},
+    ...     {"f_1": {"type": "natural_frequency", "mode": 1}}, answers={"moves": {"type": "tornado"}})
+    >>> print(*answer_study(study).conclusions["moves"].sentences)
+    f_1, as given: k_2 moves it most, 6.553 to 7.617 Hz
+    """
+    place = None if folder is None else Path(folder)
+    unanswered = [name for name, one in study.answers.items() if one.of_variants]
+    if not study.count and unanswered:
+        raise UsageError(f"{', '.join(unanswered)}: {NO_VARIANTS}")
+    with (workers or Workers()).executor(place) as executor:
+        result = None
+        if study.count or not study.answers:
+            result = run_chunks.run_study(
+                study, place, executor=executor, progress=progress, announce=announce, longest=longest
+            )
+        with _memory(study, place) as memory:
+            return AnsweredStudy(result, dict(_concluded(study, result, executor, memory, answering)))
+
+
+@contextmanager
+def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | None]:
+    """What answers have asked before; nobody else writes to it meanwhile."""
+    if folder is None or all(one.of_variants for one in study.answers.values()):
+        yield None
+        return
+    place = StudyFolder(folder.resolve())
+    with writing(place.path):
+        if not study.count:
+            place.opened(study_record(study, Chunks(len(study.configurations), 0, 1), every=1))
+        with locked(place.path):
+            memory = EvaluationMemory.of(place.path)
+            try:
+                yield memory
+            finally:
+                memory.log.close()
+
+
+def _concluded(
+    study: Study,
+    result: StudyResult | None,
+    executor: Executor,
+    memory: EvaluationMemory | None,
+    answering: Answering,
+) -> Iterator[tuple[str, Conclusion]]:
+    desk = SharedBlocks(executor, memory)
+    asked = running(study, desk)
+    for name, answer in study.answers.items():
+        if not answer.of_variants:
+            desk.told = _counted(answering, name, answer.variants(study))
+        yield name, answer.found(asked, cast("VariantValues", result))  # None is for those that need no variants
+
+
+def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:
+    """From the variants of a block to all that an answer has calculated so far."""
+    done = 0
+
+    def told(count: int) -> None:
+        nonlocal done
+        done += count
+        answering(name, done, known)
+
+    answering(name, 0, known)
+    return told
