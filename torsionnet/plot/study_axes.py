@@ -36,10 +36,10 @@ KEY = 0.45
 
 
 def shown_name(name: str) -> str:
-    """A name as a symbol, if it is that of one; what is no symbol stays as it is, dollars among it.
+    r"""A name as a symbol, if it is that of one; what is no symbol stays as it is, dollars among it.
 
-    >>> shown_name("k_1"), shown_name("a price in $")
-    ('$k_{\\mathrm{1}}$', 'a price in \\\\$')
+    >>> print(shown_name("k_1"), shown_name("a price in $"))
+    $k_{\mathrm{1}}$ a price in \$
     """
     return found if (found := symbol(name)) != name else _without_math(name)
 
@@ -48,7 +48,7 @@ def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
     """A name with its unit, in as many lines as the room takes.
 
     >>> axis_label("stiffness_of_the_coupling", "N*m/rad", 1.4).splitlines()
-    ['stiffness_of_', 'the_coupling', '[N·m/rad]']
+    ['stiffness_of_the_', 'coupling', '[N·m/rad]']
     """
     behind = bracketed(typeset_unit(unit))
     if _width(f"{name} {behind}") <= inches:

@@ -57,7 +57,8 @@ def worst_variants(found: WorstCaseFound, *, units: ShownUnits = IN_SI, title: s
 
 def _panels(found: WorstCaseFound, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
     """A row for each configuration."""
-    height = max(1.0, 0.5 + ROW * len(names))
+    lines = max(axis_label(name, "", HALF / 2).count("\n") + 1 for name in names)
+    height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
     figure = style.new_figure(style.WIDTH, 1.1 + len(cases) * height)
     panels = figure.subplots(len(cases), 2, squeeze=False, sharex="col")
     for row, case in zip(panels, cases, strict=True):

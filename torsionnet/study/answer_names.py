@@ -25,9 +25,9 @@ def misnamed(naming: Mapping[str, str], entries: Mapping[str, Any], known: Mappi
 
     Examples
     --------
-    >>> faults = misnamed({"limits": LIMIT}, {"limits": ["f_1", "f_3"]}, {LIMIT: ["f_1", "f_2"]})
+    >>> faults = misnamed({"limits": LIMIT}, {"limits": ["peak", "peek"]}, {LIMIT: ["peak", "f_2"]})
     >>> [(fault.path, fault.message) for fault in faults]
-    [(('limits', 1), 'no limit is named "f_3"; did you mean "f_1"? there are f_1, f_2')]
+    [(('limits', 1), 'no limit is named "peek"; did you mean "peak"? there are peak, f_2')]
     """
     found = []
     for key, what in naming.items():
