@@ -84,7 +84,7 @@ class StudyEntries(Declared):
             _QUANTITY,
             refused=lambda name: None if name.strip() else "a quantity needs a name",
             names={"pattern": r"\S"},
-            form="quantities, f_1: {type: natural_frequency}",
+            form="names and what is calculated, f_1: {type: natural_frequency, mode: 1}",
             fewest=1,
         )
     )

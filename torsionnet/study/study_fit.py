@@ -12,12 +12,25 @@ from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.quantity_value import wrong_unit
 from torsionnet.study.study_file import StudyEntries
 
+RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}
+
 
 def fitted(model: Drivetrain, configurations: Sequence[str], entries: StudyEntries) -> list[Fault]:
     """Faults of quantities that a configuration lacks, and of limits of quantities that are none."""
     faults = lacking(model, configurations, entries.quantities)
     faults += unknown_limits(entries.limits, entries.quantities)
+    faults += _taken_names(entries)
     return faults or _wrong_units(model, configurations, entries)
+
+
+def _taken_names(entries: StudyEntries) -> list[Fault]:
+    """Quantities with the name of a column of something else, which would take its place in tables of variants."""
+    meanings = dict.fromkeys(entries.vary, "a parameter that varies") | RESERVED
+    return [
+        Fault(f'"{name}" is {meanings[name]}; give the quantity another name', ("quantities", name), on_key=True)
+        for name in entries.quantities
+        if name in meanings
+    ]
 
 
 def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fault]:
