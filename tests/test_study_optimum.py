@@ -90,6 +90,22 @@ class TestTargets:
         assert "f comes to 7.11763: its target 5 is not reached within the bounds" in found.sentences
         assert "k is at its lower bound" in found.sentences
 
+    def test_two_out_of_reach_are_not_said_to_leave_a_choice(self):
+        """Frequencies farther apart than masses allow: the slopes cancel at the nearest pair, and there is but one."""
+
+        def chain(values):
+            one, two = values["k_1"], values["k_2"]
+            a, b = 1.5 * one + 7 / 6 * two, 1.5 * one * two  # masses 1, 2, 1.5 kg*m^2
+            root = np.sqrt(a**2 - 4 * b)
+            return {"f1": np.sqrt((a - root) / 2) / (2 * np.pi), "f2": np.sqrt((a + root) / 2) / (2 * np.pi)}
+
+        parameters = (sought("k_1", 1e3), sought("k_2", 2e3))
+        found = optimise(DesignProblem(parameters, placed(f1=10.0, f2=10.5), chain))
+        assert not found.active_bounds
+        assert found.after["f1"][0] == pytest.approx(8.0334, rel=1e-3)
+        assert found.free_directions == 0
+        assert not any("not unique" in text for text in found.sentences)
+
     def test_more_targets_than_parameters(self):
         """Least squares of relative deviations of two multiples of one frequency: closed form."""
         goals = placed(f=10.0, twice=24.0)

@@ -150,11 +150,17 @@ def _result(
 
 
 def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
-    """Of parameters inside their bounds."""
+    """Of parameters inside their bounds; at targets out of reach only parameters that move none of them.
+
+    What comes nearest to such targets lies where their slopes cancel, which says nothing about other designs.
+    """
     if not problem.goals.targets:
         return 0
     inside = (best > DIFFERENT) & (best < 1 - DIFFERENT)
     moved = problem.jacobian(best)
     slopes = np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])[:, inside]
+    if np.abs(problem.goals.deviations(problem.at(best))).max() > REACHED:
+        lengths = np.linalg.norm(slopes, axis=0)
+        return int(np.sum(lengths <= FLAT * lengths.max(initial=0.0)))
     sizes = np.linalg.svd(slopes, compute_uv=False) if slopes.size else np.zeros(0)
     return int(inside.sum() - np.sum(sizes > FLAT * max(float(sizes.max(initial=0.0)), FLAT)))
