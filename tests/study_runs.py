@@ -119,6 +119,12 @@ def processes_of_session(session: int) -> list[int]:
     return found
 
 
+def deaf(number: int) -> bool:
+    """Whether interrupts were held back from the process while it started."""
+    del number
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
 def deadly(number: int) -> None:
     """Ends its process, as a system does that has no memory left."""
     del number

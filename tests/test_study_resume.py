@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from study_runs import CHUNK, VARIANTS, contents, deadly, processes_of_session, small_study, started
+from study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.run import calculating, folder_lock, study_record, workload
@@ -259,3 +259,9 @@ def test_lock_where_files_have_one_name_only(tmp_path, monkeypatch):
         with pytest.raises(UsageError, match="is running this study"), locked(tmp_path):
             pass
     assert not (tmp_path / LOCK).exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there are no such masks")
+def test_ctrl_c_is_for_this_process_even_while_others_start():
+    assert dict(ProcessExecutor(1).map(deaf, [0])) == {0: True}
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from torsionnet.core.errors import SolveError
@@ -34,6 +35,20 @@ ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_MMAP_THRESHOLD_": s
 def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that started this one ends it
     threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits; a process that is started meanwhile never hears of it, not even while it still imports."""
+    if os.name == "nt":
+        yield
+        return
+    resource_tracker.ensure_running()  # its own start lets interrupts through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:
@@ -116,7 +131,8 @@ class ProcessExecutor:
         if count >= DEATHS:
             raise SolveError(
                 f"{count} processes died while {named(part)} was in hand; see whether memory was short, and try with "
-                "fewer workers. What was calculated is kept: the study goes on from there when it is run again"
+                "fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read it "
+                "too. What was calculated is kept: the study goes on from there when it is run again"
             )
 
     def _submitted(self, packed: bytes, part: S) -> Future[Any]:
@@ -124,7 +140,7 @@ class ProcessExecutor:
         if self._pool is None:
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_begin)
-        with _surroundings():
+        with _surroundings(), _uninterrupted():
             return self._pool.submit(_call, packed, part)
 
     def _end(self) -> None:
