@@ -175,3 +175,24 @@ def test_a_study_that_is_stopped_says_how_it_goes_on(tmp_path, monkeypatch):
     shown = CliRunner().invoke(app, ["study", str(file), "-o", str(tmp_path / "kept")])
     assert shown.exit_code != 0
     assert "the same command goes on from there" in shown.stderr
+
+
+def test_a_long_table_is_shown_by_its_beginning(plan, tmp_path):
+    plan.write_text(PLAN.replace("points: 4", "points: 150") + "answers: {b: {type: percentile_bands, quantity: H}}\n")
+    file = tmp_path / "b.csv"
+    shown = run(str(plan), "--csv", str(file)).output
+    assert "10 of 150 lines; --csv FILE and --json have all" in shown
+    assert shown.count("\n") < 40
+    assert sum(len(one.read_text().splitlines()) for one in tmp_path.glob("*b*.csv")) > 150
+    assert run(str(plan), "--json").output.count("\n") > 150
+
+
+def test_a_result_is_named_in_a_line():
+    assert repr(run_study(small_study(count=20))) == "<StudyResult 'study of AMT test rig': 40 variants, f_1, H>"
+
+
+def test_variants_without_a_value_are_counted():
+    vary = {"c_2": {"type": "list", "values": [4, 100]}}
+    result = run_study(tn.study.define(tn.load("dmf_rig"), vary, {"z": {"type": "damping_ratio", "mode": 1}}))
+    assert np.isnan(result.values("z")).tolist() == [False, True]
+    assert "z has no finite value in 1 of 2 variants" in result.notes

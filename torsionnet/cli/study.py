@@ -27,8 +27,8 @@ WORTH_SAYING = 10.0
 """Seconds from which on it is said beforehand how long a study takes."""
 
 
-SHOWN_LINES = 100
-"""More lines than that are no table for a screen."""
+SHOWN_LINES, FIRST_LINES = 100, 10
+"""More lines than that are no table for a screen: only the first ones are shown."""
 
 
 class StudyCommand(Command):
@@ -130,8 +130,19 @@ def _screen(result: StudyResult | None, conclusions: Conclusions) -> Iterator[Ta
     for conclusion in conclusions.values():
         yield ""
         table = conclusion.table()
-        yield table
+        yield _beginning(table)
         yield from (one for one in conclusion.sentences if one not in table.notes)
+
+
+def _beginning(table: Table) -> Table:
+    """A long table's first lines, with how many there are and where."""
+    from dataclasses import replace
+
+    total = len(table.rows)
+    if total <= SHOWN_LINES:
+        return table
+    left_out = f"{FIRST_LINES} of {total} lines; --csv FILE and --json have all"
+    return replace(table, rows=table.rows[:FIRST_LINES], notes=(left_out, *table.notes))
 
 
 def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[str, Table]]:

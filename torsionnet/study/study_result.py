@@ -32,7 +32,7 @@ AT_ONCE = 20_000
 """Lines that are made into text together, which takes a hundred times the memory of their numbers."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class StudyResult:
     """Results of a study.
 
@@ -59,6 +59,10 @@ class StudyResult:
     remarks: Mapping[str, Mapping[str, int]]
     folder: Path | None = None
     beyond: LimitTotals | None = None
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.study.quantities)
+        return f"<StudyResult {self.study.title!r}: {self.study.count} variants, {names}>"
 
     def _key(self, quantity: str, configuration: str | None) -> tuple[str, str]:
         known = self.study.quantities
@@ -162,6 +166,7 @@ class StudyResult:
         count = sum(self.impossible.values())
         if count:
             texts.append(f"{count} of {self.study.count} variants are no drivetrains and have no values")
+        texts += self._missing()
         if self.kept.every > 1 or not self.kept.numbers:
             texts.append(f"percentiles are within {ACCURACY:.1%} of themselves")
         if self.kept.every > 1:
@@ -170,6 +175,17 @@ class StudyResult:
         for one in self.remarks.values():
             total.update(one)
         return (*texts, *(f"{text} ({count} variants)" for text, count in total.most_common()))
+
+    def _missing(self) -> list[str]:
+        """Quantities that variants lack though they are drivetrains."""
+        lacking: Counter[str] = Counter()
+        for (case, name), one in self.summaries.items():
+            lacking[name] += self.study.space.count - self.impossible.get(case, 0) - int(one.moments.count.max())
+        return [
+            f"{name} has no finite value in {count} of {self.study.count} variants"
+            for name, count in lacking.items()
+            if count
+        ]
 
     def to_data(self) -> dict[str, Any]:
         """Everything but the values of single variants, in full precision."""
