@@ -6,6 +6,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.study import define
+from torsionnet.study.user_function import function
 
 GOOD = """\
 torsionnet: 1
@@ -104,3 +106,44 @@ def test_too_many_variants_are_refused_with_count_and_time():
     study = tn.study.define(tn.load("amt_rig"), {"k_1": many, "k_2": wide}, {"z": {"type": "damping_ratio", "mode": 1}})
     with pytest.raises(UsageError, match=r"1e\+12 variants, about .* (days|years)"):
         tn.study.run_study(study)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("k_1", '"k_1" is a parameter that varies; give the quantity another name'),
+        ("configuration", '"configuration" is what labels of results call the configuration; give the quantity'),
+    ],
+)
+def test_quantity_with_the_name_of_another_column(tmp_path, name, said):
+    ((line, text),) = faults(tmp_path, GOOD.replace("  z:", f"  {name}:"))
+    assert line == 8
+    assert said in text
+
+
+def test_every_configuration_needs_its_weight(tmp_path):
+    text = "limits: {z: {above: 0.1}}\nanswers: {y: {type: yield, weights: {II: 0.2}}}\n"
+    said = "every configuration needs a weight, 0 where it does not count; not: V"
+    assert faults(tmp_path, GOOD + text) == [(12, said)]
+
+
+def test_study_without_quantities(tmp_path):
+    ((_, text),) = faults(tmp_path, GOOD[: GOOD.index("quantities")])
+    assert text.endswith("needs quantities: names and what is calculated, f_1: {type: natural_frequency, mode: 1}")
+
+
+def test_sobol_indices_of_correlated_parameters_name_what_takes_them(tmp_path):
+    text = GOOD.replace("sampling:", "  k_2: {type: normal, deviation: 3 %}\nsampling:") + (
+        "correlation: [{between: [k_1, k_2], coefficient: 0.5}]\nanswers: {s: {type: sobol_indices}}\n"
+    )
+    ((_, said),) = faults(tmp_path, text)
+    assert "rank correlations (type: scatter)" in said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"), [(1 + 2j, "complex values; take a magnitude, a phase or a part"), ("x", "no numbers")]
+)
+def test_function_that_gives_no_real_number(value, said):
+    quantity = function(lambda _: value)
+    with pytest.raises(ModelError, match=said):
+        define(tn.load("dmf_rig"), {"k_2": {"type": "list", "values": [460]}}, {"q": quantity})

@@ -48,7 +48,12 @@ class UserFunction(StudyQuantity):
 
     def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        expected, found = np.shape(self.points) or (1,), np.shape(np.atleast_1d(np.asarray(self.of(model))))
+        value = np.atleast_1d(np.asarray(self.of(model)))
+        if value.dtype.kind not in "biuf":
+            given = "complex values; take a magnitude, a phase or a part" if value.dtype.kind == "c" else "no numbers"
+            yield Fault(f"{self.called} gives {given}")
+            return
+        expected, found = np.shape(self.points) or (1,), value.shape
         if found != (expected if self.over else (1,)):
             text = f"{self.called} gives values of shape {found}; expected {expected if self.over else 'one number'}"
             yield Fault(text)

@@ -52,7 +52,7 @@ class SobolIndices(StudyAnswer):
         yield from distribution_faults(study)
         if study.space.entries.correlation:
             text = "Sobol indices share out a variance among independent parameters, and these are correlated"
-            yield Fault(f"{text}; rank correlations (type: tornado) take any", on_key=True)
+            yield Fault(f"{text}; rank correlations (type: scatter) take any", on_key=True)
 
     def variants(self, study: AskedStudy) -> int:
         return len(study.configurations) * self.count * (len(study.space.random_names) + 2)

@@ -48,6 +48,11 @@ class Yield(StudyAnswer):
         for name in self.weights:
             if name not in study.configurations:
                 yield unknown_name("configuration of the study", name, study.configurations, ("weights", name))
+        left = [name for name in study.configurations if name not in self.weights]
+        if self.weights and left:
+            yield Fault(
+                f"every configuration needs a weight, 0 where it does not count; not: {', '.join(left)}", ("weights",)
+            )
 
         if self.weights and not sum(self.weights.values()) > 0:
             yield Fault("weights are shares of configurations; at least one of them is above 0", ("weights",))

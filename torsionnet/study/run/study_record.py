@@ -23,7 +23,7 @@ Limits only where the values of all variants are kept; else variants beyond them
 WORDS = {
     "format": "the form of the files",
     "version": "the version of torsionnet",
-    "libraries": "the versions of libraries",
+    "libraries": "the set of libraries",
     "machine": "the kind of machine",
     "method": "the method of the solver",
     "model": "the model",

@@ -61,7 +61,7 @@ class Workers:
         from torsionnet.study.cluster.dask_executor import DaskExecutor
 
         if folder is None:
-            raise UsageError("a study on a cluster needs a folder that all its workers see")
+            raise UsageError("a study on a cluster needs a folder that all its workers see: -o FOLDER")
         with connected(self.cluster) as client:
             if self.announce is not None:
                 self.announce(str(client.dashboard_link))
