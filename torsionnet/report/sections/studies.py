@@ -25,11 +25,11 @@ from torsionnet.report.report_tables import of_results, table
 from torsionnet.report.report_words import capital, named, sentence, unit
 from torsionnet.report.sections.varied_parameters import correlations, varied_parameters
 from torsionnet.report.shown_numbers import in_shown_units
+from torsionnet.study.run.answering import asked_in
 from torsionnet.study.shown_units import ShownUnits, shown_units
 
 if TYPE_CHECKING:
     from torsionnet.response.table import Table
-    from torsionnet.study.answer import StudyAnswer
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
@@ -64,10 +64,11 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
         blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
         blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
-    blocks += [
-        _answer(subject, result, answer, f"study_{number}_{place}", name, units)
-        for place, (name, answer) in enumerate(study.answers.items(), 1)
-    ]
+    with asked_in(study, result.folder) as (asked, _):
+        blocks += [
+            _answer(subject, asked, result, f"study_{number}_{place}", name, units)
+            for place, name in enumerate(study.answers, 1)
+        ]
     return Section(f"study_{number}", sentence(study.title, subject.model), tuple(blocks))
 
 
@@ -105,12 +106,10 @@ def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> Table
     return table("What is asked of every variant, and its limits", columns, rows)
 
 
-def _answer(
-    subject: ReportData, result: StudyResult, answer: StudyAnswer, file: str, name: str, units: ShownUnits
-) -> Section:
+def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, name: str, units: ShownUnits) -> Section:
     import torsionnet.plot as plot
 
-    study, title = result.study, (capital(name.replace("_", " ")),)
+    answer, title = study.answers[name], (capital(name.replace("_", " ")),)
     try:
         found = answer.found(study, result)
     except SolveError as error:

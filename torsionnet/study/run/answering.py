@@ -14,9 +14,9 @@ from torsionnet.study.answer import Conclusion, Conclusions, VariantValues
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.evaluation_memory import EvaluationMemory
-from torsionnet.study.run.executor import Executor
+from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
-from torsionnet.study.run.running_study import running
+from torsionnet.study.run.running_study import RunningStudy, running
 from torsionnet.study.run.shared_blocks import SharedBlocks
 from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
@@ -99,8 +99,18 @@ def answer_study(
             result = run_chunks.run_study(
                 study, place, executor=executor, progress=progress, announce=announce, longest=longest
             )
-        with _memory(study, place) as memory:
-            return AnsweredStudy(result, dict(_concluded(study, result, executor, memory, answering)))
+        with asked_in(study, place, executor) as (asked, desk):
+            return AnsweredStudy(result, dict(_concluded(asked, result, desk, answering)))
+
+
+@contextmanager
+def asked_in(
+    study: Study, folder: Path | None, executor: Executor | None = None
+) -> Iterator[tuple[RunningStudy, SharedBlocks]]:
+    """The study as its answers ask it, and the desk that calculates for them or reads back what is in the folder."""
+    with _memory(study, folder) as memory:
+        desk = SharedBlocks(executor or SerialExecutor(), memory)
+        yield running(study, desk), desk
 
 
 @contextmanager
@@ -122,18 +132,12 @@ def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | No
 
 
 def _concluded(
-    study: Study,
-    result: StudyResult | None,
-    executor: Executor,
-    memory: EvaluationMemory | None,
-    answering: Answering,
+    study: RunningStudy, result: StudyResult | None, desk: SharedBlocks, answering: Answering
 ) -> Iterator[tuple[str, Conclusion]]:
-    desk = SharedBlocks(executor, memory)
-    asked = running(study, desk)
     for name, answer in study.answers.items():
         if not answer.of_variants:
             desk.told = _counted(answering, name, answer.variants(study))
-        yield name, answer.found(asked, cast("VariantValues", result))  # None is for those that need no variants
+        yield name, answer.found(study, cast("VariantValues", result))  # None is for those that need no variants
 
 
 def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:
