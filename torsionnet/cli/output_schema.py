@@ -420,6 +420,7 @@ OUTPUTS: dict[str, Schema] = {
             "percentiles": NUMBERS,
             "quantities": listed(OVER_VARIANTS),
             "notes": TEXTS,
+            "unanswered": by_name(TEXT),
         },
         title=TEXT,
         answers=by_name(record(sentences=TEXTS, numbers={"description": "as the type of the answer has them"})),

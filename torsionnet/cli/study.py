@@ -73,12 +73,15 @@ class StudyCommand(Command):
         tell(study.findings)
         answered = self._answered(study)
         result, conclusions = answered.result, answered.conclusions
+        for name, error in answered.unanswered.items():
+            message("error", f"{name}: {error}")
         return Answer(
             screen=lambda: _screen(result, conclusions),
-            data=lambda: _as_data(study, result, conclusions),
+            data=lambda: _as_data(study, answered),
             csv=lambda: _tables(result, conclusions),
             files=[(self.variants_file, lambda file: _write_variants(result, file))],
             figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
+            exit_code=max((error.exit_code for error in answered.unanswered.values()), default=0),
         )
 
     def _answered(self, study: Study) -> AnsweredStudy:
@@ -179,9 +182,13 @@ def _figures(plot: Any, study: Study, conclusions: Conclusions) -> list[tuple[st
     return [(name, one.figure(plot, units=units)) for name, one in conclusions.items()]
 
 
-def _as_data(study: Study, result: StudyResult | None, conclusions: Conclusions) -> dict[str, Any]:
-    answers = {name: {"sentences": list(one.sentences), "numbers": one.to_data()} for name, one in conclusions.items()}
-    return {"title": study.title, **({} if result is None else result.to_data()), "answers": answers}
+def _as_data(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
+    result = {} if answered.result is None else answered.result.to_data()
+    answers = {
+        name: {"sentences": list(one.sentences), "numbers": one.to_data()} for name, one in answered.conclusions.items()
+    }
+    unanswered = {name: str(error) for name, error in answered.unanswered.items()}
+    return {"title": study.title, **result, "answers": answers} | ({"unanswered": unanswered} if unanswered else {})
 
 
 def _write_variants(result: StudyResult | None, file: str) -> None:

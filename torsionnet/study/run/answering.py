@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.answer import Conclusion, Conclusions, VariantValues
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunks import Chunks
@@ -41,10 +41,13 @@ class AnsweredStudy:
         Of its own variants; None where answers alone choose some.
     conclusions : mapping
         By the name of the answer.
+    unanswered : mapping
+        Why an answer could not be found, by its name; the others do not depend on it.
     """
 
     result: StudyResult | None
     conclusions: Conclusions
+    unanswered: Mapping[str, SolveError] = field(default_factory=dict)
 
 
 def answer_study(
@@ -79,7 +82,7 @@ def answer_study(
     UsageError
         No variants, more than can be calculated in that time, or a folder that holds something else.
     SolveError
-        An answer that cannot be found, or a folder that cannot be written any more; what is in it stays valid.
+        A folder that cannot be written any more; what is in it stays valid.
 
     Examples
     --------
@@ -100,7 +103,7 @@ def answer_study(
                 study, place, executor=executor, progress=progress, announce=announce, longest=longest
             )
         with asked_in(study, place, executor) as (asked, desk):
-            return AnsweredStudy(result, dict(_concluded(asked, result, desk, answering)))
+            return _answered(asked, result, desk, answering)
 
 
 @contextmanager
@@ -131,13 +134,19 @@ def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | No
                 memory.log.close()
 
 
-def _concluded(
+def _answered(
     study: RunningStudy, result: StudyResult | None, desk: SharedBlocks, answering: Answering
-) -> Iterator[tuple[str, Conclusion]]:
+) -> AnsweredStudy:
+    conclusions: dict[str, Conclusion] = {}
+    unanswered: dict[str, SolveError] = {}
     for name, answer in study.answers.items():
         if not answer.of_variants:
             desk.told = _counted(answering, name, answer.variants(study))
-        yield name, answer.found(study, cast("VariantValues", result))  # None is for those that need no variants
+        try:
+            conclusions[name] = answer.found(study, cast("VariantValues", result))  # None: it needs no variants
+        except SolveError as error:
+            unanswered[name] = error
+    return AnsweredStudy(result, conclusions, unanswered)
 
 
 def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:
