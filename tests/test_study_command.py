@@ -207,3 +207,13 @@ def test_an_answer_that_cannot_be_found_takes_no_other_along(plan):
     data = json.loads(run(str(plan), "--json", code=3).stdout)
     assert list(data["answers"]) == ["single"]
     assert list(data["unanswered"]) == ["clouds"]
+
+
+def test_missing_extras_are_told_before_anything_is_calculated(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    monkeypatch.setattr("torsionnet.study.run.run_chunks.run_study", lambda *_, **__: pytest.fail("it has begun"))
+    assert "torsionnet[parquet]" in run(str(plan), "--variants", str(tmp_path / "all.parquet"), code=4).stderr
+    two = "  g: {type: pareto, minimise: [f_1, z_1], population: 8}\n"
+    plan.write_text(PLAN + "  z_1: {type: damping_ratio, mode: 1}\nanswers:\n" + two)
+    monkeypatch.setattr("torsionnet.study.answers.pareto.find_spec", lambda _: None)
+    assert "torsionnet[pareto]" in run(str(plan), code=4).stderr

@@ -131,6 +131,26 @@ def test_a_front_of_frequency_and_damping():
 
 
 @pytest.mark.slow
+def test_numbers_of_designs_have_their_units():
+    k = {"k": [900, 1100]}
+    limits = {"limits": {"f_2": {"below": 9}}}
+    found = answered({"type": "optimum", "minimise": "f_1", "design": k})
+    assert found.table().rows[1][:2] == ("f_1", "Hz")
+    assert found.sentences[0].endswith(" Hz (minimised)")
+    target = answered({"type": "optimum", "targets": {"f_1": 7}, "design": k})
+    assert target.sentences[0] == "f_1 has its target, 7 Hz"
+    front = answered(
+        {"type": "pareto", "minimise": "f_1", "maximise": "z_1", "design": k, "population": 8, "generations": 2}
+    )
+    assert [one.unit for one in front.table().columns] == ["N*m/rad", "Hz", ""]
+    assert any("f_1" in said and " Hz" in said for said in front.sentences)
+    robust = answered({"type": "robust_optimum", "minimise": "f_1", "design": k, **limits})
+    units = {row[0]: row[1] for row in robust.table().rows}
+    assert units["mean of f_1"] == units["mean + 3 sigma of f_1"] == units["mean + 3 sigma of f_2"] == "Hz"
+    assert units["share that keeps all limits"] == ""
+    assert any(said.startswith("on the samples it was chosen on, ") for said in robust.sentences)
+
+
 def test_a_robust_stiffness():
     """f_1 above 8 Hz in 97.5 %: k lognormal or nearly so around a value 1/(1 - 1.96 * 5 %) times as high."""
     answer = {

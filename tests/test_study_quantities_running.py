@@ -389,3 +389,13 @@ def test_a_block_keeps_few_remarks() -> None:
         block.remark(f"of {number}")
     assert len(block.remarks) == MOST_REMARKS + 1
     assert block.remarks[OTHERS] == 2 * MOST_REMARKS
+
+
+def test_a_function_that_fails_says_of_which_variant():
+    def picky(model):
+        return 1 / (model.parameters["k_2"] - 500)
+
+    study = tn.study.define(DMF, {"k_2": {"type": "list", "values": [400, 500]}}, {"picky": function(picky)})
+    with pytest.raises(ZeroDivisionError) as error:
+        tn.study.run_study(study)
+    assert "picky was asked for the variant k_2 = 500" in error.value.__notes__[0]

@@ -67,8 +67,11 @@ class StudyCommand(Command):
     )
 
     def answer(self) -> Answer:
+        from torsionnet.io.formats.extras import require
         from torsionnet.study.loading_study import load_study
 
+        if (self.variants_file or "").endswith(".parquet"):
+            require("parquet")
         study = load_study(self.file)
         tell(study.findings)
         answered = self._answered(study)

@@ -92,6 +92,9 @@ class StudyAnswer(Declared):
     naming: ClassVar[Mapping[str, str]] = {}
     """Keys of the entries that name something of the study, and what that is: see ``answer_names``."""
 
+    def require_extras(self) -> None:
+        """Raise :class:`~torsionnet.core.errors.MissingExtraError` where it needs what is not installed."""
+
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         """What does not fit the study: curves, correlated parameters where none may be, ...
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantity import QuantityForm, StudyQuantity
 
@@ -69,7 +69,19 @@ class UserFunction(StudyQuantity):
         return QuantityForm(self.unit_of_value, self.over, np.asarray(self.points, dtype=float))
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        return block.one_by_one(self.of, len(self.points) if self.over else 1)
+        names = tuple(block.values)
+
+        def of(variant: Drivetrain) -> ArrayLike:
+            try:
+                return self.of(variant)
+            except TorsionnetError:
+                raise
+            except Exception as error:
+                values = ", ".join(f"{name} = {variant.parameters[name]:.9g}" for name in names)
+                error.add_note(f"{self.called} was asked for the variant {values}")
+                raise
+
+        return block.one_by_one(of, len(self.points) if self.over else 1)
 
     @property
     def called(self) -> str:

@@ -15,6 +15,7 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answer_names import PARAMETER, QUANTITY
+from torsionnet.study.answers.asking import measure_of
 from torsionnet.study.optimum.design_entries import DESIGN, DesignBounds, bounded
 from torsionnet.study.optimum.design_goals import DesignGoals
 from torsionnet.study.optimum.design_problem import DesignProblem
@@ -79,6 +80,8 @@ class DesignAnswer(StudyAnswer):
         """The problem, and what calculates its quantities; ``names`` vary beside the parameters chosen."""
         parameters = self.parameters(study)
         goals = self.goals({**study.limits, **self.limits})
+        units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}
+        goals = replace(goals, units=units)
         varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
         method = "compiled" if find_spec("numba") else "graph"
         evaluators = tuple(study.evaluator(one, varied, method) for one in study.configurations)

@@ -15,6 +15,15 @@ Found = Mapping[str, FloatArray]
 """Values (n, n_points) of quantities by name."""
 
 
+def in_words(value: float, unit: str) -> str:
+    """A number with its unit, where it has one.
+
+    >>> in_words(0.00855201, "rad"), in_words(0.25, "")
+    ('0.00855201 rad', '0.25')
+    """
+    return f"{value:.6g} {unit}".rstrip()
+
+
 @dataclass(frozen=True)
 class DesignTarget:
     """A value that a quantity should have, SI; deviations are relative to it, where it is not 0, times ``weight``."""
@@ -56,6 +65,15 @@ class DesignObjective:
 class DesignGoals:
     """Targets, or objectives, within limits.
 
+    Attributes
+    ----------
+    targets : tuple of DesignTarget
+    objectives : tuple of DesignObjective
+    limits : mapping
+        By quantity, SI.
+    units : mapping
+        Quantity -> unit in SI, for words and tables; of those that are not in it nothing is said.
+
     Examples
     --------
     >>> goals = DesignGoals(targets=(DesignTarget("f", 8.0),), limits={"x": QuantityLimit(below=2.0)})
@@ -67,6 +85,7 @@ class DesignGoals:
     targets: tuple[DesignTarget, ...] = ()
     objectives: tuple[DesignObjective, ...] = ()
     limits: Mapping[str, QuantityLimit] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.targets and not self.objectives and not self.limits:
@@ -83,6 +102,11 @@ class DesignGoals:
         named = [one.quantity for one in self.targets]
         named += [name for one in self.objectives for name in one.quantities]
         return tuple(dict.fromkeys([*named, *self.limits]))
+
+    def unit_of(self, objective: DesignObjective) -> str:
+        """The unit of all its quantities; empty where they have several."""
+        units = {self.units.get(name, "") for name in objective.quantities}
+        return units.pop() if len(units) == 1 else ""
 
     def need_merit(self) -> None:
         """Refuse goals that are limits alone, of which no design is the best."""

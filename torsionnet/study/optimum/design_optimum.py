@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.table import Column, Table
-from torsionnet.study.optimum.design_goals import DesignGoals
+from torsionnet.study.optimum.design_goals import DesignGoals, in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,13 +94,15 @@ class DesignOptimum:
     def _targets_said(self) -> list[str]:
         said = []
         for one in self.goals.targets:
-            value = self.after[one.quantity]
+            value, unit = self.after[one.quantity], self.goals.units.get(one.quantity, "")
+            wanted = in_words(one.value, unit)
             worst = float(value[np.argmax(np.abs(value - one.value))])
             if abs(worst - one.value) <= REACHED * (abs(one.value) or 1.0):
-                said.append(f"{one.quantity} has its target, {one.value:.6g}")
+                said.append(f"{one.quantity} has its target, {wanted}")
             else:
                 said.append(
-                    f"{one.quantity} comes to {worst:.6g}: its target {one.value:.6g} is not reached within the bounds"
+                    f"{one.quantity} comes to {in_words(worst, unit)}: its target {wanted} is not reached within the "
+                    "bounds"
                 )
         points = sum(self.after[one.quantity].size for one in self.goals.targets)
         if points > len(self.parameters):
@@ -112,7 +114,7 @@ class DesignOptimum:
             return []
         one = self.goals.objectives[0]
         first = one.shown(float(one.columns(_rows(self.before)).max()))
-        return [f"{one.name} goes from {first:.6g} to {self.merit:.6g} ({one.sense}d)"]
+        return [f"{one.name} goes from {first:.6g} to {in_words(self.merit, self.goals.unit_of(one))} ({one.sense}d)"]
 
     def _limits_said(self) -> list[str]:
         if not self.goals.limits:
@@ -165,7 +167,8 @@ class DesignOptimum:
             limit = self.goals.limits.get(name)
             low, high = (None, None) if limit is None else (limit.above, limit.below)
             top = int(np.argmax(after))
-            rows.append((name, "", float(self.before[name].max()), float(after[top]), low, high, wanted.get(name)))
+            unit = self.goals.units.get(name, "")
+            rows.append((name, unit, float(self.before[name].max()), float(after[top]), low, high, wanted.get(name)))
         names = ("", "unit", "as given", "optimum", "lower", "upper", "target")
         return Table(
             f"{self.title}: optimum".removeprefix(": "), tuple(map(Column, names)), tuple(rows), self.sentences

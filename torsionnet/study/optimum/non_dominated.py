@@ -80,6 +80,7 @@ def pareto_front(
         seed,
         method,
         title,
+        tuple(map(problem.goals.unit_of, problem.goals.objectives)),
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.table import Column, Table
-from torsionnet.study.optimum.design_goals import DesignObjective
+from torsionnet.study.optimum.design_goals import DesignObjective, in_words
 from torsionnet.study.optimum.design_optimum import AGREES
 
 if TYPE_CHECKING:
@@ -39,6 +39,8 @@ class ParetoFront:
     evaluations, generations, seed : int
     method : str
     title : str
+    units : tuple of str
+        Of the objectives, SI; empty where they are not known.
     """
 
     parameters: tuple[DesignParameter, ...]
@@ -52,6 +54,11 @@ class ParetoFront:
     seed: int
     method: str
     title: str = ""
+    units: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.units:
+            object.__setattr__(self, "units", ("",) * len(self.objectives))
 
     @property
     def compromise(self) -> int:
@@ -79,26 +86,26 @@ class ParetoFront:
             return (*said, "one design is the best in every objective: they do not contradict each other")
         for place, one in enumerate(self.objectives):
             at = self.values[self.extremes[place]]
-            rest = ", ".join(
-                f"{other.name} {value:.6g}"
-                for other, value in zip(self.objectives, at, strict=True)
-                if other is not one
-            )
-            said.append(f"the best {one.name} is {at[place]:.6g}, with {rest}")
-        middle = ", ".join(
-            f"{one.name} {value:.6g}" for one, value in zip(self.objectives, self.values[self.compromise], strict=True)
-        )
-        said.append(f"a compromise near the best of all: {middle}")
+            rest = ", ".join(text for other, text in enumerate(self._told(at)) if other != place)
+            said.append(f"the best {one.name} is {in_words(at[place], self.units[place])}, with {rest}")
+        said.append(f"a compromise near the best of all: {', '.join(self._told(self.values[self.compromise]))}")
         if np.isfinite(self.disagreement):
             same = self.disagreement <= AGREES
             said.append(f"recomputed singly: {'the same' if same else f'different by {self.disagreement:.2g}'}")
         return tuple(said)
 
+    def _told(self, values: FloatArray) -> list[str]:
+        """Values of the objectives in words."""
+        return [
+            f"{one.name} {in_words(value, unit)}"
+            for one, value, unit in zip(self.objectives, values, self.units, strict=True)
+        ]
+
     def table(self) -> Table:
         """A row for each design."""
         columns = (
             *(Column(one.name, one.unit) for one in self.parameters),
-            *(Column(one.name) for one in self.objectives),
+            *(Column(one.name, unit) for one, unit in zip(self.objectives, self.units, strict=True)),
         )
         rows = tuple(
             (*design, *values) for design, values in zip(self.designs.tolist(), self.values.tolist(), strict=True)

@@ -12,6 +12,7 @@ from scipy.stats import binomtest
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.response.table import Column, Table
+from torsionnet.study.optimum.design_goals import in_words
 from torsionnet.study.optimum.design_optimum import DesignOptimum
 from torsionnet.study.optimum.design_problem import DesignProblem
 from torsionnet.study.optimum.design_tolerances import Tolerances
@@ -99,7 +100,8 @@ class RobustOptimum:
         """What was found."""
         said = []
         for name in self.robust.after:
-            sizes = ", ".join(f"{one.label} {one.measures[name]:.6g}" for one in self.designs)
+            unit = self._unit(name)
+            sizes = ", ".join(f"{one.label} {in_words(one.measures[name], unit)}" for one in self.designs)
             said.append(f"{name}: {sizes}")
         if self.limited:
             for one in self.designs:
@@ -109,7 +111,10 @@ class RobustOptimum:
                     f"{100 * CONFIDENCE:g} % confidence)"
                 )
         said.append(f"chosen on {self.samples} samples (seed {self.seed}), compared on {self.designs[0].count} others")
-        return (*said, *self.robust.sentences[1:])
+        return (*said, *map(_on_samples, self.robust.sentences[1:]))
+
+    def _unit(self, name: str) -> str:
+        return self.robust.goals.units.get(name, "")
 
     def table(self) -> Table:
         """A row for each parameter and measure, a column for each design."""
@@ -121,8 +126,10 @@ class RobustOptimum:
         for what in ("mean", "deviation"):
             for name in getattr(self.designs[0], what):
                 word = "mean of" if what == "mean" else "standard deviation of"
-                rows.append((f"{word} {name}", "", *(getattr(design, what)[name] for design in self.designs)))
-        rows += [(name, "", *(one.measures[name] for one in self.designs)) for name in self.robust.after]
+                rows.append(
+                    (f"{word} {name}", self._unit(name), *(getattr(design, what)[name] for design in self.designs))
+                )
+        rows += [(name, self._unit(name), *(one.measures[name] for one in self.designs)) for name in self.robust.after]
         if self.limited:
             rows.append(("share that keeps all limits", "", *(one.share_kept[0] for one in self.designs)))
         return Table(f"{self.title}: robust optimum".removeprefix(": "), columns, tuple(rows), self.sentences)
@@ -203,6 +210,12 @@ def robust_optimum(
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)
     return RobustOptimum(robust, nominal, designs, bool(problem.goals.limits), drawn.count, seed, title)
+
+
+def _on_samples(said: str) -> str:
+    """What is said of limits holds for the samples that the design was chosen on; on others they may be exceeded."""
+    of_limits = said.startswith(("limits are kept", "no design within the bounds"))
+    return f"on the samples it was chosen on, {said}" if of_limits else said
 
 
 def _from_nominal(asked: DesignProblem, nominal: DesignOptimum) -> DesignProblem:

@@ -88,12 +88,22 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
     }
     return replace(
         problem,
-        goals=DesignGoals(objectives=objectives, limits=limits),
+        goals=DesignGoals(objectives=objectives, limits=limits, units=_units(problem.goals, robustly)),
         evaluate=robustly,
         slopes=None,
         polish=None,
         _asked=[],
     )
+
+
+def _units(goals: DesignGoals, robustly: Robustly) -> dict[str, str]:
+    """Of measures, and of what they measure; shares and squares have none."""
+    if isinstance(robustly.measure, Rejects):
+        return {}
+    known = {**goals.units, **{one.name: goals.unit_of(one) for one in goals.objectives}}
+    measured = {how.name(name, sign): known.get(name, "") for name, sign, how in robustly.wanted()}
+    limited = {robustly.measure.name(name, sign): known.get(name, "") for name in goals.limits for sign in (1.0, -1.0)}
+    return known | limited | measured
 
 
 def _sides(limit: QuantityLimit, measure: RobustMeasure) -> tuple[float, ...]:

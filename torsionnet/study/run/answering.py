@@ -79,6 +79,8 @@ def answer_study(
 
     Raises
     ------
+    MissingExtraError
+        An answer needs a package that is not installed.
     UsageError
         No variants, more than can be calculated in that time, or a folder that holds something else.
     SolveError
@@ -92,6 +94,8 @@ def answer_study(
     >>> print(*answer_study(study).conclusions["moves"].sentences)
     f_1, as given: k_2 moves it most, 6.553 to 7.617 Hz
     """
+    for answer in study.answers.values():
+        answer.require_extras()
     place = None if folder is None else Path(folder)
     unanswered = [name for name, one in study.answers.items() if one.of_variants]
     if not study.count and unanswered:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,6 +12,8 @@ from torsionnet.core.errors import UsageError
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
 from torsionnet.study.run.thread_pool import ThreadExecutor
+
+MOST_ON_WINDOWS = 61
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,8 @@ class Workers:
     def __post_init__(self) -> None:
         if self.processes < 1 or self.threads < 0:
             raise UsageError("a study needs one worker at least")
+        if os.name == "nt" and self.processes > MOST_ON_WINDOWS:
+            raise UsageError(f"Windows lets a program wait for {MOST_ON_WINDOWS} processes at most; give fewer workers")
         if sum([self.processes > 1, self.threads > 1, bool(self.cluster)]) > 1:
             raise UsageError("workers are processes, threads, or those of a cluster: give one of them")
 

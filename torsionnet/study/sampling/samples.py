@@ -23,7 +23,8 @@ class Samples(Declared):
 
     Random draws are independent of each other, which confidence intervals rest on. A Latin hypercube has one draw in
     each of ``count`` equally likely ranges of every parameter; a Sobol sequence fills the space evenly, best where
-    ``count`` is a power of two.
+    ``count`` is a power of two. Of parameters that are correlated only the first has one draw in each of these ranges;
+    the others follow it as their correlation says.
 
     Examples
     --------
