@@ -70,7 +70,7 @@ def test_names_of_100_000_characters(where, folder):
     ],
 )
 def test_failures_are_seen(use, signature, folder):
-    trial = tried(Kind("test", ".yaml", lambda *_: b"", use, seconds=0.1 if "slow" in signature else 2.0), b"", folder)
+    trial = tried(Kind("test", ".yaml", lambda *_: b"", use, seconds=0.1 if "slow" in signature else 60.0), b"", folder)
     assert trial.outcome == "failure"
     assert signature in trial.signature
 
