@@ -134,6 +134,26 @@ class TestFolder:
             victim.write_bytes(bytes(data))
             assert run_study(small_study(), folder).to_data() == expected
 
+    def test_what_killed_writers_left_goes_once_it_is_old(self, whole, tmp_path):
+        folder = tmp_path / "study"
+        shutil.copytree(whole, folder)
+        old, young = (folder / "chunks" / f".00000001.npz.{name}.npz" for name in ("old", "young"))
+        for file in (old, young):
+            file.write_bytes(b"half a chunk")
+        os.utime(old, (0, 0))
+        run_study(small_study(), folder)
+        assert [old.exists(), young.exists()] == [False, True]
+
+    @pytest.mark.parametrize("record", ["", "[]", '{"format": 2', "\x00"])
+    def test_a_damaged_record_is_refused_and_nothing_touched(self, whole, tmp_path, record):
+        folder = tmp_path / "study"
+        shutil.copytree(whole, folder)
+        (folder / "study.json").write_text(record)
+        before = contents(folder)
+        with pytest.raises(UsageError, match=r"study\.json cannot be read: .* choose another folder"):
+            run_study(small_study(), folder)
+        assert contents(folder) == before
+
     def test_another_study_is_refused_and_nothing_touched(self, whole):
         before = contents(whole)
         with pytest.raises(UsageError, match="holds results of something else"):

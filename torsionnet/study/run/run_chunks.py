@@ -80,6 +80,7 @@ def run_study(
         place.opened(study_record(study, chunks, every))
     work = ChunkWork(study, chunks, every, place.path)
     with writing(place.path), locked(place.path):
+        place.tidy()
         done = {number for number in place.done(chunks.total) if place.chunk(number) is not None}
         left = (number for number in range(chunks.total) if number not in done)
         progress(len(done), chunks.total)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import errno
 import json
 import os
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from torsionnet.study.run.evaluation_memory import ANSWERS
 from torsionnet.study.run.study_record import record_text, unlike
 
 RECORD = "study.json"
+LEFT = 3600.0
+"""Seconds after which nobody writes to a temporary file any more."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +61,14 @@ class StudyFolder:
     def record(self) -> dict[str, Any]:
         """What the chunks are of."""
         try:
-            found: dict[str, Any] = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
+            found = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
+            if not isinstance(found, dict):
+                raise ValueError("it is no record of a study")
         except (OSError, ValueError) as error:
-            raise UsageError(f"{self.path / RECORD} cannot be read: {error}") from None
+            raise UsageError(
+                f"{self.path / RECORD} cannot be read: {error}. Nothing else says what the chunks beside it are of; "
+                "choose another folder, or put a copy of it back"
+            ) from None
         return found
 
     def chunk(self, number: int) -> ChunkValues | None:
@@ -69,6 +77,13 @@ class StudyFolder:
             return ChunkValues.from_bytes(chunk_file(self.path, number).read_bytes(), number)
         except (OSError, DamagedChunk):
             return None
+
+    def tidy(self) -> None:
+        """Remove what writers that were killed have left half written; others may be at work on what is young."""
+        for entry in (self.path / "chunks").glob(".*"):
+            with suppress(OSError):
+                if time.time() - entry.stat().st_mtime > LEFT:
+                    entry.unlink()
 
     def done(self, total: int) -> list[int]:
         """Numbers of chunks there are files of, whole or not."""
