@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import ClassVar
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
-from torsionnet.core.errors import Fault, MissingExtraError
+from torsionnet.core.errors import Fault
 from torsionnet.study.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.optimum.design_answer import DesignAnswer
 from torsionnet.study.optimum.design_entries import NAMES, OneOrSeveral
@@ -31,8 +30,9 @@ class Pareto(DesignAnswer):
     generations: int = entry(Count("how often they evolve", lower=1, upper=100_000), 100)
 
     def require_extras(self) -> None:
-        if find_spec("pymoo") is None:
-            raise MissingExtraError('fronts of compromises need pymoo: pip install "torsionnet[pareto]"')
+        from torsionnet.study.optimum.non_dominated import require_pymoo
+
+        require_pymoo()
 
     def contradictions(self) -> list[Fault]:
         if len(self.minimise) + len(self.maximise) < 2:

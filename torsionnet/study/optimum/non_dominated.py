@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,19 @@ from torsionnet.study.optimum.design_problem import FEASIBLE, LARGE, DesignProbl
 from torsionnet.study.optimum.optimise import Single, optimise
 from torsionnet.study.optimum.pareto_front import ParetoFront, nearest_to_best
 
+NEEDED = 'fronts of compromises need pymoo: pip install "torsionnet[pareto]"'
 MANY = 3
 """Objectives from which reference directions (NSGA-III) spread the front better than crowding."""
 WORST = LARGE**2
 """Objective of a design that has none."""
 VERIFIED = 5
 """Designs along the front that a single model recomputes."""
+
+
+def require_pymoo() -> None:
+    """Raise :class:`~torsionnet.core.errors.MissingExtraError` where it is not installed, without importing it."""
+    if find_spec("pymoo") is None:
+        raise MissingExtraError(NEEDED)
 
 
 def pareto_front(
@@ -101,7 +109,7 @@ def _evolved(
         from pymoo.optimize import minimize
         from pymoo.util.ref_dirs import get_reference_directions
     except ImportError:
-        raise MissingExtraError('fronts of compromises need pymoo: pip install "torsionnet[pareto]"') from None
+        raise MissingExtraError(NEEDED) from None
 
     count, limited = len(problem.goals.objectives), problem.goals.excess(problem.at(problem.start)).shape[1]
 
