@@ -54,6 +54,12 @@ class Twin:
     def __eq__(self, other: object) -> bool:
         return self.value == (other.value if isinstance(other, Twin) else other)
 
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < twin(other).value)
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > twin(other).value)
+
     def __hash__(self) -> int:
         return hash(self.value)
 

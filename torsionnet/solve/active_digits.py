@@ -14,8 +14,6 @@ from torsionnet.solve.many_digits import number
 DIGITS = 60
 MOST_STEPS = 20
 CONVERGED = 1e-15
-SMALL = 15
-"""Digits by which what stands for zero is smaller than other roots."""
 
 
 class ManyDigitPencil:
@@ -57,13 +55,6 @@ class ManyDigitPencil:
                     whole[self.index[name], place] = -number(value)
             whole[place, place] = own
         return whole
-
-    def zeros(self, rate: float) -> int:
-        """How many roots are zero: the power with which det P falls far below ``rate``, a size of other roots."""
-        import mpmath
-
-        first, second = (mpmath.det(self.at(rate * mpmath.mpf(10) ** -power)) for power in (SMALL, SMALL + 1))
-        return int(mpmath.nint(mpmath.log10(abs(first / second))))
 
     def settled(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray] | None:
         """The root near a start and its vector, to double precision; None where it does not settle."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -19,15 +19,26 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness
 from torsionnet.solve.active_digits import DIGITS, ManyDigitPencil
-from torsionnet.solve.active_pencil import EPS, ActivePencil, equilibrated
-from torsionnet.solve.eigen import OSCILLATORY, REAL, RIGID, EigenSolution, complex_modes, scaled, undamped_modes
+from torsionnet.solve.active_pencil import EPS, ActivePencil
+from torsionnet.solve.active_starts import FIRM, Pole, slow_starts, upper_starts
+from torsionnet.solve.eigen import (
+    OSCILLATORY,
+    REAL,
+    RIGID,
+    EigenSolution,
+    complex_modes,
+    on_axis,
+    scaled,
+    undamped_modes,
+)
 from torsionnet.solve.reduction import require_resistance
-from torsionnet.solve.state_space import first_order
 
 SMALL = 150
 """Coordinates and controllers up to which every pole is settled on the characteristic equation, and counted."""
-FEW = 40
-"""Those up to which determinants are taken in many digits."""
+COUNTED = 200
+"""Those up to which poles in a circle are counted."""
+LARGEST_LOOSE = 1e-3
+"""Share of the radius above which what is not firm is a pole of the delay that so few points do not resolve."""
 MOST_POINTS = 160
 FEWEST_POINTS = 20
 PER_RADIAN = 0.75
@@ -38,26 +49,8 @@ BLURRED = 1e-11
 """Relative error from which on a pole is settled in many digits."""
 MOST_WORK = 3e5
 """Cube of the coordinates times poles that are."""
-LIKE_ZERO = 0.5
-"""Relative error from which on a slow pole is one at zero that rounding has moved."""
 LOSS_STEPS = 8
 """Shares of the loss factors by which poles are led from elastic springs to hysteretic ones."""
-NOTHING = 1e-12
-"""Share of the radius below which a pole of a drivetrain with delays is taken for one at zero."""
-
-
-@dataclass(frozen=True)
-class Pole:
-    """A root of the characteristic equation with Im >= 0, and its shape over coordinates and torques of actions."""
-
-    value: complex
-    vector: ComplexArray
-    error: float
-    converged: bool = True
-
-    @property
-    def is_real(self) -> bool:
-        return self.value.imag == 0
 
 
 def is_active(system: RowSystem) -> bool:
@@ -81,10 +74,9 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
     require_resistance(system, (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0))
     pencil = ActivePencil(assembly)
     delay = max((float(one.delay) for one in system.actions), default=0.0)
-    poles, zeros, doubts, notes = _delayed(pencil, delay) if delay else _rational(pencil)
+    poles, doubts, notes = _delayed(pencil, delay) if delay else _rational(pencil)
     poles = _sharpened(assembly, poles)
-    rigid = _still(pencil) if zeros else np.zeros((system.n_coordinates, 0))
-    return _solution(sorted(poles, key=lambda pole: abs(pole.value)), rigid), doubts, notes
+    return _solution(sorted(poles, key=lambda pole: abs(pole.value)), pencil.standing), doubts, notes
 
 
 def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
@@ -146,55 +138,42 @@ def _differ(one: Pole, other: Pole) -> bool:
     return bool(abs(a.conj() @ b) < (1 - SAME) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
-def _rational(pencil: ActivePencil) -> tuple[list[Pole], int, tuple[str, ...], tuple[str, ...]]:
-    """All poles other than zero, and how many are zero."""
-    starts = _starts(pencil, 0)
-    if pencil.size > SMALL:
-        zeros = sum(abs(pole.value) <= 1e-7 * max(abs(one.value) for one in starts) for pole in starts)
-        return _upper(starts[zeros:]), zeros, (), ()
+def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
+    """All poles other than zero."""
+    starts = upper_starts(pencil, 0)
+    total = sum(pole.count for pole in starts)
+    small = pencil.size <= SMALL
+    firm, loose = [], []
+    for start in starts:
+        met = (_settled(pencil, start) if small else start) if start.error < FIRM else None
+        firm += [met] if met else []
+        loose += [] if met else [start]
+    left = total - pencil.zeros - sum(pole.count for pole in firm)
+    if left:
+        for pole in _distinct(pencil, [*slow_starts(pencil, loose), *loose]):
+            if pole.count <= left and all(abs(pole.value - other.value) > SAME * abs(pole.value) for other in firm):
+                firm.append(pole)
+                left -= pole.count
+    if left:  # two that meet are no simple roots
+        for pole in sorted(loose, key=lambda one: one.error):
+            if pole.count <= left and pole.error < 1:
+                firm.append(pole)
+                left -= pole.count
+    if not small:
+        return firm, _told(total, total - left), ()
     count, zeros = pencil.counts()
-    doubts = () if count == len(starts) else (f"{count} poles were counted, but {len(starts)} found",)
-    return [_settled(pencil, pole) for pole in _upper(starts[zeros:])], zeros, doubts, ()
+    return firm, (*_told(zeros, pencil.zeros, " at zero"), *_told(count, total - left)), ()
 
 
-def _starts(pencil: ActivePencil, points: int) -> list[Pole]:
-    """Eigenvalues of the states, rising in size, with an estimate of their errors."""
-    from scipy import linalg
-
-    form = first_order(pencil.assembly, (), points)
-    if not len(form.A):
-        return []
-    balanced, back = linalg.matrix_balance(form.A)
-    values, right = np.linalg.eig(balanced)
-    try:
-        with np.errstate(over="ignore"):  # of eigenvectors that are nearly the same
-            condition = np.linalg.norm(np.linalg.inv(right), axis=1)
-    except np.linalg.LinAlgError:
-        condition = np.full(len(values), np.inf)
-    states, size = back @ right, float(np.linalg.norm(balanced))
-    found = []
-    for number in np.argsort(np.abs(values), kind="stable"):
-        value, x = complex(values[number]), states[:, number]
-        q = form.X @ x
-        torques = [
-            (one.sensed @ q) * np.polynomial.polynomial.polyval(value, one.at_once) + form.torques[place] @ x
-            for place, one in enumerate(form.actions)
-        ]
-        error = EPS * size * float(condition[number]) / abs(value) if value else np.inf
-        found.append(Pole(value, np.concatenate([q, torques]).astype(complex), error))
-    return found
+def _told(counted: int, found: int, where: str = "") -> tuple[str, ...]:
+    return () if counted == found else (f"{counted} poles{where} were counted, but {found} found",)
 
 
-def _upper(poles: Sequence[Pole]) -> list[Pole]:
-    """One of each conjugate pair."""
-    return [pole for pole in poles if pole.value.imag >= 0]
-
-
-def _settled(pencil: ActivePencil, pole: Pole) -> Pole:
-    """The pole on the exact equation, where it does not run away to another one, as of two that meet."""
+def _settled(pencil: ActivePencil, pole: Pole) -> Pole | None:
+    """The pole on the exact equation; None where the start runs away."""
     found = pencil.settled(pole.value, pole.vector)
     if found is None or abs(found[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
-        return pole
+        return None
     value = complex(found[0].real, 0.0) if pole.is_real else found[0]
     return Pole(value, found[1], min(found[2], max(pole.error, EPS)))
 
@@ -223,7 +202,7 @@ def _sharpened(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
 # --- delays --------------------------------------------------------------------------------------------------------
 
 
-def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple[str, ...], tuple[str, ...]]:
+def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
     """All poles within a circle that holds those of the laws, if it may be so wide; of others those of the laws."""
     system = pencil.assembly.system
     passive = replace(system, actions=())
@@ -233,16 +212,14 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
     )
     widest = (MOST_POINTS - FEWEST_POINTS) / (PER_RADIAN * delay)
     radius = min(1.3 * max([float(sizes.max(initial=0.0)), *(_corner(pencil)), 6 / delay]), widest)
-    starts = _starts(pencil, FEWEST_POINTS + math.ceil(PER_RADIAN * radius * delay))
-    moving = [pole for pole in _upper(starts) if abs(pole.value) > NOTHING * radius]
-    near = _distinct(pencil, [pole for pole in moving if abs(pole.value) <= 1.2 * radius])
-    near = [pole for pole in near if abs(pole.value) > NOTHING * radius and pole.error < LIKE_ZERO]
-    least = min((abs(pole.value) for pole in near), default=radius)
-    zeros = _zeros(pencil, min(least, 1 / delay)) if _still(pencil).shape[1] else 0
+    starts = upper_starts(pencil, FEWEST_POINTS + math.ceil(PER_RADIAN * radius * delay))
+    loose = [pole for pole in starts if pole.error >= FIRM and abs(pole.value) <= LARGEST_LOOSE * radius]
+    tried = [*starts, *slow_starts(pencil, loose)]
+    near = _distinct(pencil, [pole for pole in tried if abs(pole.value) <= 1.2 * radius])
     radius = _between(radius, [abs(pole.value) for pole in near])
     inside = [pole for pole in near if abs(pole.value) < radius]
-    counted = pencil.within(radius) if pencil.size <= SMALL else None
-    found = zeros + sum(1 if pole.is_real else 2 for pole in inside)
+    counted = pencil.within(radius) if pencil.size <= COUNTED else None
+    found = pencil.zeros + sum(pole.count for pole in inside)
     below = f"{radius / (2 * np.pi):.4g} Hz"
     if counted is None:
         doubts: tuple[str, ...] = (f"with the delay, the poles below {below} could not be counted",)
@@ -250,20 +227,12 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
         doubts = (f"with the delay, {counted} poles lie below {below}, but {found} were found",)
     else:
         doubts = ()
+    if pencil.size <= SMALL:
+        doubts = (*doubts, *_told(pencil.counts()[1], pencil.zeros, " at zero"))
     beyond = [] if free is None else _beyond(pencil, free, radius)
     text = f"a delay makes infinitely many poles; those below {below} are all here"
     notes = (f"{text}, and of faster ones those next to modes without control" if beyond else text,)
-    return inside + beyond, zeros, doubts, notes
-
-
-def _zeros(pencil: ActivePencil, rate: float) -> int:
-    """How many poles are zero; the others are not slower than ``rate``, rad/s."""
-    if pencil.size > FEW:
-        return pencil.within(1e-3 * rate) or 0
-    import mpmath
-
-    with mpmath.workdps(DIGITS):
-        return ManyDigitPencil(pencil.assembly).zeros(rate)
+    return inside + beyond, doubts, notes
 
 
 def _corner(pencil: ActivePencil) -> list[float]:
@@ -313,19 +282,9 @@ def _beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Po
 # --- results ----------------------------------------------------------------------------------------------------
 
 
-def _still(pencil: ActivePencil) -> FloatArray:
-    """Coordinates of what can stand turned, constant torques of actions with it: the null space of P(0)."""
-    P = pencil.at(0j).real
-    left, right = equilibrated(np.abs(P))
-    _, sizes, vectors = np.linalg.svd(left[:, None] * P * right)
-    kept = sizes <= 1e-12 * sizes.max(initial=0.0)
-    basis = (right[:, None] * vectors[kept].T)[: pencil.n_coordinates]
-    return np.asarray(basis[:, np.abs(basis).max(axis=0, initial=0.0) > 0])
-
-
 def _solution(poles: Sequence[Pole], rigid: FloatArray) -> EigenSolution:
     count, n_rigid, n = len(poles), rigid.shape[1], len(rigid)
-    values = np.array([_on_axis(pole) for pole in poles], dtype=complex)
+    values = on_axis(np.array([pole.value for pole in poles], dtype=complex), np.array([pole.error for pole in poles]))
     shapes = np.array([pole.vector[:n] for pole in poles], dtype=complex).reshape(count, n).T
     real = [pole.is_real for pole in poles]
     shapes[:, real] = _turned_real(shapes[:, real])
@@ -338,12 +297,6 @@ def _solution(poles: Sequence[Pole], rigid: FloatArray) -> EigenSolution:
         iterations=np.concatenate([zeros, np.ones(count)]).astype(int),
         errors=np.concatenate([zeros, [pole.error for pole in poles]]),
     )
-
-
-def _on_axis(pole: Pole) -> complex:
-    """A real part that is nothing but rounding is none."""
-    value = pole.value
-    return complex(0.0, value.imag) if abs(value.real) <= max(pole.error, 1e-14) * abs(value) else value
 
 
 def _turned_real(shapes: ComplexArray) -> ComplexArray:

@@ -3,15 +3,15 @@
     P(s) = [ D(s)                 -B    ]
            [ -N(s) e^(-s tau) L    E(s) ]    over coordinates q and torques T of the actions with laws N/E e^(-s tau)
 
-has no poles of its own, so that its roots are all that grows or dies away by itself. How many there are without delays,
-and how many of them are zero, is counted modulo a large prime; with delays there are infinitely many, and those in a
-circle are counted by the argument principle.
+has no poles of its own, so that its roots are all that grows or dies away by itself. Those at zero are taken out
+exactly (:mod:`.zero_chains`): what is solved and counted in double precision has none, so that rounding cannot make
+slow poles of them. How many roots there are without delays is counted modulo a large prime; with delays there are
+infinitely many, and those in a circle are counted by the argument principle.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -19,12 +19,14 @@ import numpy as np
 from torsionnet.assembly.action_law import polynomial
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.model.elimination import exact
 from torsionnet.solve.action_states import over_coordinates
-from torsionnet.solve.modular import determinant, interpolated, primes, residue
-from torsionnet.solve.refine import least_fill
+from torsionnet.solve.deflated_columns import DeflatedColumn, deflated_columns
+from torsionnet.solve.exact_pencil import ExactPencil
+from torsionnet.solve.zero_chains import leading, null_vectors
 
 MOST_STEPS = 30
+SETTLED = 1e-9
+"""Relative step below which a root is one; where rounding alone moves it further, ten times its error."""
 EPS = float(np.finfo(float).eps)
 ON_CIRCLE, PER_ROOT = 64, 8
 """Points on half a circle to begin with, along which the phase is followed: in all, and for each row."""
@@ -63,7 +65,17 @@ class ActivePencil:
         return self.n_coordinates + len(self.assembly.system.actions)
 
     def at(self, s: complex) -> ComplexArray:
-        """P(s)."""
+        """P(s) without its roots at zero."""
+        whole = self._whole(s)
+        for column in self.columns:
+            whole[:, column.place] = column.at(s)
+            if self.loss is not None:
+                strain = 1j * self.assembly.system.rows.T @ (self.loss * column.strain(s))
+                whole[: self.n_coordinates, column.place] += strain
+        return whole
+
+    def _whole(self, s: complex) -> ComplexArray:
+        """P(s) as it stands."""
         K, C, M = self._laws
         laws = K + s * (C + s * M)
         if self.loss is not None:
@@ -72,12 +84,21 @@ class ActivePencil:
         return self._with(laws, [self._law(s, number) for number in range(len(self._rows[0]))], -1.0)
 
     def rate(self, s: complex) -> ComplexArray:
-        """dP/ds."""
+        """Its derivative by s."""
         _, C, M = self._laws
-        return self._with(C + 2 * s * M, [self._law_rate(s, number) for number in range(len(self._rows[0]))], 0.0)
+        whole = self._with(C + 2 * s * M, [self._law_rate(s, number) for number in range(len(self._rows[0]))], 0.0)
+        for column in self.columns:
+            whole[:, column.place] = column.rate(s)
+        return whole
 
     def sizes(self, s: complex) -> FloatArray:
-        """Magnitudes of the terms of P(s), summed up: what its rounding is a share of."""
+        """Magnitudes of the terms of :meth:`at`, summed up: what its rounding is a share of."""
+        whole = self._sizes(s)
+        for column in self.columns:
+            whole[:, column.place] = column.size(s)
+        return whole
+
+    def _sizes(self, s: complex) -> FloatArray:
         system, size = self.assembly.system, abs(s)
         rows = np.abs(system.rows)
         laws = np.abs(system.stiffness) + size * (np.abs(system.damping) + size * np.abs(system.inertia))
@@ -93,6 +114,97 @@ class ActivePencil:
             whole[n + number, n + number] = polynomial(below, size)
         return whole
 
+    # --- zero -------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def exact(self) -> ExactPencil:
+        """P(s) in rationals."""
+        return ExactPencil.of(self.assembly)
+
+    @cached_property
+    def columns(self) -> tuple[DeflatedColumn, ...]:
+        """Those that roots at zero are taken out of."""
+        _, right = equilibrated(self._sizes(complex(self._typical)))
+        return deflated_columns(self.assembly, self.exact, 1 / right)
+
+    @property
+    def _typical(self) -> float:
+        """A circular frequency between those of the drivetrain, rad/s."""
+        system = self.assembly.system
+        stiff, heavy = float(np.abs(system.stiffness).sum()), float(system.inertia.sum())
+        return float(np.sqrt(stiff / heavy)) if stiff and heavy else 1.0
+
+    @property
+    def zeros(self) -> int:
+        """How many roots are zero, with multiplicity."""
+        return sum(column.order for column in self.columns)
+
+    @cached_property
+    def standing(self) -> FloatArray:
+        """What can stand turned, under constant torques of actions too: a basis (n_q, count) of such coordinates."""
+        found, n = [], self.n_coordinates
+        for vector in null_vectors(self.exact.power(0)) if self.columns else ():
+            basis = np.zeros(self.size)
+            basis[list(vector)] = [float(value) for value in vector.values()]
+            found.append(basis[:n])
+        shapes = np.array(found).reshape(-1, n).T
+        return np.asarray(shapes[:, np.abs(shapes).max(axis=0, initial=0.0) > 0])
+
+    @np.errstate(all="ignore")  # far to the left nothing comes back
+    def slowest(self) -> ComplexArray:
+        """Roots of the first three terms of the series of :meth:`at`, rising in size: near those that are slow."""
+        chains, n = {column.place: column.chain for column in self.columns}, self.size
+        terms = np.zeros((3, n, n))
+        for power, term in enumerate(terms):
+            for i, row in enumerate(leading(self.exact, chains, power)):
+                term[i, list(row)] = [float(value) for value in row.values()]
+        left, right = equilibrated(np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]))
+        A, B, C = left[:, None] * terms * right
+        try:
+            follow = -np.linalg.solve(A, np.hstack([B, C]))
+        except np.linalg.LinAlgError:  # but for rounding it is regular
+            return np.zeros(0, dtype=complex)
+        values = np.linalg.eigvals(np.vstack([follow, np.eye(n, 2 * n)]))
+        found = 1 / values
+        found = found[np.isfinite(found)]
+        return np.asarray(found[np.argsort(np.abs(found), kind="stable")], dtype=complex)
+
+    @np.errstate(all="ignore")  # far to the left nothing comes back
+    def null_vector(self, s: complex) -> ComplexArray:
+        """Coordinates and torques of what P(s) all but maps to nothing, next to a root."""
+        P = self.at(s)
+        left, right = equilibrated(np.abs(P))
+        start = np.cos(np.arange(self.size) + 1.0)
+        try:
+            return self._moved(s, right * np.linalg.solve(left[:, None] * P * right, start))
+        except np.linalg.LinAlgError:
+            return self._moved(s, start.astype(complex))
+
+    def _moved(self, s: complex, vector: ComplexArray) -> ComplexArray:
+        """Coordinates and torques of a vector over the columns of :meth:`at`."""
+        found = np.array(vector, dtype=complex)
+        found[[column.place for column in self.columns]] = 0.0
+        for column in self.columns:
+            found += vector[column.place] * column.of(s)
+        return found
+
+    def _over_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
+        """The inverse of :meth:`_moved`."""
+        found, places = np.array(vector, dtype=complex), [column.place for column in self.columns]
+        if places:
+            motions = np.array([column.of(s) for column in self.columns]).T
+            if not np.isfinite(motions).all():
+                return np.full(len(found), np.nan + 0j)
+            try:
+                shares = np.linalg.solve(motions[places], found[places])
+            except np.linalg.LinAlgError:
+                return np.full(len(found), np.nan + 0j)
+            found = found - motions @ shares
+            found[places] = shares
+        return found
+
+    # --- matrices ---------------------------------------------------------------------------------------------------
+
     def _with(self, laws: ComplexArray, actions: list[tuple[complex, complex]], driving: float) -> ComplexArray:
         n, (driven, sensed) = self.n_coordinates, self._rows
         whole = np.zeros((self.size, self.size), dtype=complex)
@@ -105,7 +217,7 @@ class ActivePencil:
     def _law(self, s: complex, number: int) -> tuple[complex, complex]:
         action = self.assembly.system.actions[number]
         above, below = ([float(value) for value in part] for part in (action.numerator, action.denominator))
-        with np.errstate(all="ignore"):  # far to the left nothing comes back
+        with np.errstate(all="ignore"):
             return polynomial(above, s) * np.exp(-s * float(action.delay)), polynomial(below, s)
 
     def _law_rate(self, s: complex, number: int) -> tuple[complex, complex]:
@@ -126,15 +238,20 @@ class ActivePencil:
 
     # --- single roots -----------------------------------------------------------------------------------------------
 
+    @np.errstate(all="ignore")  # far to the left nothing comes back
     def settled(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray, float] | None:
         """The root near a start, its vector (n + n_act,), and the relative error that rounding leaves; or None.
 
-        By nonlinear inverse iteration in coordinates that make the largest entry of every row and column one.
+        By nonlinear inverse iteration in coordinates that make the largest entry of every row and column one. A start
+        that leads nowhere has no root.
         """
-        s, w, last = start, vector, float("inf")
+        s, last = complex(start), float("inf")
+        w = self._over_columns(s, vector)
+        if not np.isfinite(w).all():  # of a start at zero
+            return None
         for _ in range(MOST_STEPS):
             P, rate = self.at(s), self.rate(s)
-            if not (np.isfinite(P).all() and np.isfinite(rate).all() and np.isfinite(s)):
+            if not (np.isfinite(P).all() and np.isfinite(rate).all() and np.isfinite(s)) or s == 0:
                 return None
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
             scaled, slope = left[:, None] * P * right, left[:, None] * rate * right
@@ -143,76 +260,43 @@ class ActivePencil:
             try:
                 z = np.linalg.solve(scaled, slope @ v)
             except np.linalg.LinAlgError:
-                return s, w, EPS
-            if not np.isfinite(z).all():
-                return s, w, EPS
+                z = np.full(len(v), np.nan)
+            if not np.isfinite(z).all():  # on the root itself: beside it there is a solution
+                s *= 1 + 8 * EPS
+                continue
             step = (v.conj() @ v) / (v.conj() @ z)
             s, w = complex(s - step), right * z / np.linalg.norm(z)
-            if abs(step) <= 4 * EPS * abs(s) or (last <= 1e-9 * abs(s) and abs(step) >= last / 2):
-                return s, w, self._error(s, w)
+            if abs(step) <= 4 * EPS * abs(s) or (last <= SETTLED * abs(s) and abs(step) >= last / 2):
+                return s, self._moved(s, w), self._error(s, w)
             last = float(abs(step))
-        return (s, w, self._error(s, w)) if last <= 0.1 * abs(s) else None
+        error = self._error(s, w) if np.isfinite(s) and s else np.inf
+        kept = last <= max(SETTLED, min(10 * error, 0.1)) * abs(s)
+        return (s, self._moved(s, w), max(error, last / abs(s))) if kept else None
 
     def _error(self, s: complex, w: ComplexArray) -> float:
         """Relative error of a root: rounding of all terms times the condition of the root."""
-        P = self.at(s)
-        left, right = equilibrated(np.abs(P) + abs(s) * np.abs(self.rate(s)))
-        try:  # next to a root, one step of inverse iteration leaves the left vector alone
-            y = left * np.linalg.solve((left[:, None] * P * right).conj().T, w.conj() / np.linalg.norm(w))
-        except np.linalg.LinAlgError:
-            return EPS
-        slope = abs(y.conj() @ self.rate(s) @ w)
-        rounding = np.abs(y) @ self.sizes(s) @ np.abs(w)
-        return float(EPS * rounding / (slope * abs(s))) if slope and s else np.inf
+        for beside in (s, s * (1 + 8 * EPS)):
+            P, rate = self.at(beside), self.rate(beside)
+            left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
+            try:  # next to a root, one step of inverse iteration leaves the left vector alone
+                v = w / right / np.linalg.norm(w / right)
+                y = left * np.linalg.solve((left[:, None] * P * right).conj().T, v)
+            except np.linalg.LinAlgError:
+                continue
+            slope = abs(y.conj() @ rate @ w)
+            rounding = np.abs(y) @ self.sizes(s) @ np.abs(w)
+            return float(EPS * rounding / (slope * abs(s))) if slope and s else np.inf
+        return np.inf
 
     # --- counting ---------------------------------------------------------------------------------------------------
 
     def counts(self) -> tuple[int, int]:
-        """How many roots there are without delays, and how many are zero, with multiplicity."""
-        prime = next(primes())
-        system, kinematics = self.assembly.system, self.assembly.kinematics
-        index = {name: place for place, name in enumerate(kinematics.coordinates)}
-        entries: dict[tuple[int, int], list[Fraction]] = {}
+        """How many roots there are without delays, and how many are zero, modulo a large prime."""
+        return self.exact.counts(self.zeros + 1)
 
-        def add(i: int, j: int, power: int, value: Fraction) -> None:
-            held = entries.setdefault((i, j), [])
-            held += [Fraction(0)] * (power + 1 - len(held))
-            held[power] += value
-
-        for law, row in zip(self.assembly.laws, self.assembly.exact_rows, strict=True):
-            ours = {index[name]: value for name, value in row.items() if name in index}
-            for power, value in enumerate((exact(law.stiffness), exact(law.damping), exact(law.inertia))):
-                for i, a in ours.items() if value else ():
-                    for j, b in ours.items():
-                        add(i, j, power, value * a * b)
-        degree = 2 * len(index)
-        for place, action in enumerate(system.actions, len(index)):
-            for name, value in action.row.items():
-                if name in index:
-                    add(index[name], place, 0, -value)
-            for name, value in action.sensed.items():
-                for power, factor in enumerate(action.numerator) if name in index else ():
-                    add(place, index[name], power, -factor * value)
-            for power, factor in enumerate(action.denominator):
-                add(place, place, power, factor)
-            degree += max(len(action.numerator), len(action.denominator)) - 1
-        order, _ = least_fill(self.size, entries)
-        residues = {place: [residue(value, prime) for value in values] for place, values in entries.items()}
-
-        def value_at(point: int) -> int:
-            rows: list[dict[int, int]] = [{} for _ in range(self.size)]
-            for (i, j), values in residues.items():
-                value = sum(factor * pow(point, power, prime) for power, factor in enumerate(values)) % prime
-                if value:
-                    rows[i][order[j]] = value
-            return determinant(rows, prime)
-
-        coefficients = interpolated([value_at(point) for point in range(degree + 1)], prime)
-        zeros = next((power for power, value in enumerate(coefficients) if value), 0)
-        return len(coefficients) - 1, zeros
-
+    @np.errstate(all="ignore")  # far to the left nothing comes back
     def within(self, radius: float) -> int | None:
-        """How many roots lie within a circle around zero, by the turns of det P along it; None where one is on it."""
+        """How many roots lie within a circle around zero, those at zero too; None where one is on the circle."""
         first, n = self._phase(radius, 0.0), max(ON_CIRCLE, PER_ROOT * self.size)
         angles = np.linspace(0, np.pi, n + 1)  # conjugate roots: the lower half turns alike
         phases = [first, *(self._phase(radius, angle) for angle in angles[1:])]
@@ -233,7 +317,7 @@ class ActivePencil:
                 return None
             stack += [((a, p), (middle, half)), ((middle, half), (b, q))]
         count = turned / np.pi
-        return round(count) if abs(count - round(count)) < 0.1 else None
+        return round(count) + self.zeros if abs(count - round(count)) < 0.1 else None
 
     def _phase(self, radius: float, angle: float) -> complex:
         sign, _ = np.linalg.slogdet(self.at(complex(radius * np.exp(1j * angle))))

@@ -23,8 +23,10 @@ from torsionnet.solve.tape import Tape
 
 try:
     import numba
-except ImportError as error:
+except ModuleNotFoundError as error:
     raise MissingExtraError('the compiled solver needs numba: pip install "torsionnet[fast]"') from error
+except ImportError as error:
+    raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
 
 POINTS = 128
 """Points worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""

@@ -37,38 +37,42 @@ class Damped:
 
     system: RowSystem
 
-    def stiffness(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray]:
-        """Of every law, and its derivative to s."""
+    def stiffness(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Of every law, and its derivatives to Re s and to Im s: losses follow |Im s|, so that these are two."""
         system, at, omega = self.system, np.array([s]), np.array([abs(s.imag)])
         kappa = system.stiffness + s * (share * system.damping + s * system.inertia)
         rate = share * system.damping + 2 * s * system.inertia
+        across = np.zeros(len(rate), dtype=complex)
         for law, table in system.dynamic:
             lossy = table.with_loss(share)
             direct, followed = lossy.rates(at, omega)
             kappa[law] += lossy.at(at, omega)[0]
-            rate[law] += direct[0] - 1j * followed[0]
-        return kappa, rate
+            rate[law] += direct[0]
+            across[law] += followed[0]
+        return kappa, rate, across + 1j * rate
 
-    def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-        """D, its derivative, and a scale of the coordinates that makes its terms of one size."""
+    def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray]:
+        """D, its derivatives to Re s and Im s, and a scale of the coordinates that makes its terms of one size."""
         rows = self.system.rows
-        kappa, rate = self.stiffness(s, share)
-        scale = 1 / np.sqrt(rows.T**2 @ np.abs(kappa) + 1e-300)
-        return rows.T @ (kappa[:, None] * rows), rows.T @ (rate[:, None] * rows), np.asarray(scale)
+        kappa, along, across = (part[:, None] for part in self.stiffness(s, share))
+        scale = 1 / np.sqrt(rows.T**2 @ np.abs(kappa[:, 0]) + 1e-300)
+        return rows.T @ (kappa * rows), rows.T @ (along * rows), rows.T @ (across * rows), np.asarray(scale)
 
     def refined(self, s: complex, shape: ComplexArray, share: float) -> Mode:
-        """Newton steps from a pole and its shape nearby."""
+        """Newton steps from a pole and its shape nearby, with Re s and Im s as two unknowns that are real."""
         q, previous = shape / np.linalg.norm(shape), np.inf
         for iteration in range(1, NEWTON + 1):
-            D, slope, scale = self.matrices(s, share)
-            D, slope = scale[:, None] * D * scale, scale[:, None] * slope * scale
+            D, along, across, scale = self.matrices(s, share)
+            D, along, across = (scale[:, None] * part * scale for part in (D, along, across))
             y = q / scale
             y = y / np.linalg.norm(y)
-            size = max(float(np.linalg.norm(slope @ y)), 1e-300)
-            bordered = np.block([[D, (slope @ y)[:, None] / size], [y.conj()[None, :], np.zeros((1, 1))]])
-            right = np.append(np.zeros(len(y)), 1.0)
-            found = np.linalg.lstsq(bordered, right, rcond=1e-15)[0]
-            step = found[-1] / size
+            size = max(float(np.linalg.norm(along @ y)), 1e-300)
+            bordered = np.block([[D, (along @ y)[:, None] / size], [y.conj()[None, :], np.zeros((1, 1))]])
+            right = np.array([[*np.zeros(len(y)), 1.0], [*(-across @ y / size), 0.0]]).T
+            found, turned = np.linalg.lstsq(bordered, right, rcond=1e-15)[0].T
+            further = -found[-1].imag / (turned[-1].imag or np.inf)  # along Im s, so that the step along Re s is real
+            found = found + further * turned
+            step = complex(found[-1].real, further) / size
             s, q = s + step, scale * found[:-1]
             moved = abs(step) / abs(s)
             if moved <= STILL or (moved <= 1e-11 and moved >= previous):
@@ -138,8 +142,8 @@ def _parted(damped: Damped, rate: float, shapes: ComplexArray) -> list[tuple[com
     """Shapes of one frequency, combined as the damping parts them."""
     if shapes.shape[1] == 1:
         return [(1j * rate, shapes[:, 0])]
-    (free, slope, _), (whole, _, _) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
-    reduced = np.linalg.solve(shapes.T @ slope @ shapes, shapes.T @ (whole - free) @ shapes)
+    (free, _, slope, _), (whole, *_) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
+    reduced = np.linalg.solve(-1j * shapes.T @ slope @ shapes, shapes.T @ (whole - free) @ shapes)
     _, mixed = np.linalg.eig(reduced)
     return [(1j * rate, shapes @ mixed[:, place]) for place in range(shapes.shape[1])]
 
@@ -180,7 +184,8 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
 
 def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
     """Whether D changes there by more than rounding, as it does not where a damper swallows all that arrives."""
-    kappa, rate = Damped(system).stiffness(complex(-size), 0.0)
+    kappa, _, across = Damped(system).stiffness(complex(-size), 0.0)
+    rate = -1j * across
     twist = np.abs(system.rows @ shape) ** 2
     drag = system.damping * size
     changed = abs((rate + system.damping) @ (system.rows @ shape) ** 2) * size

@@ -15,6 +15,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
+from torsionnet.model.operating_values import at_which_speed
 from torsionnet.model.speeds import speeds_with
 from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
@@ -139,8 +140,9 @@ class _Question:
         self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.known: dict[str, tuple[float, float]] = {}
-        self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
-        self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range)
+        found = vibration_modes(drivetrain, modes(drivetrain))
+        self.modes = tuple(sorted(found, key=lambda mode: mode.number))[:lowest]
+        self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range, [mode.number for mode in found])
         self.turning = {
             node: speed
             for node, speed in speeds_with(drivetrain.definition, drivetrain.exact_values, reference).items()
@@ -168,6 +170,8 @@ class _Question:
         return low, high
 
     def notes(self) -> Iterator[str]:
+        for where in at_which_speed(self.drivetrain.external_torques):
+            yield f"{where}; each critical speed is that of the mode with the values of this speed"
         for name, known in self.known.items():
             if known != self.limits:
                 text = f"the data of {name} do not go beyond the operating range"

@@ -30,6 +30,8 @@ from torsionnet.solve.spectrum import physical, refined, solve
 
 PART = 1e-6
 """Imaginary part of a shape of 1 that is not rounding."""
+DECIDED = 1e-14
+"""Damping ratio below which double precision does not tell growth from decay."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 
 
@@ -161,6 +163,12 @@ def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]
     second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > PART)
     found[:, second] = scaled(shapes[:, second].imag)
     return found
+
+
+def on_axis(values: ComplexArray, errors: FloatArray) -> ComplexArray:
+    """Eigenvalues without real parts that are no larger than their errors, relative: these neither grow nor decay."""
+    blurred = np.abs(values.real) <= np.maximum(errors, DECIDED) * np.abs(values)
+    return np.asarray(np.where(blurred, 1j * values.imag, values))
 
 
 def scaled(shapes: AnyArray) -> AnyArray:

@@ -66,7 +66,10 @@ def generalised_force(
     strongest = float(np.abs(found.amplitudes[speed]).max())
     single = max(_single(excitation, float(found.orders[line]), torques), CANCELLED * strongest) * largest
     cases = _cases(found, at, shape)
-    value, case, part = max(cases, key=lambda one: one[0])
+    value = max(one[0] for one in cases)
+    worst = [one for one in cases if one[0] >= (1 - CANCELLED) * value]
+    _, case, part = worst[0]  # among equal ones it is no choice, and of all alike none is named
+    case = "" if 1 < len(worst) == len(cases) else " or ".join(label for _, label, _ in worst)
     return GeneralisedForce(value, value / single if single > 0 else 0.0, case, part)
 
 

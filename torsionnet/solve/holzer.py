@@ -18,6 +18,7 @@ from torsionnet.response.holzer_table import HolzerBranch, HolzerLink, HolzerSta
 from torsionnet.solve.eigen import undamped_modes
 from torsionnet.solve.holzer_balance import HolzerBalance, NodeLoad, balance_of, trial
 from torsionnet.solve.holzer_lines import HolzerLine, Neighbours, lines
+from torsionnet.solve.mode_pairs import undamped_place
 
 STILL = 1e-9
 """Amplitude over the largest one of a station that cannot be set to 1."""
@@ -70,17 +71,16 @@ def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, Flo
     """Rate and shape of an undamped mode, 1 at the first station where that moves."""
     assembly = drivetrain.assembly
     rates, shapes = undamped_modes(assembly.system)
-    vibrating = np.flatnonzero(rates)
-    if not 1 <= mode <= len(vibrating):
-        raise UsageError(f"there is no mode {mode}; there are {len(vibrating)}, counted from 1 without rigid bodies")
-    place = vibrating[mode - 1]
+    at, pair = undamped_place(drivetrain, mode)
+    place = np.flatnonzero(rates)[at]
+    notes = () if not pair.is_shifted else (f"with damping its natural frequency is {pair.natural_frequency:.5g} Hz",)
     angles = np.asarray(assembly.node_rows.dense @ shapes[:, place])
     angles /= np.abs(angles).max()
     at_start = angles[assembly.node_index[start]]
     if abs(at_start) > STILL:
-        return float(rates[place]), angles / at_start, ()
+        return float(rates[place]), angles / at_start, notes
     note = f"{start} stands still in this mode: the amplitude is that of the station that moves most"
-    return float(rates[place]), angles, (note,)
+    return float(rates[place]), angles, (note, *notes)
 
 
 @dataclass

@@ -22,7 +22,7 @@ from torsionnet.solve import continuous
 from torsionnet.solve.action_states import over_coordinates
 from torsionnet.solve.active_modes import active_modes, is_active
 from torsionnet.solve.cut import poles_of_measured
-from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
+from torsionnet.solve.eigen import EigenSolution, complex_modes, on_axis, scaled, undamped_modes
 from torsionnet.solve.mode_words import describe, uncertain, unsettled
 from torsionnet.solve.reduction import LARGE
 from torsionnet.solve.repeated import with_chosen_shapes
@@ -84,6 +84,8 @@ def natural_modes(
         solution, doubts, more = active_modes(assembly)
     else:
         solution, doubts, more = complex_modes(system, lowest, undamped), (), ()
+        if is_active(system):
+            solution = replace(solution, eigenvalues=on_axis(solution.eigenvalues, solution.errors))
     elements = tuple(drivetrain.elements)
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
     kinetic, strain, dissipated = energies(assembly, solution, elements)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -26,11 +27,15 @@ STRIDE = 1.2
 class ModesOverSpeed:
     """The vibration modes at speeds of a reference node; beyond the range of speeds those of its ends.
 
-    Where no parameter follows the operating point there is one set of modes.
+    Where no parameter follows the operating point there is one set of modes. ``numbers`` are those of the modes at the
+    operating point, by rising undamped frequency: a mode keeps its number at every speed.
     """
 
-    def __init__(self, drivetrain: AssembledModel, reference: str, speed_range: tuple[float, float]) -> None:
+    def __init__(
+        self, drivetrain: AssembledModel, reference: str, speed_range: tuple[float, float], numbers: Sequence[int] = ()
+    ) -> None:
         self.drivetrain, self.reference, self.speed_range = drivetrain, reference, speed_range
+        self.numbers = numbers
         self._found: dict[float, tuple[VibrationMode, ...]] = {}
 
     @cached_property
@@ -43,7 +48,11 @@ class ModesOverSpeed:
         inside = min(max(speed, self.speed_range[0]), self.speed_range[1])
         if inside not in self._found:
             ((rig, _),) = at_speeds(self.drivetrain, self.reference, np.array([inside]))
-            self._found[inside] = vibration_modes(rig, modes(rig))
+            found = vibration_modes(rig, modes(rig))
+            known = [*self.numbers, *range(len(self.numbers) + 1, len(found) + 1)]
+            self._found[inside] = tuple(
+                replace(mode, number=number) for mode, number in zip(found, known, strict=False)
+            )
         return self._found[inside]
 
     def settled(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
@@ -72,7 +81,7 @@ class ModesOverSpeed:
 
     def _numbered(self, number: int, speed: float) -> VibrationMode | None:
         found = self.at(speed) if speed > 0 else ()
-        return found[number - 1] if number <= len(found) else None
+        return next((mode for mode in found if mode.number == number), None)
 
     def _bracketed(
         self, mode: VibrationMode, speed: float, speed_of: Callable[[VibrationMode], float]
@@ -95,7 +104,8 @@ class ModesOverSpeed:
         if above(speed) * above(other) <= 0:
             ends, share = (min(speed, other), max(speed, other)), TOLERANCE / 10
             settled = float(brentq(above, ends[0], ends[1], xtol=share * speed, rtol=share))
-        if abs(above(settled)) <= 10 * TOLERANCE * settled:
-            return self.at(settled)[mode.number - 1]
+        last = self._numbered(mode.number, settled)
+        if last is not None and abs(above(settled)) <= 10 * TOLERANCE * settled:
+            return last
         text = f"mode {mode.number} and its critical speed near {speed * RPM:.6g} rpm"
         raise SolveError(f"{text} do not settle within {TOLERANCE:g} of each other")

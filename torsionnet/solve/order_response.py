@@ -16,6 +16,7 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
+from torsionnet.model.excitations.engine_phases import unlocked_engines
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
@@ -78,6 +79,8 @@ class OrderQuestion:
     ratios : mapping
         Excitation -> revolutions of its shaft per revolution of the reference.
     senses : mapping
+    engines : mapping
+        Engine -> first of those it is fixed to, where angles between engines are not known.
     """
 
     held: AssembledModel
@@ -86,6 +89,7 @@ class OrderQuestion:
     acting: Mapping[str, OrderExcitation]
     ratios: Mapping[str, Fraction]
     senses: Mapping[str, Senses]
+    engines: Mapping[str, str]
 
     @classmethod
     def of(
@@ -103,12 +107,18 @@ class OrderQuestion:
         held = with_motions_held(drivetrain, acting)
         ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
         senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
-        return cls(held, reference, at, acting, ratios, senses)
+        engines = unlocked_engines(acting, drivetrain.definition.excitations)
+        return cls(held, reference, at, acting, ratios, senses, engines)
 
     def loads(self, at: FloatArray) -> OrderLoads:
         """What acts at some speeds in rad/s."""
         found = tuple(
-            _acts(name, one, self.ratios[name], self.senses[name], one.torques(at * abs(float(self.ratios[name]))))
+            _acts(
+                OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
+                one,
+                self.senses[name],
+                one.torques(at * abs(float(self.ratios[name]))),
+            )
             for name, one in self.acting.items()
         )
         lines = tuple(line for each in found for line in each.lines)
@@ -185,16 +195,19 @@ class ActingLines:
     """By node: the input, and the sign with which a torque acts there."""
 
 
-def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, found: OrderTorques) -> ActingLines:
+def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ActingLines:
+    """An excitation whose lines are like one that has no order yet."""
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
     pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
-    lines = tuple(OrderLine(name, order, abs(ratio), frequency) for order, frequency in pairs)
-    if not ratio and found.orders.any():
-        raise UsageError(f"{one.shaft} does not turn, so it has no orders; {name} can act at frequencies there")
+    lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
+    if not line.ratio and found.orders.any():
+        raise UsageError(
+            f"{one.shaft} does not turn, so it has no orders; {line.excitation} can act at frequencies there"
+        )
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
     inputs = {place: (one.channel(place), senses[place]) for place in columns}
     loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
-    return ActingLines(name, lines, loads, found, inputs)
+    return ActingLines(line.excitation, lines, loads, found, inputs)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,8 @@ Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
 """The response at frequencies in Hz."""
 
 ROUNDS, POINTS = 3, 41
+ROUNDING = 1e-9
+"""Share of a magnitude by which a peak rises at least above the valleys beside it."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Peak:
 def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -> Iterator[Peak]:
     """Local maxima inside the range, each found again on ever finer grids."""
     magnitude = response.magnitude[:, output, input]
-    for index in inner_maxima(magnitude):
+    for index in _standing_out(magnitude):
         low, high = response.frequencies[index - 1], response.frequencies[index + 1]
         for _ in range(ROUNDS):
             grid = np.linspace(low, high, POINTS)
@@ -50,6 +52,23 @@ def inner_maxima(values: FloatArray) -> list[int]:
     """
     rises, falls = values[1:-1] > values[:-2], values[1:-1] >= values[2:]
     return [int(index) + 1 for index in np.flatnonzero(rises & falls)]
+
+
+def _standing_out(values: FloatArray) -> list[int]:
+    """Inner maxima that are more than rounding: a constant has none.
+
+    >>> _standing_out(np.array([1.0, 1 + 2e-16, 1.0, 1 + 4e-16, 1.0, 2.0, 1.5]))
+    [5]
+    """
+    found = []
+    for index in inner_maxima(values):
+        valleys = []
+        for side in (values[index::-1], values[index:]):
+            higher = np.flatnonzero(side > values[index])
+            valleys.append(side[: higher[0] if len(higher) else None].min())
+        if max(valleys) < (1 - ROUNDING) * values[index]:
+            found.append(index)
+    return found
 
 
 def static_value(solve: Solver, output: int, input: int) -> complex:

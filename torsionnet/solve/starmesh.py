@@ -37,11 +37,19 @@ def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """``method``, or for ``auto`` the one that many points are worth: by their number alone, wherever numba works."""
     if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < WORTH:
         return method
-    with contextlib.suppress(Exception):  # no numba, or one that is broken: numpy can do the same
+    return "compiled" if compiled_works() else "graph"
+
+
+def compiled_works() -> bool:
+    """Whether the compiled loop can be used: not without numba, nor with one that refuses this numpy.
+
+    numpy can do the same.
+    """
+    with contextlib.suppress(Exception):
         import torsionnet.solve.compiled  # noqa: F401
 
-        return "compiled"
-    return "graph"
+        return True
+    return False
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:

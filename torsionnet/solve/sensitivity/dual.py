@@ -68,6 +68,12 @@ class Dual:
             return bool(self.value == other.value) and bool(np.array_equal(self.gradient, other.gradient))
         return bool(self.value == other) and not self.gradient.any()
 
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < value_of(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > value_of(other))
+
     def __hash__(self) -> int:
         return hash(self.value)
 

@@ -12,6 +12,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Column, Table
+from torsionnet.response.mode_numbers import COUNTING, RIGID
 from torsionnet.solve.modes import modes_against
 from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
 from torsionnet.solve.sensitivity.unknowns import unknowns
@@ -36,8 +37,8 @@ class ModeSensitivities:
     pole_slopes : (n_modes, n_p) complex array
         d lambda / dp; nan where two poles meet at critical damping, and move with the root of a change.
     title : str
-    numbers : tuple of int
-        Of the modes, as :class:`~torsionnet.response.Modes` has them: rigid-body modes count.
+    numbers : tuple of int or None
+        Of the modes, as :class:`~torsionnet.response.Modes` has them; real poles have none.
     """
 
     parameters: tuple[str, ...]
@@ -45,7 +46,7 @@ class ModeSensitivities:
     poles: ComplexArray
     pole_slopes: ComplexArray
     title: str = ""
-    numbers: tuple[int, ...] = ()
+    numbers: tuple[int | None, ...] = ()
 
     @property
     def natural_frequencies(self) -> FloatArray:
@@ -86,9 +87,19 @@ class ModeSensitivities:
             found = self.damping_slopes * self.values / ratios
         return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
 
-    def number(self, index: int) -> int:
-        """Of the mode at this place."""
+    def number(self, index: int) -> int | None:
+        """Of the mode at this place; None for a real pole."""
         return self.numbers[index] if self.numbers else index + 1
+
+    def name(self, index: int) -> str:
+        """What the mode at this place is called.
+
+        >>> import torsionnet as tn
+        >>> mode_sensitivities(tn.load("dmf_rig"), ["k_2"]).name(0)
+        'mode 1'
+        """
+        number = self.number(index)
+        return "real pole" if number is None else f"mode {number}"
 
     def words(self, most: int = 3) -> tuple[str, ...]:
         """Of every mode, the parameters that move it most."""
@@ -96,19 +107,21 @@ class ModeSensitivities:
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
             if np.isnan(self.pole_slopes[mode]).any():
                 found.append(
-                    f"mode {self.number(mode)} ({f:.4g} Hz): two poles meet (critical damping) and have no derivative"
+                    f"{self.name(mode)} ({f:.4g} Hz): two poles meet (critical damping) and have no derivative"
                 )
                 continue
-            kind = "real pole" if self.poles[mode].imag == 0 else f"{100 * z:.3g} % damping"
+            kind = "" if self.number(mode) is None else f", {100 * z:.3g} % damping"
             parts = [
                 f"{what} by {_strongest(relative[mode], self.parameters, most)}"
                 for what, relative in (("frequency", self.relative_frequencies), ("damping", self.relative_dampings))
                 if np.abs(relative[mode]).max(initial=0.0) > STRONG
             ]
-            found.append(
-                f"mode {self.number(mode)} ({f:.4g} Hz, {kind}): {'; '.join(parts) or 'hardly moved by any of these'}"
-            )
+            found.append(f"{self.name(mode)} ({f:.4g} Hz{kind}): {'; '.join(parts) or 'hardly moved by any of these'}")
         return tuple(found)
+
+    @property
+    def _counting(self) -> list[str]:
+        return [COUNTING] if None in self.numbers else []
 
     def table(self) -> Table:
         """A row for each mode and parameter."""
@@ -136,7 +149,7 @@ class ModeSensitivities:
             for mode in range(len(self.poles))
             for p, name in enumerate(self.parameters)
         )
-        return Table(f"{self.title}: what moves the modes", columns, rows, self.words())
+        return Table(f"{self.title}: what moves the modes", columns, rows, (*self.words(), *self._counting))
 
 
 def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:
@@ -180,12 +193,13 @@ def mode_sensitivities(
     chosen = unknowns(drivetrain, names)
     request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
     modes = modes_against(drivetrain, request)
-    numbers = tuple(number for number, kind in enumerate(modes.kinds, 1) if "rigid" not in kind)
-    poles = np.array([modes.eigenvalues[number - 1] for number in numbers], dtype=complex)
+    kept = [place for place, kind in enumerate(modes.kinds) if kind != RIGID]
+    numbers = tuple(modes.numbers[place] for place in kept)
+    poles = np.array([modes.eigenvalues[place] for place in kept], dtype=complex)
     slopes = np.zeros((len(poles), len(names)), dtype=complex)
     system = ResponsesAroundPoles.of(drivetrain, chosen, request)
     places = [modes.nodes.index(node) for node in system.nodes]
-    shapes = modes.shapes[places][:, [number - 1 for number in numbers]]
+    shapes = modes.shapes[places][:, kept]
     for group in _groups(poles):
         slopes[group] = system.slopes(poles[group], shapes[:, group], clearance(poles, group))
     return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers)
