@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -213,6 +214,9 @@ class Drivetrain(RunningMachinery):
     ) -> Modes:
         """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
+        Parameters that follow the operating point have their values at its speed, else at the rated one; a note says
+        which that is.
+
         Parameters
         ----------
         measured_input : str, Sensor or sequence of these, optional
@@ -233,9 +237,11 @@ class Drivetrain(RunningMachinery):
         >>> tn.load("dmf_rig").modes().natural_frequencies.round(5).tolist()
         [7.10526, 80.98336]
         """
+        from torsionnet.model.operating_values import at_which_speed
         from torsionnet.solve.modes import modes
 
-        return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
+        found = modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
+        return replace(found, notes=(*found.notes, *at_which_speed(self.external_torques)))
 
     def loop_margins(self, controller: str | None = None) -> LoopMargins:
         """Stability margins of the loop opened at a controller, and the loop itself for Nyquist's plot.

@@ -36,6 +36,7 @@ class RunningMachinery(AssembledModel):
         speeds: ArrayLike | None = None,
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
+        refine: bool = False,
     ) -> OrderResponse:
         """Response of running machinery: the complex amplitude of every order at every speed.
 
@@ -49,6 +50,9 @@ class RunningMachinery(AssembledModel):
             The node they belong to; default: that of the model.
         excitations : iterable of str, optional
             Which of the model's excitations act; default: all.
+        refine : bool
+            Whether the result has more speeds between these, until the largest half range and the largest amplitudes
+            are known to 0.1 %; between the speeds of a list is nothing.
 
         Raises
         ------
@@ -68,8 +72,10 @@ class RunningMachinery(AssembledModel):
         True
         """
         from torsionnet.solve.order_response import order_response
+        from torsionnet.solve.refined_response import refined_response
 
-        return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
+        answer = refined_response if refine else order_response
+        return answer(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
     def mean_response(self, outputs: Channels, speeds: ArrayLike | None = None) -> MeanResponse:
         """Mean torques and twists of running machinery under its load.
@@ -249,7 +255,7 @@ class RunningMachinery(AssembledModel):
         Parameters
         ----------
         mode : int, optional
-            Number of an undamped mode; 1 is the lowest vibration, rigid bodies do not count.
+            Number of the mode as in :meth:`modes`: 1 is the lowest vibration, rigid bodies and real poles have none.
         at : float, optional
             Instead, a trial frequency in Hz: a torque remains at the last station.
         first : str, optional
@@ -348,6 +354,7 @@ class RunningMachinery(AssembledModel):
         *,
         speeds: ArrayLike | None = None,
         excitations: Iterable[str] | None = None,
+        refine: bool | None = None,
     ) -> LimitCheck:
         """Whether elements bear what running machinery does to them: a verdict on every limit, and barred ranges.
 
@@ -357,6 +364,10 @@ class RunningMachinery(AssembledModel):
             Names of limits of the model; default: all.
         speeds, excitations
             As for :meth:`order_response`.
+        refine : bool, optional
+            Whether speeds between these are examined as well, until the largest value over value allowed and the ends
+            of ranges are known to 0.1 %; the result has them among its speeds. Default: yes, but for a model whose
+            speeds are a list, which is all that is examined then.
 
         Raises
         ------
@@ -376,4 +387,4 @@ class RunningMachinery(AssembledModel):
         """
         from torsionnet.solve.limit_check import check_limits
 
-        return check_limits(self, limits, speeds=speeds, excitations=excitations)
+        return check_limits(self, limits, speeds=speeds, excitations=excitations, refine=refine)

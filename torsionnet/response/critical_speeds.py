@@ -12,6 +12,7 @@ from torsionnet.core.number_text import on_screen
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
+from torsionnet.response.mode_numbers import COUNTING
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
@@ -21,6 +22,7 @@ ROUNDING = 1e-9
 """Relative force that is shown as none."""
 SAME_MODE = 0.02
 """Relative distance of natural frequencies of one mode in two conditions."""
+OVERDAMPED_BEHIND = "undamped modes that damping leaves no vibration are counted behind all others"
 FREQUENCIES = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
 
 
@@ -292,7 +294,7 @@ class CriticalSpeeds:
             f"{self.title}: natural frequencies",
             columns,
             rows,
-            ("mode 1 is the lowest vibration, rigid bodies do not count",),
+            (COUNTING, *([OVERDAMPED_BEHIND] if any(math.isnan(one.natural_frequency) for one in self.modes) else [])),
         )
 
     def shape(self, mode: int) -> Mapping[str, complex]:

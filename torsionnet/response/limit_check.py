@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,8 +14,52 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans
 from torsionnet.response.table import Column, Table
 
-PASS, BARRED, FAIL, OPEN = "pass", "barred range", "fail", "not judged"
-"""Verdicts: holds at every speed; holds outside of speeds that are barred; does not hold; data are missing."""
+PASS, BARRED, INCOMPLETE, OPEN, FAIL = "pass", "barred range", "incomplete", "not judged", "fail"
+"""Verdicts by gravity: holds at every speed; holds outside of speeds that are barred; holds, but not all was examined;
+data are missing; does not hold."""
+
+MOST_NAMES = 6
+"""Configurations that a sentence names."""
+
+
+def gravest(verdicts: Iterable[str]) -> str:
+    """The gravest of verdicts, "pass" where there are none.
+
+    Examples
+    --------
+    >>> gravest(["pass", "incomplete", "barred range"])
+    'incomplete'
+    """
+    return max(verdicts, key=(PASS, BARRED, INCOMPLETE, OPEN, FAIL).index, default=PASS)
+
+
+def unexamined(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
+    """Which of the known configurations were not examined, in words; nothing where none is missing.
+
+    Examples
+    --------
+    >>> unexamined(["wet", "dry"], ["wet", "dry", "warm"], ["warm"])
+    ['2 of 3 configurations not examined: all but warm']
+    """
+    if not missing:
+        return []
+    lead = f"{len(missing)} of {len(known)} configurations not examined"
+    kept = [name for name in known if name not in missing]
+    if not kept:
+        return [f"{lead}, but {few([name or 'the model as written' for name in examined])}"]
+    return [f"{lead}: " + (f"all but {few(kept)}" if len(kept) < len(missing) else few(missing))]
+
+
+def few(names: Sequence[str]) -> str:
+    """Names in a sentence, of many the first."""
+    rest = len(names) - MOST_NAMES
+    return ", ".join(names[:MOST_NAMES]) + (f" and {rest} more" if rest > 0 else "")
+
+
+def used(values: FloatArray, allowed: FloatArray) -> FloatArray:
+    """Value over value allowed; NaN where nothing is allowed or covered."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
 
 
 @dataclass(frozen=True)
@@ -51,6 +96,8 @@ class LimitVerdict:
     remarks : tuple of str
     orders : (n_speeds, n_lines) array, optional
         Amplitudes of the orders that make ``values``.
+    absent : bool
+        Whether it is not judged since what it is about is switched off.
     """
 
     limit: str
@@ -65,12 +112,12 @@ class LimitVerdict:
     barred: tuple[SpeedSpan, ...] = ()
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
+    absent: bool = False
 
     @property
     def utilisation(self) -> FloatArray:
         """Value over value allowed, (n_speeds,); NaN where nothing is allowed or covered."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(np.where(np.isfinite(self.allowed), self.values / self.allowed, np.nan))
+        return used(self.values, self.allowed)
 
     @property
     def worst(self) -> int | None:
@@ -86,7 +133,7 @@ class LimitCheck:
     Attributes
     ----------
     speeds : (n_speeds,) array
-        Of the reference shaft, rad/s.
+        Of the reference shaft, rad/s: those asked for, and between them those at which more had to be known.
     reference : str
         Its node.
     verdicts : tuple of LimitVerdict
@@ -95,6 +142,13 @@ class LimitCheck:
     title, configuration : str
     misfiring : bool
         Whether a cylinder misfires in this condition.
+    notes : tuple of str
+    configurations : tuple of str
+        All of the model.
+    others : tuple of str
+        Those that this check is not about.
+    left_out : tuple of str
+        Limits and excitations that were left out, in words.
     """
 
     speeds: FloatArray
@@ -105,6 +159,9 @@ class LimitCheck:
     configuration: str = ""
     misfiring: bool = False
     notes: tuple[str, ...] = field(default=())
+    configurations: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def rpm(self) -> FloatArray:
@@ -113,8 +170,12 @@ class LimitCheck:
 
     @property
     def verdict(self) -> str:
-        """The gravest of all verdicts."""
-        return max((one.verdict for one in self.verdicts), key=(PASS, BARRED, OPEN, FAIL).index, default=PASS)
+        """The gravest of all verdicts on this configuration.
+
+        "incomplete" instead of "pass" and "barred range" where no configuration was chosen although there are others.
+        """
+        found = [one.verdict for one in self.verdicts]
+        return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
@@ -123,18 +184,28 @@ class LimitCheck:
 
     @property
     def conclusion(self) -> str:
-        """What follows from all verdicts, in a sentence."""
+        """In a sentence: what was not examined, if anything, and what follows from all verdicts."""
+        missing = [*unexamined(self.others, self.configurations, [self.configuration]), *self.left_out]
+        where = f" in {self.configuration or 'the model as written'}" if self.others else ""
+        return "; ".join([*missing, self.finding(where)])
+
+    def finding(self, where: str = "") -> str:
+        """What follows from all verdicts on this configuration, in a sentence; ``where`` names it."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
         unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
         barred = ", ".join(map(str, self.barred))
-        parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold"] if failed else []
+        parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold{where}"] if failed else []
         if any(one.verdict == BARRED for one in self.verdicts) and not failed:
-            parts.append(f"limits hold with {barred} of {self.reference} barred")
+            parts.append(f"limits hold{where} with {barred} of {self.reference} barred")
         elif barred:
             parts.append(f"to be barred: {barred} of {self.reference}")
-        parts += [f"{', '.join(unjudged)} not judged"] if unjudged else []
+        parts += [f"{', '.join(unjudged)} not judged{'' if parts else where}"] if unjudged else []
         examined = f"{self.rpm[0]:g} to {self.rpm[-1]:g} rpm of {self.reference}"
-        return "; ".join(parts) or f"all limits hold at the speeds examined, {examined}"
+        return "; ".join(parts) or f"{self._those} hold{where} at the speeds examined, {examined}"
+
+    @property
+    def _those(self) -> str:
+        return "the limits examined" if self.left_out else "all limits"
 
     def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
         """The verdict on a limit, on one of its criteria where there are several.

@@ -10,6 +10,11 @@ from numpy.typing import NDArray
 
 from torsionnet.response.table import Column, Table
 
+STABLE = "the drivetrain is stable"
+UNSTABLE = "the closed loop is unstable, so these are no margins: they say where a pole would reach the imaginary axis"
+_KEPT = ("gain may grow by the factor", "gain may fall to the factor", "phase margin", "delay margin")
+_LOST = ("gain grown by the factor", "gain fallen to the factor", "phase lag added", "delay added")
+
 
 @dataclass(frozen=True)
 class Margin:
@@ -34,7 +39,8 @@ class LoopMargins:
     loop : (n,) complex array
         L.
     stable : bool
-        Whether no mode grows; the margins of a drivetrain that is not stable say how far it is from becoming so.
+        Whether no mode grows. Of a drivetrain that is not stable the values below are no margins: they say where a pole
+        reaches the imaginary axis, which need not be the one that grows.
     gain_increase, gain_decrease : Margin
         Factors > 1 and < 1 of the gain of the controller at which a pole reaches the imaginary axis.
     phase : Margin
@@ -58,15 +64,18 @@ class LoopMargins:
     title: str = ""
 
     def table(self) -> Table:
-        """The margins with the frequencies at which they are met."""
+        """The margins with the frequencies at which they are met; of an unstable loop, where a pole meets the axis."""
+        names, what, note = (
+            (_KEPT, "margin", STABLE) if self.stable else (_LOST, "a pole reaches the axis with", UNSTABLE)
+        )
         rows = (
-            ("gain may grow by the factor", self.gain_increase.value, "1", self.gain_increase.frequency),
-            ("gain may fall to the factor", self.gain_decrease.value, "1", self.gain_decrease.frequency),
-            ("phase margin", self.phase.value, "deg", self.phase.frequency),
-            ("delay margin", 1e3 * self.delay.value, "ms", self.delay.frequency),
+            (names[0], self.gain_increase.value, "1", self.gain_increase.frequency),
+            (names[1], self.gain_decrease.value, "1", self.gain_decrease.frequency),
+            (names[2], self.phase.value, "deg", self.phase.frequency),
+            (names[3], 1e3 * self.delay.value, "ms", self.delay.frequency),
             ("smallest |1 + L|", self.modulus.value, "1", self.modulus.frequency),
         )
-        note = "the drivetrain is stable" if self.stable else "the drivetrain is unstable: no margin is kept"
-        columns = (Column("margin"), Column("value"), Column("unit"), Column("at", "Hz"))
+        columns = (Column(what), Column("value"), Column("unit"), Column("at", "Hz"))
         shown = tuple(tuple(None if cell != cell else cell for cell in row) for row in rows)
-        return Table(f"{self.title}: loop opened at {self.controller}", columns, shown, (note,))
+        title = f"{self.title}: loop opened at {self.controller}"
+        return Table(title if self.stable else f"{title}, UNSTABLE when closed", columns, shown, (note,))

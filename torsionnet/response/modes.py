@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.mode_numbers import COUNTING, OSCILLATORY, REAL, RIGID, mode_names, mode_numbers
 from torsionnet.response.table import Column, Table
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
-
-RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
+__all__ = ["OSCILLATORY", "REAL", "RIGID", "ComplexArray", "FloatArray", "Modes"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +72,16 @@ class Modes:
     title: str = ""
     notes: tuple[str, ...] = ()
 
+    @property
+    def numbers(self) -> tuple[int | None, ...]:
+        """Number of every mode: vibrations from 1 by rising ``|lambda|``, None for rigid bodies and real poles."""
+        return mode_numbers(self.kinds)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What every mode is called in headings: its number, or "rigid body", "real pole"."""
+        return mode_names(self.kinds)
+
     @cached_property
     def natural_frequencies(self) -> FloatArray:
         """``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
@@ -114,7 +124,7 @@ class Modes:
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
-        """(kinetic, strain, dissipated) share of every element in one mode."""
+        """(kinetic, strain, dissipated) share of every element in the mode at this place of the arrays."""
         shares = np.stack([self.kinetic[:, mode], self.strain[:, mode], self.dissipated[:, mode]], axis=1)
         return {name: (float(k), float(s), float(d)) for name, (k, s, d) in zip(self.elements, shares, strict=True)}
 
@@ -133,7 +143,7 @@ class Modes:
         scale = conventions.frequency_scale
         rows = tuple(
             (
-                index + 1,
+                self.numbers[index],
                 float(self.natural_frequencies[index] * scale),
                 float(self.damped_frequencies[index] * scale),
                 float(self.damping_ratios[index]),
@@ -145,14 +155,15 @@ class Modes:
             for index, value in enumerate(self.eigenvalues)
         )
         undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
-        notes = (f"undamped natural frequencies [{conventions.frequency}]: {undamped}", *self.notes)
+        counting = [COUNTING] if None in self.numbers else []
+        notes = (*counting, f"undamped natural frequencies [{conventions.frequency}]: {undamped}", *self.notes)
         return Table(self.title, columns, rows, notes)
 
     def shape_table(self) -> Table:
         """One row per node: magnitude and phase of every shape."""
         columns = [Column("node")]
-        for index in range(len(self)):
-            columns += [Column(f"|shape {index + 1}|", "rad"), Column(f"phase {index + 1}", "deg")]
+        for name in self.names:
+            columns += [Column(f"|shape {name}|", "rad"), Column(f"phase {name}", "deg")]
         rows = []
         for node, row in zip(self.nodes, self.shapes, strict=True):
             cells: list[float] = []
@@ -166,8 +177,8 @@ class Modes:
     def energy_table(self) -> Table:
         """One row per element: its share in kinetic energy, strain energy and dissipation of every mode, in percent."""
         columns = [Column("element")]
-        for index in range(len(self)):
-            columns += [Column(f"{what} {index + 1}", "%", 4) for what in ("kinetic", "strain", "dissipated")]
+        for name in self.names:
+            columns += [Column(f"{what} {name}", "%", 4) for what in ("kinetic", "strain", "dissipated")]
         rows = []
         for number, name in enumerate(self.elements):
             shares = [

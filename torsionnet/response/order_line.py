@@ -27,12 +27,15 @@ class OrderLine:
         Revolutions of that shaft per revolution of the reference shaft, not negative.
     fixed : float
         Hz, added to what follows the speed: all of it where ``order`` is 0; with an order below 0 a slip.
+    engine : str
+        Where angles between engines are not known: the engine this is of, or the first of those fixed to it.
     """
 
     excitation: str
     order: float
     ratio: Fraction
     fixed: float = 0.0
+    engine: str = ""
 
     @property
     def exact_order(self) -> Fraction:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -15,8 +15,11 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.crests import COARSE, LONG, crests
+from torsionnet.response.engine_angles import settled
+from torsionnet.response.engine_blocks import engine_blocks, is_unsettled
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
+from torsionnet.response.order_sums import lines_of_one_frequency, sum_name, summed_sizes
 from torsionnet.response.synthesis import PER_PERIOD, common_cycle, extremes, synthesised
 from torsionnet.response.table import Column, Table
 
@@ -86,10 +89,15 @@ class OrderResponse:
         """Responses of which all outputs belong to one case: this one where there is no other."""
         return (self,)
 
+    @property
+    def single_cases(self) -> tuple[ComplexArray, ...]:
+        """Values of each case alone where there are several."""
+        return ()
+
     @cached_property
     def revolutions(self) -> int | None:
         """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""
-        if any(line.fixed for line in self.lines):
+        if any(line.fixed for line in self.lines) or len(engine_blocks(self.lines)) > 1:
             return None
         return common_cycle([line.relative for line in self.lines])
 
@@ -128,6 +136,25 @@ class OrderResponse:
             names = " and ".join(self.lines[place].excitation for place in found)
             raise UsageError(f"order {order:g} of {names} is not one frequency; say which excitation")
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
+
+    def amplitude_of_order(self, order: float, output: str | None = None) -> FloatArray:
+        """Largest amplitude over speed, shape (n_speeds,), that an order can have in the sum of all excitations.
+
+        What has it of engines between which no angle is known is added by its size, all else with its phase.
+
+        Raises
+        ------
+        UsageError
+            As of :meth:`of_order`.
+        """
+        own = self.of_order(order, output)  # refuses what is none, and what is not one frequency
+        blocks = engine_blocks(self.lines)
+        if len(blocks) == 1:
+            return np.abs(own)
+        place = self.output(output)
+        has_it = [not line.fixed and math.isclose(line.order, order) for line in self.lines]
+        each = [self.values[:, [at for at in block.places if has_it[at]], place].sum(axis=1) for block in blocks]
+        return np.asarray(np.abs(each).sum(axis=0))
 
     def of_frequency(self, hertz: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
         """Amplitudes over speed, shape (n_speeds,), of a frequency that does not follow it.
@@ -171,8 +198,12 @@ class OrderResponse:
         """Largest and smallest value of the sum of all lines over the common cycle, shape (2, n_speeds, n_out).
 
         Where there is none, shafts and sources of fixed frequencies take every position to each other sooner or later:
-        their extremes add up. What has no cycle of its own adds the sum of its magnitudes.
+        their extremes add up. What has no cycle of its own adds the sum of its magnitudes. Engines of one speed between
+        which no angle is known stand as makes the most of (max - min)/2; of other engines the extremes add up, too.
         """
+        if is_unsettled(self.lines):
+            worst = settled(self.values, self.lines)
+            return replace(self, values=worst.values, lines=worst.lines).bounds
         found = np.zeros((2, len(self.speeds), len(self.outputs)))
         for places, counts in self._families():
             alone = np.abs(self.values[:, places]).sum(axis=1)
@@ -182,15 +213,22 @@ class OrderResponse:
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
         """Lines whose phases stay together, and their periods in a cycle of theirs, if they have one.
 
-        These are all lines together if they repeat; or those of each shaft, those of all fixed frequencies, which are
-        taken to come from one line, and each slip alone.
+        These are all lines of engines at known angles if they repeat; or those of each shaft, those of all fixed
+        frequencies, which are taken to come from one line, and each slip alone.
         """
-        every = list(range(len(self.lines)))
-        if self.revolutions is not None:
-            yield every, [int(self.lines[place].relative * self.revolutions) for place in every]
-            return
+        for block in engine_blocks(self.lines):
+            relatives = [self.lines[place].relative for place in block.places]
+            has_fixed = any(self.lines[place].fixed for place in block.places)
+            cycle = None if has_fixed else common_cycle(relatives)
+            if cycle is None:
+                yield from self._by_shaft(block.places)
+            else:
+                yield [*block.places], [int(relative * cycle) for relative in relatives]
+
+    def _by_shaft(self, block: Sequence[int]) -> Iterator[tuple[list[int], list[int] | None]]:
         families: dict[object, list[int]] = {}
-        for place, line in enumerate(self.lines):
+        for place in block:
+            line = self.lines[place]
             family = ("fixed" if not line.order else (line.relative, line.fixed)) if line.fixed else line.ratio
             families.setdefault(family, []).append(place)
         for places in families.values():
@@ -274,6 +312,8 @@ class OrderResponse:
         for line in chosen.tolist():
             at = int(np.argmax(sizes[:, line]))
             rows.append((str(self.lines[line]), self.rpm[at], sizes[at, line] * scale, shown[line] * scale))
+        sums = [places for places in lines_of_one_frequency(self.lines) if len(places) > 1 and {*places} & {*chosen}]
+        rows += [self._sum_row(places, place, worst, scale) for places in sums]
         unit = conventions.unit(channel.unit)
         columns = (
             Column("order"),
@@ -288,9 +328,17 @@ class OrderResponse:
             )
         else:
             notes.append(self.no_cycle)
+        if sums:
+            notes.append("sums of lines of one frequency, with their phases, are what a test measures")
         if len(chosen) < len(self.lines):
             notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
         return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
+
+    def _sum_row(self, places: list[int], output: int, worst: int, scale: float) -> tuple[object, ...]:
+        number = lines_of_one_frequency(self.lines).index(places)
+        sizes = summed_sizes(self)[:, number, output]
+        at, shown = int(np.argmax(sizes)), abs(self.values[worst, places, output].sum())
+        return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
 
     def long_table(self) -> Table:
         """Every amplitude: speed, excitation, order, then real and imaginary part of each output; SI."""
@@ -310,9 +358,17 @@ class OrderResponse:
     @property
     def no_cycle(self) -> str:
         """Why there is no common cycle, where there is none."""
+        engines = [block.engine for block in engine_blocks(self.lines)]
+        if len(engines) > 1:
+            return f"{' and '.join(engines)} turn at unequal speeds with no phase between them: half ranges are added"
         if any(line.fixed for line in self.lines):
             return "lines that do not follow the speed have no common cycle with it: half ranges add up sooner or later"
         return "the shafts have no short common cycle: their half ranges add up sooner or later"
+
+    @property
+    def engine_notes(self) -> tuple[str, ...]:
+        """What was taken for angles between engines that the model does not give."""
+        return (self.no_cycle,) if len(engine_blocks(self.lines)) > 1 else ()
 
     @property
     def _phases(self) -> str:

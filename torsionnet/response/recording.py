@@ -16,6 +16,18 @@ FloatArray = NDArray[np.float64]
 QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "stress": "Pa"}
 """What a signal may be, and the SI unit it is kept in."""
 
+SLOWEST, FASTEST = 1e-15, 1e15
+"""Hz; one sample in thirty million years, and one while light goes a third of a micrometre."""
+
+
+def is_rate(sampling_rate: float) -> bool:
+    """Whether anything is sampled at so many Hz.
+
+    >>> is_rate(10e3), is_rate(0.0), is_rate(1e300), is_rate(float("nan"))
+    (True, False, False, False)
+    """
+    return SLOWEST <= sampling_rate <= FASTEST
+
 
 @dataclass(frozen=True, eq=False)
 class Signal:
@@ -80,7 +92,7 @@ class Recording:
         if len(lengths) > 1:
             sizes = ", ".join(f"{signal.name} has {len(signal.values)}" for signal in self.signals)
             raise UsageError(f"the signals of a recording must be of one length: {sizes}")
-        if not (np.isfinite(self.sampling_rate) and self.sampling_rate > 0):
+        if not is_rate(self.sampling_rate):
             raise UsageError(f"the sampling rate must be a positive number of Hz, got {self.sampling_rate}")
 
     @property

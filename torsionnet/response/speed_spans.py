@@ -30,6 +30,14 @@ class SpeedSpan:
         """Whether a speed lies in it."""
         return self.low <= speed <= self.high
 
+    def widened(self, tolerance: float) -> SpeedSpan:
+        """With a share of the speeds more on both sides."""
+        return SpeedSpan(self.low * (1 - tolerance), self.high * (1 + tolerance))
+
+    def within(self, other: SpeedSpan) -> SpeedSpan:
+        """The part of it that lies in another one."""
+        return SpeedSpan(max(self.low, other.low), min(self.high, other.high))
+
     def __str__(self) -> str:
         return f"{self.low * RPM:.1f} to {self.high * RPM:.1f} rpm"
 
@@ -69,6 +77,20 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
         high = _crossing(speeds, over, last, last + 1) if last + 1 < len(speeds) else speeds[-1]
         found.append(SpeedSpan(float(low), float(high)))
     return tuple(found)
+
+
+def cut_off(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple[str, ...]:
+    """What has to be said of a span that comes to where speeds end, as "no lower speed was examined", or beyond.
+
+    Examples
+    --------
+    >>> cut_off(SpeedSpan(43.0, 47.0), SpeedSpan(30.0, 45.0), "no lower speed was examined", "no higher one")
+    ('the range ends at 429.7 rpm: no higher one',)
+    """
+    slack = 1e-9 * limits.high
+    low = (f"the range begins at {limits.low * RPM:.1f} rpm: {below}",) if span.low <= limits.low + slack else ()
+    high = (f"the range ends at {limits.high * RPM:.1f} rpm: {above}",) if span.high >= limits.high - slack else ()
+    return (*low, *high)
 
 
 def _runs(places: NDArray[np.integer[Any]]) -> list[tuple[int, int]]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from torsionnet.response.frequency_response import ComplexArray
 
+SHIFTED = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class VibrationMode:
@@ -15,7 +17,8 @@ class VibrationMode:
     Attributes
     ----------
     number : int
-        From 1; rigid bodies do not count.
+        Of the damped vibration, from 1 by rising ``|lambda|``, as in every table of modes; undamped modes that damping
+        leaves no vibration are counted behind all of them.
     undamped_frequency : float
         Hz, of M and K alone; nan where a mode exists only with damping.
     natural_frequency, damped_frequency : float
@@ -41,6 +44,11 @@ class VibrationMode:
         if math.isnan(self.damping_ratio):
             return math.nan
         return 1 / (2 * self.damping_ratio) if self.damping_ratio > 0 else math.inf
+
+    @property
+    def is_shifted(self) -> bool:
+        """Whether damping moves its natural frequency by more than a hundredth."""
+        return abs(self.natural_frequency - self.undamped_frequency) > SHIFTED * self.undamped_frequency
 
     @property
     def remark(self) -> str:

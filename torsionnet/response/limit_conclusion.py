@@ -1,0 +1,120 @@
+"""What follows from the limits of all configurations of a model: no pass while one of them was not examined."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.limit_check import FAIL, INCOMPLETE, OPEN, LimitCheck, LimitVerdict, few, gravest, unexamined
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans
+
+
+@dataclass(frozen=True, eq=False)
+class LimitConclusion:
+    """The verdict on a model from checks in its configurations.
+
+    Attributes
+    ----------
+    checks : tuple of LimitCheck
+        One for each configuration that was examined, all of one model.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> ship = tn.load("two_stroke_ship")
+    >>> found = LimitConclusion((ship.configured("normal").check_limits("tail"),))
+    >>> found.verdict, found.not_examined
+    ('incomplete', ('misfire', 'misfire_2'))
+    """
+
+    checks: tuple[LimitCheck, ...]
+
+    def __post_init__(self) -> None:
+        if not self.checks:
+            raise UsageError("nothing was examined: a conclusion rests on at least one check of limits")
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """All of the model, examined or not."""
+        return self.checks[0].configurations
+
+    @property
+    def not_examined(self) -> tuple[str, ...]:
+        """Configurations of the model that no check is about."""
+        return tuple(name for name in self.configurations if all(name in one.others for one in self.checks))
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Limits and excitations that were left out, in words."""
+        return tuple(dict.fromkeys(words for one in self.checks for words in one.left_out))
+
+    @property
+    def verdict(self) -> str:
+        """The gravest of all; "incomplete" instead of "pass" and "barred range" where not all was examined."""
+        found = [one.verdict for _, one in self._verdicts()]
+        return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
+
+    @property
+    def barred(self) -> tuple[SpeedSpan, ...]:
+        """Speeds to be barred in any configuration, joined where they overlap."""
+        return joined_spans([span for one in self.checks for span in one.barred])
+
+    @property
+    def sentence(self) -> str:
+        """What was not examined, if anything, and what follows from all checks."""
+        if len(self.checks) == 1:
+            return self.checks[0].conclusion
+        examined = [one.configuration for one in self.checks]
+        return "; ".join(
+            [*unexamined(self.not_examined, self.configurations, examined), *self.left_out, *self._found()]
+        )
+
+    def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
+        """All but those on what a configuration switches off and another one has."""
+        judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
+        for check in self.checks:
+            yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
+
+    def _found(self) -> list[str]:
+        failed, unjudged, barred = self._of(FAIL), self._of(OPEN), self._barred()
+        parts = [f"{name} does not hold{where}" for name, where in failed.items()]
+        if not barred:
+            parts += [] if failed or unjudged else [self._all_hold()]
+        elif failed:
+            parts.append(f"beside that, {barred}")
+        else:
+            parts.append(f"limits hold with {barred}")
+        return [*parts, *(f"{name} not judged{where}" for name, where in unjudged.items())]
+
+    def _all_hold(self) -> str:
+        low, high = min(one.rpm[0] for one in self.checks), max(one.rpm[-1] for one in self.checks)
+        those = "the limits examined" if self.left_out else "all limits"
+        where = self._where([one.configuration for one in self.checks])
+        return f"{those} hold{where} at the speeds examined, {low:g} to {high:g} rpm of {self._shaft}"
+
+    @property
+    def _shaft(self) -> str:
+        return self.checks[0].reference
+
+    def _of(self, verdict: str) -> dict[str, str]:
+        """Limits of a verdict, and the configurations in which they have it."""
+        found: dict[str, list[str]] = {}
+        for check, one in self._verdicts():
+            if one.verdict == verdict:
+                found.setdefault(one.limit, []).append(check.configuration)
+        return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
+
+    def _barred(self) -> str:
+        if not self.barred:
+            return ""
+        where = self._where([one.configuration for one in self.checks if one.barred])
+        return f"{', '.join(map(str, self.barred))} of {self._shaft} barred{where.replace(' in ', ' for ', 1)}"
+
+    def _where(self, names: Sequence[str]) -> str:
+        named = [name for name in names if name]
+        if not named:
+            return ""
+        if len(self.configurations) > 1 and len(named) == len(self.configurations):
+            return f" in all {len(named)} configurations"
+        return f" in {few(named)}"

@@ -1,0 +1,66 @@
+"""Which number a mode has: one way of counting for tables, pictures, files, questions and studies."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from torsionnet.core.errors import UsageError
+
+RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
+COUNTING = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
+"""What tables of modes say below."""
+
+
+def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
+    """Numbers of modes by rising ``|lambda|``: those that vibrate are counted from 1, others have none.
+
+    Examples
+    --------
+    >>> mode_numbers(["rigid body", "real pole", "oscillatory", "oscillatory"])
+    (None, None, 1, 2)
+    """
+    found: list[int | None] = []
+    count = 0
+    for kind in kinds:
+        count += kind == OSCILLATORY
+        found.append(count if kind == OSCILLATORY else None)
+    return tuple(found)
+
+
+def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
+    """What modes are called in headings: their number, or what they are, counted where there are several.
+
+    Examples
+    --------
+    >>> mode_names(["rigid body", "real pole", "oscillatory", "real pole"])
+    ('rigid body', 'real pole a', '1', 'real pole b')
+    """
+    total, met = Counter(kinds), Counter[str]()
+    names = []
+    for kind, number in zip(kinds, mode_numbers(kinds), strict=True):
+        met[kind] += 1
+        names.append(str(number or (kind if total[kind] == 1 else f"{kind} {_letters(met[kind])}")))
+    return tuple(names)
+
+
+def _letters(number: int) -> str:
+    """A to z, then aa, ab and so on."""
+    whole, rest = divmod(number - 1, 26)
+    return (_letters(whole) if whole else "") + chr(ord("a") + rest)
+
+
+def place_of(number: int, kinds: Sequence[str]) -> int:
+    """Where the mode of a number stands among all.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    numbers = mode_numbers(kinds)
+    if number in numbers:
+        return numbers.index(number)
+    count = sum(one is not None for one in numbers)
+    have = f"there are {count}, counted" if count else "nothing vibrates; modes are counted"
+    raise UsageError(f"there is no mode {number}; {have} from 1 without rigid bodies and real poles")
