@@ -194,6 +194,20 @@ def label(choice: Mapping[str, str], axes: Axes) -> str:
     return ",".join(f"{axis}={name}" for axis, name in choice.items())
 
 
+def left_out(choice: Mapping[str, str], axes: Axes) -> tuple[str, ...]:
+    """Names of the configurations that are not the one chosen.
+
+    On an axis without a choice the model is as written; an alternative that changes nothing is the same.
+    """
+    return tuple(
+        label(other, axes)
+        for other in combinations(axes)
+        if any(
+            choice[axis] != name if axis in choice else axes[axis][name] != Overlay() for axis, name in other.items()
+        )
+    )
+
+
 def parse_choice(text: str, axes: Axes) -> dict[str, str]:
     """The choice meant by ``V``, ``gear=V`` or ``gear=V,clutch=open``; UsageError lists what there is."""
     choice: dict[str, str] = {}

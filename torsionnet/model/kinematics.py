@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import Action, Constraint, Law, Part, Row, Values
+from torsionnet.model.elements import Action, Constraint, Element, Law, Part, Row, Values
 from torsionnet.model.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
 
 
@@ -20,6 +20,17 @@ class OwnedPart:
 
     element: str
     part: Part
+
+
+@dataclass(frozen=True, eq=False)
+class MadeParts:
+    """The parts of an element, and the values of its parameters that they were made of."""
+
+    of: Element
+    names: tuple[str, ...]
+    used: tuple[Any, ...]
+    kinds: tuple[type, ...]
+    parts: tuple[OwnedPart, ...]
 
 
 @dataclass(frozen=True)
@@ -41,6 +52,8 @@ class Kinematics:
         Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
     coordinates : tuple of str
         The nodes kept as coordinates q.
+    made : mapping
+        The parts by element, with what they were made of: models that differ in some parameters share the others.
     """
 
     nodes: tuple[str, ...]
@@ -49,6 +62,7 @@ class Kinematics:
     driven: tuple[Row, ...]
     reduction: Reduction
     coordinates: tuple[str, ...]
+    made: Mapping[str, MadeParts] = field(default_factory=dict, compare=False, repr=False)
 
     def reduced(self, row: Mapping[str, Any]) -> Row:
         """A row over nodes as a row over coordinates and imposed angles."""
@@ -89,6 +103,27 @@ def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
+def _made(definition: Definition, value: Values, known: Mapping[str, MadeParts]) -> dict[str, MadeParts]:
+    """The parts of every element that is switched on; of one whose parameters have the values they had, those known."""
+    return {element.name: _made_once(element, value, known.get(element.name)) for element in definition.active}
+
+
+def _made_once(element: Element, value: Values, known: MadeParts | None) -> MadeParts:
+    same = known is not None and known.of is element
+    names = known.names if known is not None and same else _names(element)
+    used = tuple(value.parameters.get(name) for name in names)
+    kinds = tuple(map(type, used))  # a float that equals a fraction is not exact
+    if known is not None and same and (used, kinds) == (known.used, known.kinds):
+        return known
+    parts = tuple(OwnedPart(element.name, part) for part in element.parts(value))
+    return MadeParts(element, names, used, kinds, parts)
+
+
+def _names(element: Element) -> tuple[str, ...]:
+    """The parameters that the expressions of an element name."""
+    return tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
+
+
 def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
 
@@ -121,12 +156,13 @@ def solve_kinematics(
     """
     nodes = all_nodes(definition.active)
     _require_nodes(referred_to, nodes)
-    parts = owned_parts(definition, value)
+    made = _made(definition, value, like.made if like else {})
+    parts = tuple(part for one in made.values() for part in one.parts)
     imposed = imposed_rows(definition, set(nodes))
     driven = tuple(definition.inputs[name].row for name in imposed)
     same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
     if like is not None and same and not referred_to:
-        again = replace(like, parts=parts)
+        again = replace(like, parts=parts, made=made)
         if again.constraints == like.constraints:
             return again
     order = {node: index for index, node in enumerate(nodes)}
@@ -142,7 +178,7 @@ def solve_kinematics(
         kept = ", ".join(referred_to)
         raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
     coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
-    return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
+    return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates, made)
 
 
 def kinematics_on(

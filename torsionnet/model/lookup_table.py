@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
@@ -16,6 +16,8 @@ from torsionnet.core.units import Dimension
 
 class LookupTable(Spec):
     """``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
+
+    is_read_off: ClassVar[bool] = True
 
     @property
     def absent(self) -> Rows:

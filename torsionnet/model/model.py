@@ -11,7 +11,15 @@ from typing import Any, Self
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.checks import check_definition, check_variant, has_errors
-from torsionnet.model.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
+from torsionnet.model.configurations import (
+    Overlay,
+    combinations,
+    known_elements,
+    label,
+    left_out,
+    parse_choice,
+    read_overrides,
+)
 from torsionnet.model.defining import collect_elements, define, put_together
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Element
@@ -174,6 +182,19 @@ class Model:
     def configuration(self) -> str:
         """The configuration chosen with :meth:`configured`, or an empty string."""
         return label(self._choice, self._definition.configurations) if self._choice else ""
+
+    @property
+    def other_configurations(self) -> tuple[str, ...]:
+        """Configurations that this is not; an alternative that changes nothing is the model as written.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.load("amt_rig")
+        >>> rig.configurations, rig.configured("V").other_configurations
+        (('II', 'III', 'IV', 'V', 'V_c_O_360'), ('II', 'III', 'IV', 'V_c_O_360'))
+        """
+        return left_out(self._choice, self._definition.configurations)
 
     @property
     def title(self) -> str:

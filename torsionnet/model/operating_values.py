@@ -121,6 +121,16 @@ def at_operating_point(definition: Definition) -> Definition:
         return definition
 
 
+def at_which_speed(external: ExternalTorques) -> tuple[str, ...]:
+    """At which speed numbers hold that are worked out once, in words; nothing where no parameter follows it."""
+    following = external.definition.following
+    if not following:
+        return ()
+    where = f"{external.reference} at {external.operating_speed * RPM:.6g} rpm"
+    names = ", ".join(following)
+    return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point",)
+
+
 def opening(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:
     """Torque through an element at its first port per torque from outside on each node, by equilibrium alone.
 

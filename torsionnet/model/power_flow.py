@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import warnings
 from collections.abc import Sequence
@@ -12,8 +13,11 @@ import numpy as np
 from torsionnet.core.errors import TorsionnetWarning
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Element, Law, Values
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.engine_blocks import engine_blocks
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
+from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.synthesis import common_cycle, extremes, synthesised
 from torsionnet.response.worst_response import WorstResponse
 
 
@@ -56,11 +60,44 @@ def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    rates = replace(run, values=run.values * (2j * math.pi * run.frequencies)[:, :, None]).by_frequency()
-    amplitudes = run.by_frequency()
-    total = np.zeros(len(run.speeds))
+    """Of one case; engines between which no angle is known stand as makes the most of it.
+
+    Power is that of each engine alone and that which every two of them make together, a sum of waves over the angle
+    between them. Of more than two the largest values of all pairs are added.
+    """
+    engines = [_only(run, block.places) for block in engine_blocks(run.lines)]
+    total = sum(_power_between(one, one, flows).real.sum(axis=1) / 2 for one in engines)
+    for one, other in itertools.combinations(engines, 2):
+        together = (_power_between(one, other, flows) + _power_between(other, one, flows).conj()) / 2
+        total = total + _largest_over_angle(together, run.lines)
+    return np.asarray(total)
+
+
+def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
+    """With nothing of all other lines."""
+    kept = np.isin(np.arange(len(run.lines)), places)
+    return replace(run, values=run.values * kept[:, None])
+
+
+def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequence[PowerFlow]) -> ComplexArray:
+    """Torques of one times conjugate rates of another in W by frequency, shape (n_speeds, n_frequencies)."""
+    rates = replace(motions, values=motions.values * (2j * math.pi * motions.frequencies)[:, :, None]).by_frequency()
+    amplitudes = torques.by_frequency()
+    total = np.zeros(rates.shape[:2], dtype=complex)
     for flow in flows:
-        torque, rate = (run.output(str(sensor)) for sensor in (flow.torque, flow.motion))
-        power = amplitudes[:, :, torque] * rates[:, :, rate].conj()
-        total += flow.sign * power.real.sum(axis=1) / 2
+        torque, rate = (torques.output(str(sensor)) for sensor in (flow.torque, flow.motion))
+        total += flow.sign * amplitudes[:, :, torque] * rates[:, :, rate].conj()
     return total
+
+
+def _largest_over_angle(values: ComplexArray, lines: Sequence[OrderLine]) -> FloatArray:
+    """Largest value (n_speeds,) of Re sum X exp(j r angle), X by frequency and r its vibrations per revolution."""
+    relatives = list({(line.relative, line.fixed): line.relative for line in lines}.values())
+    moving = [at for at in range(len(relatives)) if relatives[at] and values[:, at].any()]
+    cycle = common_cycle([relatives[at] for at in moving])
+    if cycle is None or not moving:
+        return np.asarray(np.abs(values).sum(axis=1))
+    spectrum = np.zeros((len(values), int(max(relatives[at] for at in moving) * cycle) + 1, 1), dtype=complex)
+    for at in moving:
+        spectrum[:, int(relatives[at] * cycle), 0] += values[:, at]
+    return np.asarray(extremes(synthesised(spectrum))[0][:, 0])

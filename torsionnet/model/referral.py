@@ -47,8 +47,8 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
         reason = reason or element.referral_fault
         if reason is None and paths is not None and paths.between(own, element.referred_to) is None:
             reason = (
-                f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a differential "
-                f"or planetary set with two free members; give the values of {element.name} at its own shaft"
+                f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a planetary "
+                f"set with two free members; give the values of {element.name} at its own shaft"
             )
         if reason is None and paths is not None:
             reason = _two_ratios(element, paths, own)

@@ -8,8 +8,7 @@ from typing import Any
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
-from torsionnet.model.elements import Element
-from torsionnet.model.elements.curves import LookupCurve, OnCurve
+from torsionnet.model.elements.curves import OnCurve
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import OperatingPoints, operated
 from torsionnet.model.parameters import resolve
@@ -40,13 +39,9 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
 
 
 def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
-    for element in filter(_has_curves, definition.active):
+    for element in (one for one in definition.active if one.reads_off):
         for path, spec, expression, _ in element.expressions():
             if isinstance(spec, OnCurve):
                 reason = spec.curve_fault(float(expression.evaluate(values)))
                 if reason:
                     yield ("elements", element.name, *path), f"{expression} {reason}"
-
-
-def _has_curves(element: Element) -> bool:
-    return any(isinstance(spec, LookupCurve) for _, spec in element.specs())

@@ -10,6 +10,7 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject
+from torsionnet.model.limits.unlike_kin import unlike_kin
 from torsionnet.model.parameters import resolve
 
 
@@ -24,7 +25,7 @@ def unfit_limits(definition: Definition) -> list[Fault]:
             unknown_name(kind, what, known[kind], path) for path, kind, what in limit.named if what not in known[kind]
         ]
         if not found and not wrong:
-            found = list(_unfit(limit, subject))
+            found = [*_unfit(limit, subject), *unlike_kin(limit)]
         faults += [fault.under("limits", name) for fault in found]
     return faults
 

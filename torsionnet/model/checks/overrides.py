@@ -12,6 +12,8 @@ from torsionnet.model.configurations import Overlay
 from torsionnet.model.definition import ELEMENTS, EXCITATIONS, LOAD, Definition, by_section, section_of
 from torsionnet.model.elements import Element
 
+_TABLES = ((ELEMENTS,), (EXCITATIONS,))
+
 
 def unfit_overrides(definition: Definition) -> list[Fault]:
     """Alternatives whose ``box.engaged``, ``engine.misfire`` or ``load.power`` means nothing, or has a wrong value."""
@@ -29,14 +31,22 @@ def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Exp
 
 
 def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str]) -> Fault:
-    """A fault of an entry of an element, moved to the alternative that gives the entry its value."""
-    if fault.path[:1] != (ELEMENTS,) or len(fault.path) < 3:
+    """A fault of an entry of a section, moved to the alternative that gives the entry its value.
+
+    Where none does, to one that changes the section which the fault is about besides.
+    """
+    section = fault.path if fault.path[:1] == (LOAD,) else fault.path[1:] if fault.path[:1] in _TABLES else ()
+    if len(section) < 2:
         return fault
-    key = f"{fault.path[1]}.{fault.path[2]}"
+    key = f"{section[0]}.{section[1]}"
+    besides = None
     for axis, label in choice.items():
-        if key in definition.configurations[axis][label].entries:
-            return replace(fault, path=("configurations", axis, label, key, *fault.path[3:]))
-    return fault
+        for name in definition.configurations[axis][label].entries:
+            if name == key:
+                return replace(fault, path=("configurations", axis, label, key, *section[2:]))
+            if fault.about and name.startswith(f"{fault.about}."):
+                besides = replace(fault, path=("configurations", axis, label, name))
+    return besides or fault
 
 
 def _alternatives(definition: Definition) -> Iterator[tuple[Path, Overlay]]:

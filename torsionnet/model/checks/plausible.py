@@ -17,8 +17,16 @@ from torsionnet.model.elements.damping_entries import LossFactor
 
 Numbers: TypeAlias = Mapping[str, Fraction | float]
 
-FORGOTTEN = {"length": ("mm", 1e-3), "shear modulus": ("GPa", 1e9), "density": ("g/cm^3", 1e3)}
+FORGOTTEN = {
+    "length": ("mm", 1e-3),
+    "shear modulus": ("GPa", 1e9),
+    "pressure": ("GPa", 1e9),
+    "density": ("g/cm^3", 1e3),
+    "force": ("kN", 1e3),
+}
 """What a number without unit often was meant in, and its size in SI."""
+USUAL = {"length": (1e-4, 20.0), "shear modulus": (1e5, 1e12), "pressure": (1e5, 1e12)}
+"""Sizes in SI that entries of a dimension have in machinery, where an entry says nothing else."""
 FRACTIONS = {"zeta": 1.0, "eta": 2.0}
 """Measures that some write in percent, and from where that is likely."""
 
@@ -37,17 +45,17 @@ def _of(element: Element, numbers: Numbers) -> Iterator[Fault]:
         elif isinstance(spec, LossFactor):
             text = _percent(DampingMeasure("eta", value, None), numbers)
         else:
-            text = _unusual(spec, value, numbers) if isinstance(spec, PhysicalQuantity) and spec.usual else None
+            text = _unusual(spec, value, numbers) if isinstance(spec, PhysicalQuantity) else None
         if text:
             yield Fault(text, path, "warning")
 
 
 def _unusual(spec: PhysicalQuantity, value: Expression, numbers: Numbers) -> str | None:
-    size = _size(value, numbers)
-    assert spec.usual is not None
-    low, high = spec.usual
-    if size is None or size == 0 or low <= size <= high:
+    usual = spec.usual or USUAL.get(spec.dimension)
+    size = _size(value, numbers) if usual else None
+    if usual is None or size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:
         return None
+    low, high = usual
     unit = expected_unit(spec.dimension)
     text = f"{spec.description.partition(',')[0]} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
     meant, factor = FORGOTTEN.get(spec.dimension, ("", 1.0))

@@ -13,6 +13,7 @@ from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.excitations import OrderExcitation
+from torsionnet.model.excitations.engine_phases import unlocked_engines
 from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
@@ -113,6 +114,19 @@ def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fa
             speeds = np.array(definition.speeds.values) * ratios[name]
         for fault in excitation.remarks(speeds):
             yield fault.under("excitations", name)
+    yield from _between_engines(definition)
+
+
+def _between_engines(definition: Definition) -> Iterator[Fault]:
+    """Engines between which no angle is given."""
+    acting = {name: one for name, one in definition.excitations.items() if one.enabled}
+    engines = unlocked_engines(acting, definition.excitations)
+    first = next(iter(engines.values()), "")
+    for name in dict.fromkeys(engines.values()):
+        if name != first:
+            text = f"no phase is given between {name} and {first}: the worst angle between their crankshafts counts"
+            hint = f"if they are fixed to each other, give the crank angle by which {name} fires later, phase: 30 deg"
+            yield Fault(f"{text}; {hint}", ("excitations", name), on_key=True, severity="note")
 
 
 def _on_imposed(definition: Definition) -> Iterator[Fault]:

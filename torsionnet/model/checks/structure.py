@@ -8,10 +8,10 @@ from typing import Any
 from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
-from torsionnet.model.checks.motions import left_free
+from torsionnet.model.checks.motions import held_by_actions, left_free
 from torsionnet.model.checks.referred_sensors import unreachable_shafts
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import GROUND, Element, Values
+from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.kinematics import (
     Kinematics,
     contradicting_loop,
@@ -19,7 +19,6 @@ from torsionnet.model.kinematics import (
     torques_are_determinate,
     virtual_motion,
 )
-from torsionnet.model.lookup_table import LookupTable
 
 MOST_GROUPS = 10
 """Unconnected groups that are reported one by one."""
@@ -176,9 +175,9 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
 
 
 def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """How many ways the drivetrain can turn without any spring answering (information, not an error)."""
+    """How many ways the drivetrain can turn without any spring or controller answering (information, not an error)."""
     del definition
-    count = len(rigid_motions(kinematics))
+    count = len(rigid_motions(kinematics)) - held_by_actions(kinematics)
     if not count:
         return []
     what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
@@ -230,13 +229,10 @@ def _unfit_operation(
     definition: Definition, values: Mapping[str, Any], kinematics: Kinematics, *, sound: bool
 ) -> list[Fault]:
     """Faults of an operating point, where there is one or something follows it."""
-    operated = definition.load or definition.operating_point or definition.following
-    if not operated and not any(map(_has_tables, definition.active)):
+    rated = definition.speeds is not None and definition.speeds.rated and definition.excitations
+    operated = definition.load or definition.operating_point or definition.following or rated
+    if not operated and not any(element.reads_off for element in definition.active):
         return []
     from torsionnet.model.checks.operation import unfit_operation
 
     return unfit_operation(definition, values, kinematics, sound=sound)
-
-
-def _has_tables(element: Element) -> bool:
-    return any(isinstance(spec, LookupTable) for _, spec in element.specs())

@@ -41,7 +41,7 @@ class Belt(LoopDrive):
     pulleys: Any = entry(
         TableByNode(
             "radius by node in the order of the run, negative where the back of the belt drives",
-            PhysicalQuantity("radius to the middle of the belt", "length", "r", None, nonzero=True, usual=(-5, 5)),
+            PhysicalQuantity("radius to the middle of the belt", "length", "r", None, nonzero=True, usual=(1e-4, 5)),
             "radii by node, as {crank: 80 mm, pump: 60 mm}",
             names=("a", "b"),
         )

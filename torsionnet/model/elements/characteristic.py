@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from torsionnet.core.entries.number_table import NumberTable
 
@@ -10,5 +11,7 @@ from torsionnet.core.entries.number_table import NumberTable
 @dataclass(frozen=True, eq=False, repr=False)
 class Characteristic(NumberTable):
     """A function of an operating value: two rows or more, read by :mod:`torsionnet.core.piecewise_linear`."""
+
+    is_read_off: ClassVar[bool] = True
 
     fewest: int = 2

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.number_table import RowColumn
-from torsionnet.core.entries.scalars import PhysicalQuantity, Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.entries.words import OneOf
-from torsionnet.core.errors import Fault
-from torsionnet.core.piecewise_linear import outside, slope_at
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.piecewise_linear import Rows, outside, slope_at
 from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import read_off
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
@@ -48,7 +51,10 @@ class Clutch(Element):
 
     nodes: Any = entry(NodePair("the two nodes it connects, the driving one first; twist is first minus second"))
     state: Any = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")
-    slip_speed: Any = entry(Value("slipping: speed of the first node minus that of the disc", "speed", None), None)
+    slip_speed: Any = entry(
+        PhysicalQuantity("slipping: speed of the first node minus that of the disc", "speed", "n", None, nonzero=True),
+        None,
+    )
     torque: Any = entry(
         Characteristic("slipping: rows [slip speed, torque]", (_SLIP, RowColumn("torque", "torque"))), None
     )
@@ -74,6 +80,16 @@ class Clutch(Element):
         if self.state == "slipping" and not faults:
             faults += _slip_faults(self)
         return faults
+
+    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+        """The slip speed lies within the table while the clutch slips."""
+        ranges = {"slip_speed": (self._table, 1)} if self.state == "slipping" else {}
+        yield from read_off(super().expressions(), ranges)
+
+    @property
+    def _table(self) -> Rows:
+        table: Rows = self.friction if self.torque is None else self.torque
+        return table
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
@@ -107,9 +123,8 @@ class Clutch(Element):
         return Law(row, damping=value(self.drag) if self.state == "open" else self._slope(value))
 
     def _slope(self, value: Values) -> Any:
-        table = self.friction if self.torque is None else self.torque
-        slip = self.slip_speed if table[0][0].value < 0 else abs(self.slip_speed)
-        slope = value(slope_at(table, slip))
+        table, slip = self._table, value(self.slip_speed)
+        slope = value(Number(slope_at(table, -slip if slip < 0 and table[0][0].value >= 0 else slip)))
         return slope if self.torque is not None else slope * value(self.clamp_torque)
 
 
@@ -128,9 +143,11 @@ def _slip_faults(clutch: Clutch) -> list[Fault]:
     if table is None:
         text = "a slipping clutch needs its torque over slip: torque: [[0 rad/s, 200 N*m], [10 rad/s, 190 N*m]]"
         return [Fault(f"{text}, or friction and clamp_torque", ("state",))]
-    if not clutch.slip_speed:
+    if clutch.slip_speed is None or clutch.slip_speed == Number(0):
         text = "a slipping clutch needs slip_speed, as 5 rad/s, other than 0; one that sticks is closed"
         return [Fault(text, ("state",) if clutch.slip_speed is None else ("slip_speed",))]
-    slip = clutch.slip_speed if table[0][0].value < 0 else abs(clutch.slip_speed)
+    if not isinstance(clutch.slip_speed, Number):
+        return []
+    slip = clutch.slip_speed.value if table[0][0].value < 0 else abs(clutch.slip_speed.value)
     text = outside(table, slip)
-    return [Fault(f"{text}; slip_speed is {slip:g} rad/s", ("slip_speed",))] if text else []
+    return [Fault(f"{text}; slip_speed is {float(slip):g} rad/s", ("slip_speed",))] if text else []

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
 
 from torsionnet.core.entries.scalars import PhysicalQuantity, check_unit, read_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema
-from torsionnet.core.errors import Fault
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import DIMENSIONS, expected_unit
@@ -85,6 +86,22 @@ def is_share(key: Number) -> bool:
     return key.unit_dimension in (None, DIMENSIONS["1"])
 
 
+def read_off(
+    found: Iterable[tuple[Path, Spec, Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
+) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    """Expressions of an element, those at which a curve is read off with the range that it covers.
+
+    ``curves`` are the rows by the name of the entry, and the value that rows given as shares are shares of, else 1.
+    """
+    for path, spec, expression, dimension in found:
+        rows, share_of = curves.get(str(path[0]), ((), 1))
+        if rows and isinstance(spec, PhysicalQuantity):
+            given = {one.name: getattr(spec, one.name) for one in fields(PhysicalQuantity)}
+            yield path, OnCurve(**given, rows=rows, share_of=share_of), expression, dimension
+        else:
+            yield path, spec, expression, dimension
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class OnCurve(PhysicalQuantity):
     """A value at which a curve is read off: within its rows, beyond which nothing is known."""
@@ -93,9 +110,9 @@ class OnCurve(PhysicalQuantity):
     share_of: Fraction | float = 1
 
     def curve_fault(self, value: Any) -> str | None:
-        """Why nothing can be read off at a value in SI, or None."""
+        """Why nothing can be read off at a value in SI, or None; a curve from 0 on holds for both senses."""
         first, last = (float(self.rows[place][0].value) * float(self.share_of) for place in (0, -1))
-        slack = 1e-9 * last
-        if first - slack <= value <= last + slack:
+        slack = 1e-9 * abs(last)
+        if first - slack <= (abs(value) if first >= 0 else value) <= last + slack:
             return None
         return f"lies beyond its curve, which goes from {self.rows[0][0]} to {self.rows[-1][0]}"

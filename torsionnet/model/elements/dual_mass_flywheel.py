@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.elements.curves import read_off
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.spring_stages import SpringStages, stage_at, stage_torques
+from torsionnet.model.elements.spring_stages import SpringStages, stage_at, stage_range, stage_torques
 
 _CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
 
@@ -71,16 +73,14 @@ class DualMassFlywheel(Element):
             return []
         if self.torque is None:
             return [Fault("stages need torque: the mean torque tells which of them is in force", on_key=True)]
-        if self.torque.names:
-            text = (
-                f'"{self.torque}" is an expression of parameters; a stage is told by a number. What follows the torque '
-                "is the stiffness: a parameter by: mean_torque with a table"
-            )
-            return [Fault(text, ("torque",))]
-        if stage_at(self.stages, float(self.torque.value)) is None:
+        if isinstance(self.torque, Number) and stage_at(self.stages, float(self.torque.value)) is None:
             last = stage_torques(self.stages)[-1]
             return [Fault(f"the last stage ends at {last:g} N*m; leave out its end, or reduce the torque", ("torque",))]
         return []
+
+    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+        """The mean torque lies within the stages."""
+        yield from read_off(super().expressions(), {"torque": (stage_range(self.stages), 1)})
 
     def _friction_faults(self) -> list[Fault]:
         if isinstance(self.blocked, Number) and self.blocked.value >= 1:
@@ -108,8 +108,7 @@ class DualMassFlywheel(Element):
     def _stiffness(self, value: Values) -> Any:
         if self.stiffness is not None:
             return value(self.stiffness)
-        stage = stage_at(self.stages, float(self.torque.value))
-        assert stage is not None  # contradictions() has looked
+        stage = stage_at(self.stages, value(self.torque)) or self.stages[-1]  # checks say if it lies beyond
         return value(Number(stage.stiffness))
 
     def _friction(self, value: Values) -> Any:

@@ -7,7 +7,7 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import Field, dataclass, replace
 from functools import cache
@@ -190,17 +190,20 @@ class Element(Declared):
         """Outer and inner diameter of a round shaft; None of what has no section that could be stressed."""
         return None
 
-    @property
-    def speed_path(self) -> SpeedPath | None:
-        """The way to the shaft that its values are referred to, where their laws have been put on its own."""
-        found: SpeedPath | None = self.__dict__.get("_speed_path")
-        return found
-
     def at_own_speed(self, path: SpeedPath) -> Self:
         """A copy whose laws have the values of its own shaft, in place of those quoted at the end of ``path``."""
+        return self.with_laws(path.of_own_shaft(self))
+
+    def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:
+        """A copy with other laws in the place of those that follow from its entries."""
         found = copy(self)
-        found.__dict__.update(_speed_path=path, parts=path.of_own_shaft(self))
+        found.__dict__.update(parts=parts)
         return found
+
+    @property
+    def has_other_laws(self) -> bool:
+        """Whether its laws are not those that follow from its entries alone."""
+        return "parts" in self.__dict__
 
     @property
     def referral_fault(self) -> str | None:
@@ -210,6 +213,11 @@ class Element(Declared):
         if not any(dimension in REFERRED for _, _, _, dimension in self.expressions()):
             return f"{self.name} has no stiffness, damping or inertia that could be quoted at another shaft"
         return None
+
+    @property
+    def reads_off(self) -> bool:
+        """Whether it has rows that are read off at a value of its own."""
+        return any(spec.is_read_off for _, spec in self.specs())
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
@@ -226,7 +234,12 @@ class Element(Declared):
         return replace(self, name=names.own(self.name), **found)
 
     def _key(self) -> tuple[Any, ...]:
-        return (type(self), self.name, self.speed_path, *(getattr(self, declared.name) for declared in self.declared()))
+        return (
+            type(self),
+            self.name,
+            self.__dict__.get("parts"),
+            *(getattr(self, declared.name) for declared in self.declared()),
+        )
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, Element) else NotImplemented

@@ -15,7 +15,7 @@ from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows, in_algebra
 from torsionnet.model.elements.coupling_faults import contradictions, read_offs
-from torsionnet.model.elements.curves import LookupCurve, OnCurve, Temperature, is_share
+from torsionnet.model.elements.curves import LookupCurve, Temperature, is_share, read_off
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
@@ -102,16 +102,10 @@ class FlexibleCoupling(Element):
 
     def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
         """What is read off a curve has to lie within it."""
-        curves = {operating: self._rows(name) for name, operating in read_offs(self)}
-        for path, spec, expression, dimension in super().expressions():
-            rows = curves.get(str(path[0]), ())
-            if rows and isinstance(spec, PhysicalQuantity):
-                on_curve = OnCurve(
-                    spec.description, dimension, exclusive=spec.exclusive, rows=rows, share_of=self._share_of(rows)
-                )
-                yield path, on_curve, expression, dimension
-            else:
-                yield path, spec, expression, dimension
+        curves = {
+            operating: (rows, self._share_of(rows)) for name, operating in read_offs(self) if (rows := self._rows(name))
+        }
+        yield from read_off(super().expressions(), curves)
 
     def _rows(self, name: str) -> Rows:
         rows: Rows = getattr(self, name)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.number_table import RowColumn
-from torsionnet.core.entries.scalars import PhysicalQuantity, Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.piecewise_linear import exact_number, outside, slope_at, value_at
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.piecewise_linear import Rows, outside, slope_at, value_at
 from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import read_off
 from torsionnet.model.elements.element import Element
 from torsionnet.model.elements.laws import GROUND, Action, Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodeName
@@ -33,7 +35,9 @@ class Hydrodynamic(Element):
     pump: Any = entry(NodeName("the node of the pump", allow_ground=False))
     turbine: Any = entry(NodeName("the node of the turbine", allow_ground=False))
     speed: Any = entry(PhysicalQuantity("speed of the pump at the operating point", "speed", "omega_p", exclusive=True))
-    speed_ratio: Any = entry(Value("speed of the turbine over that of the pump at the operating point", "1"))
+    speed_ratio: Any = entry(
+        PhysicalQuantity("speed of the turbine over that of the pump at the operating point", "1", "nu")
+    )
     pump_torque: Any = entry(
         Characteristic("rows [speed ratio, pump torque at test_speed]", (RATIO, RowColumn("torque", "torque"))), None
     )
@@ -70,8 +74,22 @@ class Hydrodynamic(Element):
         return [fault for name in (given[0], *self.more_tables) for fault in self._uncovered(name)]
 
     def _uncovered(self, name: str) -> list[Fault]:
-        text = outside(getattr(self, name), self.speed_ratio)
-        return [Fault(f"{text} in {name}; speed_ratio is {self.speed_ratio:g}", ("speed_ratio",))] if text else []
+        if not isinstance(self.speed_ratio, Number):
+            return []
+        text = outside(getattr(self, name), self.speed_ratio.value)
+        given = float(self.speed_ratio.value)
+        return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
+
+    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+        """The speed ratio lies within every table over it."""
+        tables = [self._capacity_table, *(getattr(self, name) for name in self.more_tables)]
+        first, last = max((table[0] for table in tables), key=_ratio), min((table[-1] for table in tables), key=_ratio)
+        yield from read_off(super().expressions(), {"speed_ratio": ((first, last), 1)})
+
+    @property
+    def _capacity_table(self) -> Rows:
+        table: Rows = next(getattr(self, form) for form in _FORMS if getattr(self, form) is not None)
+        return table
 
     def torque_ratio_at(self, value: Values) -> tuple[Any, Any]:
         """Turbine torque over pump torque, and its slope over the speed ratio."""
@@ -84,11 +102,11 @@ class Hydrodynamic(Element):
 
     def holds(self, value: Values) -> tuple[Row, ...]:
         """On average pump and turbine turn at the speed ratio of the operating point."""
-        ratio = value(scalar(exact_number(self.speed_ratio)))
+        ratio = value(self.speed_ratio)
         return (make_row([(self.turbine, 1), (self.pump, -ratio), (self.housing, ratio - 1)]),)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
-        speed, ratio = value(self.speed), value(scalar(exact_number(self.speed_ratio)))
+        speed, ratio = value(self.speed), value(self.speed_ratio)
         (capacity, slope), (gain, gain_slope) = self.capacity(value), self.torque_ratio_at(value)
         by_pump, by_turbine = speed * (2 * capacity - ratio * slope), speed * slope
         pump, turbine = (difference(node, self.housing) for node in (self.pump, self.turbine))
@@ -108,8 +126,8 @@ class Hydrodynamic(Element):
 
     def capacity(self, value: Values) -> tuple[Any, Any]:
         """C = T_p / omega_p^2 in N m s^2/rad^2 at the speed ratio, and its slope over it."""
-        table = next(getattr(self, form) for form in _FORMS if getattr(self, form) is not None)
-        level, slope = (value(at(table, self.speed_ratio)) for at in (value_at, slope_at))
+        table, ratio = self._capacity_table, value(self.speed_ratio)
+        level, slope = value_at(table, ratio), value.algebra.number(slope_at(table, ratio))
         if self.k_factor is not None:
             per_minute = 900 / value.algebra.pi**2
             return per_minute / level**2, -2 * per_minute * slope / level**3
@@ -118,3 +136,7 @@ class Hydrodynamic(Element):
         else:
             factor = 1 / value(self.test_speed) ** 2
         return factor * level, factor * slope
+
+
+def _ratio(row: tuple[Number, ...]) -> Any:
+    return row[0].value

@@ -79,6 +79,15 @@ class Action:
     def acts(self) -> bool:
         return bool(self.row) and bool(self.sensed) and any(bool(value != 0) for value in self.numerator)
 
+    @property
+    def acts_at_rest(self) -> bool:
+        """Whether a constant angle makes a torque: no more powers of s stand above than below."""
+        above, below = (
+            next((power for power, value in enumerate(part) if value != 0), len(part))
+            for part in (self.numerator, self.denominator)
+        )
+        return self.acts and above <= below
+
 
 Part: TypeAlias = Law | Constraint | Action
 

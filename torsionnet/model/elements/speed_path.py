@@ -1,9 +1,10 @@
 """How fast one shaft turns over another, along the elements between them, in any algebra.
 
 On average no spring winds up: springs pass a mean speed on, and gears divide it. A row of three nodes, of a planetary
-set or of a gear in a housing, passes it on between two of them where the third stands still. What is referred from one
-shaft to another keeps its energy: angles go with the speeds, torques against them, and stiffness, damping and inertia
-with their squares.
+set or of a gear in a housing, passes it on between two of them where the third stands still; an open differential also
+where all three turn, its outputs alike, as of a vehicle that goes straight on. What is referred from one shaft to
+another keeps its energy: angles go with the speeds, torques against them, and stiffness, damping and inertia with their
+squares.
 """
 
 from __future__ import annotations
@@ -37,15 +38,21 @@ class Passing(Protocol):
 
 @dataclass(frozen=True)
 class SpeedStep:
-    """From one node to the next, by a row that an element holds at zero on average."""
+    """From one node to the next, by a row that an element holds at zero on average.
+
+    ``alike`` says that all nodes of the row turn at one speed, as those of an open differential.
+    """
 
     element: Passing
     row: int
     start: str
     end: str
+    alike: bool = False
 
     def ratio(self, value: Values) -> Any:
         """Speed of the end over that of the start."""
+        if self.alike:
+            return Fraction(1)
         row = self.element.holds(value)[self.row]
         return -_quotient(row[self.start], row[self.end])
 
@@ -107,8 +114,13 @@ class _Held:
         """Nodes whose speed follows from that of ``start``."""
         if start in self.row:
             moving = [node for node in self.row if node not in still]
-            if len(moving) == 2 and start in moving:
+            if start in moving and (len(moving) == 2 or self.is_alike(still)):
                 yield from (node for node in moving if node != start)
+
+    def is_alike(self, still: set[str]) -> bool:
+        """Whether the row is that of an open differential none of whose members stands still."""
+        outputs = {node for port, node in self.element.ports.items() if port in ("left", "right")}
+        return self.element.glyph == "differential" and outputs < self.row.keys() and still.isdisjoint(self.row)
 
     @property
     def is_unity(self) -> bool:
@@ -174,7 +186,7 @@ class SpeedPaths:
         return found
 
     def _is_unity(self, step: SpeedStep) -> bool:
-        return any(
+        return step.alike or any(
             held.is_unity for held in self._at[step.start] if (held.element, held.number) == (step.element, step.row)
         )
 
@@ -186,7 +198,8 @@ class SpeedPaths:
         for node in waiting:
             for held in self._at.get(node, ()):
                 for other in held.leads(node, still):
-                    step, own = SpeedStep(held.element, held.number, other, node), found[node]
+                    step = SpeedStep(held.element, held.number, other, node, alike=held.is_alike(still))
+                    own = found[node]
                     if other not in found:
                         found[other] = step
                         waiting.append(other)

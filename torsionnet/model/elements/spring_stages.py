@@ -11,6 +11,7 @@ from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_scalar, 
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import DIMENSIONS
 
 
@@ -46,6 +47,8 @@ class SpringStage(Declared):
 
 class SpringStages(Composite):
     """``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from the unloaded position on."""
+
+    is_read_off: ClassVar[bool] = True
 
     @property
     def absent(self) -> tuple[SpringStage, ...]:
@@ -104,11 +107,17 @@ def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:
     return found
 
 
-def stage_at(stages: tuple[SpringStage, ...], torque: float) -> SpringStage | None:
-    """The stage in force at a mean torque of either sign; None beyond the last.
+def stage_at(stages: tuple[SpringStage, ...], torque: Any) -> SpringStage | None:
+    """The stage in force at a mean torque of either sign, a number that has an order; None beyond the last.
 
     >>> stage_at((SpringStage(300, "100 N*m"), SpringStage(1000)), -150).stiffness
     1000.0
     """
-    ends = stage_torques(stages)
-    return next((stage for stage, end in zip(stages, ends, strict=True) if end is None or abs(torque) <= end), None)
+    ends, size = stage_torques(stages), -torque if torque < 0 else torque
+    return next((stage for stage, end in zip(stages, ends, strict=True) if end is None or not size > end), None)
+
+
+def stage_range(stages: tuple[SpringStage, ...]) -> Rows:
+    """Mean torques that the stages cover, in N m, as rows; none where the last stage has no end."""
+    last = stage_torques(stages)[-1] if stages else None
+    return () if last is None else ((Number(0),), (Number(last),))

@@ -46,6 +46,5 @@ class TorqueConverter(Hydrodynamic):
     )
 
     def torque_ratio_at(self, value: Values) -> tuple[Any, Any]:
-        return value(value_at(self.torque_ratio, self.speed_ratio)), value(
-            slope_at(self.torque_ratio, self.speed_ratio)
-        )
+        ratio = value(self.speed_ratio)
+        return value_at(self.torque_ratio, ratio), value.algebra.number(slope_at(self.torque_ratio, ratio))

@@ -75,7 +75,7 @@ class TunedDamper(Element):
         inertia, stiffness = value(self.ring_inertia), self._stiffness(value)
         damping = viscous(self.damping, stiffness, value)
         if self.damping_ratio is not None:
-            damping = 2 * value(self.damping_ratio) * value.algebra.sqrt(stiffness * inertia)
+            damping = 2 * value(self.damping_ratio) * value.root(stiffness * inertia, "k J_r must not be negative")
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         layer = Law(difference(self.node, ring), damping=damping, stiffness=stiffness, loss_factor=eta)
         hub = Law(make_row([(self.node, 1)]), inertia=value(self.hub_inertia))

@@ -41,7 +41,9 @@ class Tyre(Element):
     nodes: Any = entry(NodePair("rim and road; twist is the angle of the first minus the second"))
     state: Any = entry(OneOf("whether it rolls, with slip, or stands without", ("rolling", "standing")), "rolling")
     radius: Any = entry(PhysicalQuantity("rolling radius", "length", "r", exclusive=True, usual=(0.02, 3)), None)
-    slip_stiffness: Any = entry(PhysicalQuantity("longitudinal force per slip", "force", "C", exclusive=True), None)
+    slip_stiffness: Any = entry(
+        PhysicalQuantity("longitudinal force per slip", "force", "C", exclusive=True, usual=(500, 1e8)), None
+    )
     speed: Any = entry(PhysicalQuantity("speed on the road", "velocity", "v", exclusive=True), None)
     stiffness: Any = entry(
         PhysicalQuantity("torsional stiffness of rim against road", "stiffness", "k", exclusive=True), None

@@ -21,6 +21,7 @@ from torsionnet.model.excitations.engine_load import LOAD
 from torsionnet.model.excitations.firing import banked_phases, even_phases
 from torsionnet.model.excitations.gas_torque import GAS, Crank
 from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, ReactingExcitation
+from torsionnet.model.excitations.rating import FRICTION, Rating
 
 HIGHEST = {4: 12.0, 2: 15.0}
 """Orders unless others are given."""
@@ -50,6 +51,15 @@ class EngineEntries(ReactingExcitation):
             "instead: cylinder -> crank angle after the first at which it fires",
             Value("angle at which a cylinder fires", "angle", lower=None),
             "{1: 0 deg, 2: 90 deg}",
+        ),
+        None,
+    )
+    phase: Any = entry(
+        Value(
+            "beside other engines: crank angle by which it fires later than the first engine of the model; without it "
+            "the angle between two crankshafts is not known, and the worst counts",
+            "angle",
+            lower=None,
         ),
         None,
     )
@@ -113,6 +123,25 @@ class EngineEntries(ReactingExcitation):
         return str(self.speed_of)
 
     @property
+    def crankshaft(self) -> frozenset[str]:
+        return frozenset({self.shaft, *self.numbers.values()})
+
+    @property
+    def is_phased(self) -> bool:
+        return self.phase is not None
+
+    @cached_property
+    def absorbs(self) -> bool:
+        """By its pressure traces; what is given by order alone is taken for an engine."""
+        traces = [] if self.gas is None else [self.gas.fired, *(self.gas.traces or {}).values()]
+        means = [
+            trace.mean_indicated_pressure(self.crank.ratio, self.revolutions, self.gas.zero)
+            for trace in traces
+            if trace
+        ]
+        return bool(means) and max(means) < 0
+
+    @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
         return tuple((("cylinders", number), node) for number, node in self.cylinders.items())
 
@@ -123,8 +152,13 @@ class EngineEntries(ReactingExcitation):
         return {number: place * self.bank_angle for place, bank in enumerate(banks) for number in bank}
 
     @cached_property
+    def acting_phases(self) -> dict[int, float]:
+        """Crank angle in rad at which each cylinder fires, counted from where the first engine of the model does."""
+        return {number: angle + (self.phase or 0.0) for number, angle in self.firing_phases.items()}
+
+    @cached_property
     def firing_phases(self) -> dict[int, float]:
-        """Crank angle in rad at which each cylinder fires."""
+        """Crank angle in rad after the first cylinder at which each of them fires."""
         if self.firing_angles:
             return {int(number): float(angle) for number, angle in self.firing_angles.items()}
         cycle = self.cycle * math.pi
@@ -144,6 +178,27 @@ class EngineEntries(ReactingExcitation):
     @cached_property
     def crank(self) -> Crank:
         return Crank(self.bore, self.stroke, self.rod_length, self.revolutions, self.piston_rod)
+
+    @property
+    def rating(self) -> Rating | None:
+        """By its power, else by the mean indicated pressure of its load or of its trace."""
+        load, gas = self.load, self.gas
+        if load is not None and load.power is not None:
+            speed, power = load.rated, load.power
+            return Rating(power / speed, ("load", "power"), speed, ("load", "rated"), power, load.exponent)
+        if load is not None:
+            return self._indicated(load.mean_indicated_pressure, ("load", "mean_indicated_pressure"), load, "load")
+        if gas is not None and gas.fired and not gas.crank_end:
+            pressure = gas.fired.mean_indicated_pressure(self.crank.ratio, self.revolutions, gas.zero)
+            return self._indicated(pressure, ("gas", "fired"), gas, "gas")
+        return None
+
+    def _indicated(self, pressure: float, path: Path, at: Any, key: str) -> Rating:
+        """With the mean torque of the gas on the pistons; ``at`` has the speed to which it belongs."""
+        torque = pressure * self.crank.swept_volume * len(self.numbers) / (2 * math.pi * self.revolutions)
+        speed_path: Path = (key, "rated") if at.rated else ()
+        shares = FRICTION if torque > 0 else (1.0, 1 / FRICTION[0])
+        return Rating(torque, path, at.rated, speed_path, exponent=at.exponent, shares=shares)
 
     def indicated_pressures(self, speeds: FloatArray) -> FloatArray | None:
         """Mean indicated pressure in Pa at speeds in rad/s, None where a single trace does not depend on it."""

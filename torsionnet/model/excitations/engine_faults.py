@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.excitations.cylinder_entries import EACH, listed
 from torsionnet.model.excitations.engine_entries import EngineEntries
+from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
 from torsionnet.model.excitations.firing import unlike_crank
 from torsionnet.model.excitations.order_excitation import FloatArray
 
@@ -17,8 +18,6 @@ CLEARLY = 0.1
 """Share by which the mean indicated pressure of a trace may differ from what is said of it."""
 LATEST_PEAK = math.radians(60)
 """After firing top dead centre, or before: where a cylinder of a four-stroke engine has its highest pressure."""
-LARGEST = {"bore": 3.0, "stroke": 10.0, "rod_length": 20.0}
-"""Lengths in m that no engine exceeds, but a number in mm without its unit does."""
 STROKES = {2: "two", 4: "four"}
 
 
@@ -36,11 +35,9 @@ def engine_faults(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _mechanism(engine: EngineEntries) -> Iterator[Fault]:
-    huge = {name: size for name, most in LARGEST.items() if (size := getattr(engine, name)) > most}
-    for name, size in huge.items():
-        text = f"{size:g} m is no {name.replace('_', ' ')} of an engine; a bare number is m, write {size:g} mm"
-        yield Fault(text, (name,))
+    huge = list(impossible_lengths(engine))
     if huge:
+        yield from huge
         return
     radius, per_cycle = engine.stroke / 2, engine.cycle / 2
     if engine.rod_length <= radius:
@@ -154,7 +151,8 @@ def _traces(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator[Fault]:
-    """Traces that do not look like what is said of them, and loads that no trace covers."""
+    """Traces that do not look like what is said of them, sizes that are not met, and loads that no trace covers."""
+    yield from unusual_sizes_of(engine)
     gas = engine.gas
     if gas is None:
         return

@@ -17,6 +17,7 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Input
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.excitations.rating import Rating
 
 ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
 FloatArray = NDArray[np.float64]
@@ -127,6 +128,21 @@ class OrderExcitation(Declared):
         """That node, where it is not the ground."""
         return None if self.reaction_entry is None else self.reaction_entry[1]
 
+    @property
+    def crankshaft(self) -> frozenset[str]:
+        """Nodes of the crankshaft whose angle its torques count from; none for what has no pistons."""
+        return frozenset()
+
+    @property
+    def is_phased(self) -> bool:
+        """Whether the angle of its crankshaft to that of the first engine is given."""
+        return False
+
+    @property
+    def absorbs(self) -> bool:
+        """Whether its gas takes work, as that of a compressor does."""
+        return False
+
     def channel(self, place: str) -> Input:
         """The input that it is at one of its nodes or elements."""
         return Input(self.quantity, place, self.reaction_node)
@@ -149,6 +165,11 @@ class OrderExcitation(Declared):
         """What acts with a phase of its own: its node and ``exp(-j order alpha)``, or 0 where it is out of action."""
         del order
         return {node: (node, 1.0 + 0j) for node in self.nodes}
+
+    @property
+    def rating(self) -> Rating | None:
+        """The mean torque it states, with the speed to which that belongs."""
+        return None
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
         """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""

@@ -15,7 +15,13 @@ from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
 from torsionnet.core.units import ANGLES, DIMENSIONS, Unit, UnitError, parse_unit
 from torsionnet.model.excitations.order_excitation import FloatArray
-from torsionnet.model.excitations.pressure_trace import CLOSING, LEAST_SAMPLES, PressureTrace, unlikely_size
+from torsionnet.model.excitations.pressure_trace import (
+    CLOSING,
+    LEAST_SAMPLES,
+    WHOLE_CYCLE,
+    PressureTrace,
+    unlikely_size,
+)
 
 SAMPLE = 400
 FORM = "angle [deg];pressure [bar]"
@@ -61,7 +67,7 @@ def read_pressure_file(path: Path) -> PressureTrace:
     rows = _rows(path)
     _refuse(_wrong_rows(rows), path)
     revolutions, both_ends = _covered(rows)
-    _refuse(_not_closing(rows, both_ends), path)
+    _refuse(_not_closing(rows, both_ends, revolutions), path)
     trace = _trace(rows.without_last() if both_ends else rows, revolutions)
     _refuse((_fault(text, path.name, rows.heading, rows.lines) for text in [unlikely_size(trace)] if text), path)
     return trace
@@ -162,18 +168,18 @@ def _covered(rows: _Rows) -> tuple[int, bool]:
         if -EVEN * step <= missing <= GAP * step:
             return revolutions, missing < step / 2
     text = f"the trace covers {rows.angles[0]:g} to {rows.angles[-1]:g} deg"
-    text += "; a cycle is 720 deg of a four-stroke engine and 360 deg of a two-stroke engine, with one or both ends"
+    text += f"; {WHOLE_CYCLE}, with one or both ends"
     raise ModelError([rows.fault(text, len(rows.angles) - 1)], rows.file)
 
 
-def _not_closing(rows: _Rows, both_ends: bool) -> Iterator[Fault]:
+def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fault]:
     p = rows.pressures
     allowed = CLOSING * float(np.max(np.abs(p)))
     if not both_ends:
         allowed = max(allowed, STEEPEST * float(np.max(np.abs(np.diff(p)))))
     if abs(p[0] - p[-1]) > allowed:
         text = f"the trace does not close: it begins with {p[0] / 1e5:.6g} bar and ends with {p[-1] / 1e5:.6g} bar"
-        yield rows.fault(text, len(p) - 1)
+        yield rows.fault(f"{text}; it covers 360 deg: {WHOLE_CYCLE}" if revolutions == 1 else text, len(p) - 1)
 
 
 def _trace(rows: _Rows, revolutions: int) -> PressureTrace:

@@ -15,6 +15,7 @@ LOWEST_PEAK, HIGHEST_PEAK = 1e3, 1e9
 CLOSING = 0.02
 """Share of the peak by which the ends of a trace may differ that holds both."""
 LEAST_SAMPLES = 24
+WHOLE_CYCLE = "a cycle is 720 deg of a four-stroke engine, 360 deg of a two-stroke engine"
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,6 @@ def unlikely_size(trace: PressureTrace) -> str:
     """Why the peak cannot be that of a cylinder, or nothing."""
     peak = max(map(abs, trace.values))
     if peak < LOWEST_PEAK:
-        meant = "is the column in another unit?" if trace.file else "a bare number is Pa, write 98 bar"
+        meant = "is the column in another unit?" if trace.file else f"a bare number is Pa, write {peak:.6g} bar"
         return f"a peak of {peak:g} Pa ({peak / 1e5:.2g} bar) is no pressure in a cylinder; {meant}"
     return f"a peak of {peak / 1e5:g} bar is no pressure in a cylinder" if peak > HIGHEST_PEAK else ""

@@ -17,6 +17,7 @@ from torsionnet.core.errors import Fault, Path, meant_or
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.harmonic_torque import ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+from torsionnet.model.excitations.rating import Rating
 
 ZERO_PITCH = "zero_pitch"
 """The condition that only a propeller of controllable pitch has."""
@@ -46,7 +47,8 @@ class PropellerCondition(Declared):
     article: ClassVar[str] = "a condition"
     form: ClassVar[str] = "{torque: 20 %, blade_orders: {1: {share: 10 %}}}"
 
-    torque: Any = entry(Value("its mean torque over that of full ahead at the same speed", "1", exclusive=True), 1)
+    torque: Any = entry(Value("its mean torque over that of full ahead at rated speed", "1", exclusive=True), 1)
+    exponent: Any = entry(Value("its mean torque follows speed/rated to this power; default: as full ahead", "1"), None)
     blade_orders: Any = entry(_BLADE_ORDERS)
 
 
@@ -104,6 +106,21 @@ class PropellerTorque(OrderExcitation):
                     yield Fault(text, path)
                     break
 
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
+        del speeds
+        return list(self._orders_of_the_shaft())
+
+    def _orders_of_the_shaft(self) -> Iterator[Fault]:
+        """Blade orders that were probably counted by revolutions: 4 and 8 of 4 blades, without 1."""
+        tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
+        tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
+        for path, table in tables.items():
+            if table and all(order % self.blades == 0 for order in table):
+                first = min(table)
+                text = f"blade order {first:g} of {self.blades} blades is {first * self.blades:g} times a revolution"
+                text += f"; blade orders are multiples of the blades: did you mean {first / self.blades:g}?"
+                yield Fault(text, path, "warning")
+
     def _wrong_conditions(self) -> Iterator[Fault]:
         if self.pitch == "fixed" and ZERO_PITCH in self.conditions:
             text = "a propeller of fixed pitch has no zero pitch; write pitch: controllable"
@@ -128,10 +145,24 @@ class PropellerTorque(OrderExcitation):
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
         return ((("node",), self.node),)
 
+    @property
+    def law(self) -> tuple[float, float]:
+        """Mean torque at rated speed in N m in its present condition, and the power of the speed that it follows."""
+        if not self.condition:
+            return float(self.torque), float(self.exponent)
+        present = self.conditions[self.condition]
+        own = self.exponent if present.exponent is None else present.exponent
+        return float(self.torque * present.torque), float(own)
+
+    @property
+    def rating(self) -> Rating:
+        torque, exponent = self.law
+        return Rating(-torque, ("torque",), self.rated, ("rated",), exponent=exponent)
+
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        present = self.conditions[self.condition] if self.condition else None
-        table = present.blade_orders if present else self.blade_orders
-        mean = self.torque * (speeds / self.rated) ** self.exponent * (present.torque if present else 1.0)
+        table = (self.conditions[self.condition] if self.condition else self).blade_orders
+        torque, exponent = self.law
+        mean = torque * (speeds / self.rated) ** exponent
         orders = self.blades * np.array([float(order) for order in table])
         shares = np.array([part.share * np.exp(1j * part.phase) for part in table.values()])
         shares = shares * np.exp(1j * orders * (self.blade_angle or 0.0))

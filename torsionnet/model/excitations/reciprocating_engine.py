@@ -30,7 +30,8 @@ class ReciprocatingEngine(EngineEntries):
     With x(phi) the way of a piston from top dead centre over the crank radius r, the gas torque of a cylinder is
     (p - p_crankcase) A r x' and the inertia torque -m r^2 Omega^2 x' x''. Cylinder i acts with T(phi - alpha_i),
     alpha_i the angle at which it fires; phi is 0 at firing top dead centre of the first. With ``reaction``, the node of
-    the block, that takes -T of every cylinder.
+    the block, that takes -T of every cylinder. With ``phase``, the crank angle behind the first engine of the model,
+    all firing angles are larger by that.
 
     Examples
     --------
@@ -52,14 +53,14 @@ class ReciprocatingEngine(EngineEntries):
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
         silent = {*self._without_injection, *self.gas_off}
         sizes = {number: 0.0 if number in silent else self._factor(number) for number in self.numbers}
-        turned = {number: np.exp(-1j * order * angle) for number, angle in self.firing_phases.items()}
+        turned = {number: np.exp(-1j * order * angle) for number, angle in self.acting_phases.items()}
         return {str(number): (node, complex(sizes[number] * turned[number])) for number, node in self.numbers.items()}
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         orders, nodes = self.acting_orders, self.nodes
         inertia = self.reciprocating_mass * self.crank.radius**2 * inertia_harmonics(self.crank.ratio, orders)
         moving = speeds[:, None] ** 2 * inertia
-        turned = {number: np.exp(-1j * orders * angle) for number, angle in self.firing_phases.items()}
+        turned = {number: np.exp(-1j * orders * angle) for number, angle in self.acting_phases.items()}
         fired, motored = self._fired(speeds), self._motored(speeds)
         gas = {number: self._gas_of(number, fired, motored) * turned[number] for number in self.numbers}
         found = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)

@@ -35,6 +35,9 @@ class SpeedBand(Spec):
         match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
         if match is None:
             raise EntryError(f"expected a range such as {FORMS}, got {raw!r}")
+        if not match[2] and not match[4]:
+            text = f"the range of speeds {match[1]}..{match[3]} has no unit"
+            raise EntryError(f"{text}; write {match[1]}..{match[3]} rpm, or [{match[1]}, {match[3]}] in rad/s")
         return f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4] or match[2]}"
 
     def plain(self, value: Any) -> Any:

@@ -15,7 +15,13 @@ from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Schema
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.excitations.pressure_file import read_pressure_file
-from torsionnet.model.excitations.pressure_trace import CLOSING, LEAST_SAMPLES, PressureTrace, unlikely_size
+from torsionnet.model.excitations.pressure_trace import (
+    CLOSING,
+    LEAST_SAMPLES,
+    WHOLE_CYCLE,
+    PressureTrace,
+    unlikely_size,
+)
 
 PRESSURE = Value("a pressure", "pressure", lower=None)
 _ANGLE = Value("crank angle of the first pressure", "angle", lower=None)
@@ -86,6 +92,6 @@ def _wrong(values: Sequence[float]) -> Iterator[str]:
         return
     if len(values) % 2 and abs(values[0] - values[-1]) > CLOSING * max(map(abs, values)):
         text = f"the trace does not close: it begins with {values[0]:.6g} Pa and ends with {values[-1]:.6g} Pa"
-        yield f"{text}; give the whole cycle, with or without its last point"
+        yield f"{text}; give the whole cycle, with or without its last point: {WHOLE_CYCLE}"
     elif text := unlikely_size(PressureTrace(tuple(values))):
         yield text

@@ -129,8 +129,9 @@ class FitFile(Declared):
     model: str = entry(
         Text("name of a library model, or path of a model file from the folder of this file", MODEL_NAME)
     )
-    parameters: Mapping[str, FitParameter | None] = entry(
-        ParameterTable("the parameters to be found, by name", _PARAMETER, fewest=1)
+    parameters: Mapping[str, FitParameter | None] | None = entry(
+        ParameterTable("the parameters to be found, by name; a ranking of causes does without", _PARAMETER, fewest=1),
+        None,
     )
     measurements: Mapping[str, FitMeasurement] = entry(Named("the tests, by name", _MEASUREMENT, fewest=1))
     settings: FitSettings | None = entry(_SETTINGS, None)

@@ -16,7 +16,7 @@ from torsionnet.model.limits.element_limit import ElementLimit, everywhere
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.limit_check import RuleText
 
 REFERENCE_HZ = 10.0
 """Frequency up to which DIN 740-2 takes the permissible vibratory torque for constant."""
@@ -77,26 +77,24 @@ class CouplingLimit(ElementLimit):
         missing = "starts, short circuits and other transients; radial and axial loads; heat of a steady slip"
         return RuleText(self.source, formula, missing)
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         factor, size = self.torque_temperature_factor, evidence.size([self.torque])
         nothing = np.zeros(len(evidence.speeds))
         if self.T_KN is not None:
             allowed = everywhere(self.T_KN / factor, evidence)
-            yield from self.total(
-                LimitLine("T_KN", "mean torque", "N*m", nothing, allowed), self.torque, name, evidence
-            )
+            mean = LimitLine("T_KN", "mean torque", "N*m", nothing, allowed, vibratory=False)
+            yield self.total(mean, self.torque, evidence)
         if self.T_Kmax is not None:
             line = LimitLine(
                 "T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence)
             )
-            yield from self.total(line, self.torque, name, evidence)
+            yield self.total(line, self.torque, evidence)
         if self.T_KW is not None:
-            yield self.continuous(self._vibratory(evidence), name, evidence)
+            yield self._vibratory(evidence)
         if self.P_KV is not None:
             allowed = everywhere(self.P_KV * self.power_temperature_factor, evidence)
-            line = LimitLine("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
-            yield self.continuous(line, name, evidence)
-        yield from self._twists(name, evidence)
+            yield LimitLine("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
+        yield from self._twists(evidence)
 
     def _vibratory(self, evidence: Evidence) -> LimitLine:
         weights = np.ones(evidence.run.frequencies.shape)
@@ -107,12 +105,11 @@ class CouplingLimit(ElementLimit):
         allowed = everywhere(self.T_KW / self.torque_temperature_factor, evidence)
         return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 
-    def _twists(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def _twists(self, evidence: Evidence) -> Iterator[LimitLine]:
         size = evidence.size([self.twisting])
         if self.twist is not None:
             line = LimitLine("twist", "mean twist and half range", "rad", size, everywhere(self.twist, evidence))
-            yield from self.total(line, self.twisting, name, evidence)
+            yield self.total(line, self.twisting, evidence)
         if self.vibratory_twist is not None:
             allowed = everywhere(self.vibratory_twist, evidence)
-            line = LimitLine("vibratory twist", "twist, half range", "rad", size, allowed)
-            yield self.continuous(line, name, evidence)
+            yield LimitLine("vibratory twist", "twist, half range", "rad", size, allowed)

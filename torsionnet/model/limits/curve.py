@@ -21,10 +21,11 @@ from torsionnet.model.elements.round_section import section_fault
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
+from torsionnet.model.limits.limit import TOLERANCE, Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.order_sums import lines_of_one_frequency
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
                 "torque": "torque", "stress": "pressure"}  # fmt: skip
@@ -57,12 +58,17 @@ class CurveLimit(Limit):
         "half_range",
     )
     orders: Any = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
+    tachometer_tolerance: Any = entry(TOLERANCE, 0)
     transient_factor: Any = entry(Value("times the value for passing through", "1", lower=1), None)
     source: Any = entry(Text("who says so, and where"))
 
     @property
     def of(self) -> str:
         return str(self.output)
+
+    @property
+    def tolerance(self) -> float:
+        return float(self.tachometer_tolerance)
 
     @property
     def named(self) -> tuple[tuple[Path, str, str], ...]:
@@ -105,7 +111,8 @@ class CurveLimit(Limit):
             return
         yield from self._wrong_units(sensor)
         if self.over_lambda and subject.rated is None:
-            yield Fault("over_lambda needs the rated speed: speeds: {rated: 750 rpm}", ("over_lambda",), on_key=True)
+            text = "over_lambda needs the rated speed: speeds: {rated: 750 rpm}"
+            yield Fault(text, ("over_lambda",), on_key=True, about="speeds")
         elif subject.speeds:
             yield from self._uncovered(subject.speeds, subject.rated)
 
@@ -144,34 +151,45 @@ class CurveLimit(Limit):
         passing = f"; in passing {self.transient_factor:g} times as much" if self.transient_factor else ""
         return RuleText(self.source, f"{what} <= value allowed{passing}", "speeds outside of the table")
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def breaks(self, subject: LimitSubject) -> list[float]:
+        if self.over_lambda:
+            return [key * (subject.rated or math.nan) for key, _ in self.over_lambda]
+        return [key for key, _ in self.over_speed]
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         sensor = self.sensor(evidence.subject)
         if sensor is None:
             return
         orders = evidence.orders([sensor])
-        values = evidence.size([sensor]) if self.measure == "half_range" else self._largest(orders, evidence)
+        values = evidence.size([sensor]) if self.measure == "half_range" else self._largest(sensor, evidence)
         allowed = self._allowed(evidence)
         quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
-        if not np.isfinite(allowed).any():
-            yield self.open(name, evidence, "continuous", "all speeds are outside of the table")
-            return
-        rpm = evidence.run.rpm[np.isfinite(allowed)]
-        less = len(rpm) < len(allowed)
-        remarks = (f"judged from {rpm[0]:g} to {rpm[-1]:g} rpm; the rest is outside of the table",) if less else ()
         unit = UNITS[sensor.quantity]
-        yield self.continuous(LimitLine("continuous", quantity, unit, values, allowed, remarks, orders), name, evidence)
+        yield LimitLine("continuous", quantity, unit, values, allowed, (), orders)
         if self.transient_factor:
             passing = self.transient_factor * allowed
-            yield self.peak(LimitLine("in passing", quantity, unit, values, passing, (), orders),
-                            name, evidence)  # fmt: skip
+            yield LimitLine("in passing", quantity, unit, values, passing, (), orders, in_passing=True)
 
-    def _largest(self, orders: FloatArray, evidence: Evidence) -> FloatArray:
+    def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        if np.isfinite(line.allowed).any() or line.why_not:
+            yield from super().judged(line, name, evidence)
+        elif not line.in_passing:
+            yield self.open(name, evidence, line.criterion, "all speeds are outside of the table")
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        rpm = evidence.run.rpm[np.isfinite(line.allowed)]
+        if len(rpm) == len(line.allowed) or line.in_passing:
+            return ()
+        return (f"judged from {rpm[0]:g} to {rpm[-1]:g} rpm; the rest is outside of the table",)
+
+    def _largest(self, sensor: Sensor, evidence: Evidence) -> FloatArray:
+        lines, sizes = evidence.run.lines, evidence.summed_orders(sensor)
         chosen = [
-            place
-            for place, line in enumerate(evidence.run.lines)
-            if not self.orders or any(math.isclose(line.order, order) for order in self.orders)
+            number
+            for number, places in enumerate(lines_of_one_frequency(lines))
+            if not self.orders or any(math.isclose(lines[at].order, order) for at in places for order in self.orders)
         ]
-        return np.asarray(orders[:, chosen].max(axis=1)) if chosen else np.zeros(len(orders))
+        return np.asarray(sizes[:, chosen].max(axis=1)) if chosen else np.zeros(len(sizes))
 
     def _allowed(self, evidence: Evidence) -> FloatArray:
         if self.value:

@@ -16,9 +16,8 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, LimitLine
+from torsionnet.model.limits.limit import Limit, LimitLine, without
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.response.limit_check import LimitVerdict
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,14 +79,12 @@ class ElementLimit(Limit):
         if self.criteria and all(getattr(self, key) is None for key in self.criteria):
             yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
 
-    def total(self, line: LimitLine, mean: Sensor, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        """A criterion on the mean value with the half range added; the line has the half range."""
+    def total(self, line: LimitLine, mean: Sensor, evidence: Evidence) -> LimitLine:
+        """A criterion on the mean value with the half range added, which the line has; no speed may exceed it."""
         found = evidence.mean(mean)
         if found is None:
-            yield self.open(name, evidence, line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
-            return
-        whole = LimitLine(line.criterion, line.quantity, line.unit, np.abs(found) + line.values, line.allowed)
-        yield self.peak(whole, name, evidence)
+            return without(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
+        return replace(line, values=np.abs(found) + line.values, in_passing=True)
 
 
 def everywhere(value: float, evidence: Evidence) -> Any:

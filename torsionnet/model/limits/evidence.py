@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import mean_power, power_flows
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.order_sums import summed_sizes
+from torsionnet.response.speed_spans import SpeedSpan
 from torsionnet.response.worst_response import WorstResponse
 
 
@@ -30,25 +32,44 @@ class Evidence:
         Why they are.
     subject : LimitSubject
         The model in this condition.
+    rated_means : mapping
+        Sensor -> mean value at the rated speed, where that is examined and it is known.
     """
 
     run: OrderResponse
     means: Mapping[Sensor, FloatArray]
     why_no_mean: str
     subject: LimitSubject
+    rated_means: Mapping[Sensor, float] = field(default_factory=dict)
 
     @property
     def speeds(self) -> FloatArray:
         """Of the reference shaft, rad/s."""
         return self.run.speeds
 
+    @property
+    def examined(self) -> SpeedSpan:
+        """From the lowest to the highest of them."""
+        return SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
+
     def size(self, sensors: Sequence[Sensor]) -> FloatArray:
         """Half range of the sum of all orders over speed, the largest of the sensors."""
         return np.asarray(np.max([self.run.half_range[:, self._place(sensor)] for sensor in sensors], axis=0))
 
+    def size_by_case(self, sensors: Sequence[Sensor]) -> FloatArray | None:
+        """As :meth:`size` of each case, (n_speeds, n_cases); None where there are no cases."""
+        if not isinstance(self.run, WorstResponse) or len(self.run.each) < 2:
+            return None
+        places = [self._place(sensor) for sensor in sensors]
+        return np.stack([case.half_range[:, places].max(axis=1) for case in self.run.each], axis=1)
+
     def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
         """Amplitudes (n_speeds, n_lines), of every order the largest of the sensors and of all cases."""
         return np.asarray(np.max([self.run.sizes[:, :, self._place(one)] for one in sensors], axis=0))
+
+    def summed_orders(self, sensor: Sensor) -> FloatArray:
+        """Amplitudes (n_speeds, n_frequencies), lines of one frequency added with their phases."""
+        return summed_sizes(self.run)[:, :, self._place(sensor)]
 
     def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
         """Half range of the sum of all lines times their weights (n_speeds, n_lines), the largest of all cases."""

@@ -14,9 +14,9 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule, without
 from torsionnet.model.limits.shaft_limit import ShaftLimit
-from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.limit_check import RuleText
 
 
 @register_rule
@@ -90,11 +90,11 @@ class FatigueLimit(ShaftLimit):
         )
         return RuleText(self.source, formula, missing)
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         amplitude, orders = self.stress(evidence)
         mean = self.mean_stress_in(evidence)
         if mean is None:
-            yield self.open(name, evidence, "tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
+            yield without("tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
             return
         lost = {
             "goodman": lambda: self.strength * mean / self.ultimate_strength,
@@ -104,13 +104,17 @@ class FatigueLimit(ShaftLimit):
         strength = np.maximum(self.strength - lost[self.mean_stress](), 0)
         allowed = strength / (self.safety * self.stress_concentration)
         quantity = "nominal shear stress, half range"
-        least = float(np.min(strength / (self.stress_concentration * amplitude)))
-        line = LimitLine("tau_W", quantity, "Pa", amplitude, allowed, (f"safety against fatigue {least:.3g}",), orders)
-        yield self.continuous(line, name, evidence)
+        yield LimitLine("tau_W", quantity, "Pa", amplitude, allowed, (), orders)
         if self.yield_strength is not None:
             limit = np.full(len(mean), self.yield_strength / self.yield_safety)
             total = "nominal shear stress, mean and half range"
-            yield self.peak(LimitLine("tau_F", total, "Pa", mean + amplitude, limit), name, evidence)
+            yield LimitLine("tau_F", total, "Pa", mean + amplitude, limit, in_passing=True)
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        del evidence
+        if line.criterion != "tau_W":
+            return ()
+        return (f"safety against fatigue {self.safety * float(np.min(line.allowed / line.values)):.3g}",)
 
     def mean_stress_in(self, evidence: Evidence) -> Any:
         """Mean stress over speed; zero where it is to be left out, None where it is wanted and not known."""

@@ -16,9 +16,9 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor, port_fault
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule, without
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.limit_check import RuleText
 
 
 @register_rule
@@ -59,7 +59,7 @@ class GearLimit(ElementLimit):
         needs = self.vibratory_share is not None and self.rated_torque is None
         if needs and subject.rated is None:
             text = "a share is of the mean torque at rated speed: give rated_torque, or speeds: {rated: 750 rpm}"
-            yield Fault(text, ("vibratory_share",), on_key=True)
+            yield Fault(text, ("vibratory_share",), on_key=True, about="speeds")
 
     @property
     def torque(self) -> Sensor:
@@ -85,36 +85,31 @@ class GearLimit(ElementLimit):
         formula = "; ".join(parts) + "; T_v: half range of the sum of all orders"
         return RuleText(self.source, formula, "tooth root and flank strength, backlash and its noise in other gears")
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         size, orders, mean = evidence.size([self.torque]), evidence.orders([self.torque]), evidence.mean(self.torque)
         quantity = "vibratory torque, half range"
         if self.vibratory_torque is not None:
             allowed = everywhere(self.vibratory_torque, evidence)
-            yield self.continuous(LimitLine("T_v", quantity, "N*m", size, allowed, (), orders), name, evidence)
+            yield LimitLine("T_v", quantity, "N*m", size, allowed, (), orders)
         if self.vibratory_share is not None:
             rated = self._rated_torque(evidence)
             if rated is None:
-                yield self.open(name, evidence, "T_v", _unknown(evidence))
+                yield without("T_v", _unknown(evidence))
             else:
                 allowed = everywhere(self.vibratory_share * rated, evidence)
                 remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
-                yield self.continuous(LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders), name, evidence)
+                yield LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders)
         if self.hammer:
             if mean is None:
-                yield self.open(name, evidence, "hammer", _unknown(evidence))
+                yield without("hammer", _unknown(evidence))
             else:
-                yield self.continuous(
-                    LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders), name, evidence
-                )
+                yield LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders)
 
     def _rated_torque(self, evidence: Evidence) -> float | None:
-        mean = evidence.mean(self.torque)
-        if self.rated_torque is not None or mean is None or evidence.subject.rated is None:
-            return None if self.rated_torque is None else float(self.rated_torque)
-        low, high = float(evidence.speeds[0]), float(evidence.speeds[-1])
-        if not low * (1 - 1e-9) <= evidence.subject.rated <= high * (1 + 1e-9):
-            return None
-        return float(np.interp(evidence.subject.rated, evidence.speeds, np.abs(mean)))
+        mean = evidence.rated_means.get(self.torque)
+        if self.rated_torque is not None:
+            return float(self.rated_torque)
+        return None if mean is None else abs(mean)
 
 
 def _unknown(evidence: Evidence) -> str:

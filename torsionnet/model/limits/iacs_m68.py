@@ -15,8 +15,9 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine, register_rule, without
 from torsionnet.model.limits.m68_stress import (
+    BEND,
     CAPS,
     FEATURES,
     HIGHEST,
@@ -39,7 +40,8 @@ from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans, spans_above
+from torsionnet.response.speed_refinement import vertex
+from torsionnet.response.speed_spans import SpeedSpan, cut_off, joined_spans, spans_above
 
 
 @register_rule
@@ -77,7 +79,7 @@ class IacsM68(ShaftLimit):
     rated: Any = entry(
         Value("rated speed of the reference shaft; default: that of speeds:", "speed", exclusive=True), None
     )
-    tachometer_tolerance: Any = entry(Value("share of a speed, as 2 %", "1", below=0.2), 0)
+    tachometer_tolerance: Any = entry(TOLERANCE, 0)
     safe_speed: Any = entry(
         Value("speed of the reference shaft that must stay free with a cylinder misfiring", "speed", exclusive=True),
         None,
@@ -118,7 +120,7 @@ class IacsM68(ShaftLimit):
             yield Fault(reason, ("feature",))
         if self.rated is None and subject.rated is None:
             text = "lambda = n/n_rated needs the rated speed: speeds: {rated: 750 rpm}, or rated: of this limit"
-            yield Fault(text, on_key=True)
+            yield Fault(text, on_key=True, about="speeds")
         yield from self._unexamined(subject)
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
@@ -178,46 +180,75 @@ class IacsM68(ShaftLimit):
         )
         return RuleText(SOURCE, formula, NOT_COVERED)
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    @property
+    def tolerance(self) -> float:
+        return float(self.tachometer_tolerance)
+
+    def breaks(self, subject: LimitSubject) -> list[float]:
+        rated = self._rated(subject)
+        return [NO_BARRED_ABOVE * rated, BEND * rated, HIGHEST * rated]
+
+    def _rated(self, subject: LimitSubject) -> float:
+        return float(self.rated or subject.rated or math.nan)
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         why = self._inapplicable(self.section(evidence.subject))
         if why:
-            yield self.open(name, evidence, "tau_C", why)
+            yield without("tau_C", why)
             return
-        rated = float(self.rated or evidence.subject.rated or math.nan)
-        ratio = evidence.speeds / rated
+        ratio = evidence.speeds / self._rated(evidence.subject)
         values, orders = self.stress(evidence)
         factors = self.feature_factor * size_factor(self.section(evidence.subject).outer)
         allowed = permissible(self.strength, factors, ratio)
         quantity = "nominal shear stress, half range"
-        line = LimitLine(
-            "tau_C", quantity, "Pa", values, allowed, (*self._assumed(), *_beyond(evidence, ratio)), orders
-        )
-        above = spans_above(evidence.speeds, values, allowed)
-        wanted = [self._barred(span, evidence, values, rated) for span in above]
-        yield self._in_operation(line, name, evidence, wanted, rated)
-        passing = np.where(ratio <= NO_BARRED_ABOVE, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
-        if np.isfinite(passing).any():
-            yield self.peak(LimitLine("tau_T", quantity, "Pa", values, passing, (), orders), name, evidence)
+        cases = self.stress_by_case(evidence)
+        yield LimitLine("tau_C", quantity, "Pa", values, allowed, (), orders, cases=cases)
+        below = ratio <= NO_BARRED_ABOVE * (1 + 1e-12)
+        passing = np.where(below, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
+        yield LimitLine("tau_T", quantity, "Pa", values, passing, (), orders, in_passing=True)
+
+    def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        if not line.in_passing or np.isfinite(line.allowed).any():
+            yield from super().judged(line, name, evidence)
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        ratio = evidence.speeds / self._rated(evidence.subject)
+        return () if line.in_passing else (*self._assumed(), *_beyond(evidence, ratio))
+
+    def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
+        rated = self._rated(evidence.subject)
+        wanted = [
+            self._barred(span, evidence, values, rated)
+            for values in line.each.T
+            for span in spans_above(evidence.speeds, values, line.allowed)
+        ]
+        return self._in_operation(line, name, evidence, wanted, rated)
 
     def _barred(self, above: SpeedSpan, evidence: Evidence, values: FloatArray, rated: float) -> SpeedSpan:
-        """All speeds above tau_C and the usual range around the highest, with the tolerance of the tachometer."""
+        """All speeds above tau_C and the usual range around the highest stress, with the tolerance of the tachometer.
+
+        The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
+        """
         inside = np.array([above.holds(speed) for speed in evidence.speeds.tolist()])
-        critical = float(evidence.speeds[np.argmax(np.where(inside, values, -np.inf))])
-        usual = usual_range(critical, rated)
-        low, high = min(above.low, usual.low), max(above.high, usual.high)
+        at = int(np.argmax(np.where(inside, values, -np.inf)))
+        usual = usual_range(min(max(vertex(evidence.speeds, values, at), above.low), above.high), rated)
+        span = SpeedSpan(min(above.low, usual.low), max(above.high, usual.high)).widened(self.tolerance)
         limit = NO_BARRED_ABOVE * rated
-        if not evidence.subject.misfiring and above.high * (1 + self.tachometer_tolerance) <= limit:
-            # The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
-            return SpeedSpan(low * (1 - self.tachometer_tolerance), min(high * (1 + self.tachometer_tolerance), limit))
-        return SpeedSpan(low * (1 - self.tachometer_tolerance), high * (1 + self.tachometer_tolerance))
+        if not evidence.subject.misfiring and above.high * (1 + self.tolerance) <= limit:
+            return SpeedSpan(span.low, min(span.high, limit))
+        return span
 
     def _in_operation(
         self, line: LimitLine, name: str, evidence: Evidence, wanted: list[SpeedSpan], rated: float
     ) -> LimitVerdict:
-        barred = joined_spans(wanted)
-        if not barred:
+        if not wanted:
             return self._verdict(line, name, evidence, PASS, (), ())
+        top = min(HIGHEST * rated, evidence.examined.high)
+        covered = SpeedSpan(evidence.examined.low, top)
+        above = "the rule says nothing above lambda = 1.05" if top < evidence.examined.high else NOT_EXAMINED[1]
+        barred = joined_spans([span.within(covered) for span in wanted])
         remarks = list(self._on_barred())
+        remarks += [remark for span in barred for remark in cut_off(span, covered, NOT_EXAMINED[0], above)]
         limit = NO_BARRED_ABOVE * rated
         beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
         if beyond and not evidence.subject.misfiring:

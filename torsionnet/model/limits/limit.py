@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText
-from torsionnet.response.speed_spans import SpeedSpan, spans_above
+from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, used
+from torsionnet.response.speed_spans import SpeedSpan, cut_off, joined_spans, spans_above
+from torsionnet.response.worst_response import ALIKE
 
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
 COARSE = 0.1
 """A peak whose neighbours are lower by more than this share of it may be higher between the speeds."""
+UNBOUNDED = 1e-6
+"""Share of a speed: a peak that is still sharp between speeds so close has no end."""
+TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
+NOT_EXAMINED = ("no lower speed was examined", "no higher speed was examined")
 
 
 def register_rule(cls: L) -> L:
@@ -78,16 +85,38 @@ class Limit(Declared):
         """Source, formula with its numbers, and what is not covered."""
         raise NotImplementedError
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        """Verdicts on a condition in which all it names is switched on."""
+    def breaks(self, subject: LimitSubject) -> list[float]:
+        """Speeds of the reference shaft, rad/s, at which the value allowed ends, leaps or bends."""
+        del subject
+        return []
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        """Values over speed with what is allowed, each speed for itself, where all it names is switched on."""
         raise NotImplementedError
 
-    def verdicts(self, name: str, evidence: Evidence) -> list[LimitVerdict]:
-        """Verdicts on a condition."""
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        """What has to be said of a line as a whole."""
+        del line, evidence
+        return ()
+
+    def known_lines(self, evidence: Evidence) -> list[LimitLine]:
+        """The lines of a condition, of those that cannot be judged why."""
         off = self.switched_off(evidence.subject)
         if off:
-            return [self.open(name, evidence, "all", f"{off} is switched off in this condition")]
-        return list(self.judged(name, evidence))
+            return [replace(without("all", f"{off} is switched off in this condition"), absent=True)]
+        return list(self.lines(evidence))
+
+    def verdicts(self, name: str, evidence: Evidence, lines: Sequence[LimitLine] | None = None) -> list[LimitVerdict]:
+        """Verdicts on a condition, of its lines where they are known."""
+        known = self.known_lines(evidence) if lines is None else lines
+        return [one for line in known for one in self.judged(line, name, evidence)]
+
+    def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        """The verdict on a line."""
+        if line.why_not:
+            yield replace(self.open(name, evidence, line.criterion, line.why_not), absent=line.absent)
+        else:
+            yield self.peak(line, name, evidence) if line.in_passing else self.continuous(line, name, evidence)
 
     def switched_off(self, subject: LimitSubject) -> str:
         """What it names that is not there in this condition; empty where all is."""
@@ -108,19 +137,28 @@ class Limit(Declared):
         over = tuple(f"exceeded from {span}" for span in above)
         return self._verdict(line, name, evidence, FAIL if above else PASS, (), over)
 
+    @property
+    def tolerance(self) -> float:
+        """Share of a speed by which a tachometer may be wrong: ranges to be barred are wider by it on both sides."""
+        return 0.0
+
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
         """A criterion for continuous operation: where it is exceeded, speeds are to be barred, if any are left.
 
         In normal firing neither the rated nor the highest speed can be barred.
         """
         above = spans_above(evidence.speeds, line.values, line.allowed)
+        wide = [span.widened(self.tolerance).within(evidence.examined) for span in above]
         kept = {evidence.subject.rated, float(evidence.speeds[-1])} - {None}
-        lost = [span for span in above if any(span.holds(speed) for speed in kept if speed is not None)]
+        lost = [span for span, barred in zip(above, wide, strict=True)
+                if any(barred.holds(speed) for speed in kept if speed is not None)]  # fmt: skip
         if lost and not evidence.subject.misfiring:
             return self._verdict(line, name, evidence, FAIL, (), (f"exceeded from {lost[0]}: no range to be barred",))
-        if len(above) == 1 and above[0] == SpeedSpan(float(evidence.speeds[0]), float(evidence.speeds[-1])):
+        barred = joined_spans(wide)
+        if barred == (evidence.examined,):
             return self._verdict(line, name, evidence, FAIL, (), ("exceeded at all speeds",))
-        return self._verdict(line, name, evidence, BARRED if above else PASS, above, ())
+        ends = [remark for span in barred for remark in cut_off(span, evidence.examined, *NOT_EXAMINED)]
+        return self._verdict(line, name, evidence, BARRED if above else PASS, barred, tuple(ends))
 
     def _verdict(
         self,
@@ -135,13 +173,32 @@ class Limit(Declared):
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
-            remarks=(*remarks, *line.remarks, *case, *_coarse(evidence, line.values)), orders=line.orders,
+            remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
+            orders=line.orders,
         )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class LimitLine:
-    """A value over speed and what is allowed there."""
+    """A value over speed and what is allowed there.
+
+    Attributes
+    ----------
+    criterion, quantity, unit : str
+    values, allowed : (n_speeds,) arrays
+    remarks : tuple of str
+    orders : (n_speeds, n_lines) array, optional
+    vibratory : bool
+        Whether vibration is in the value, so that it depends on the case of excitation.
+    in_passing : bool
+        Whether no speed may exceed it, not even while it is passed.
+    cases : (n_speeds, n_cases) array, optional
+        The values of each case, of which ``values`` are the largest.
+    why_not : str
+        Why it cannot be judged; empty where it can.
+    absent : bool
+        Whether that is because what it limits is switched off in this condition.
+    """
 
     criterion: str
     quantity: str
@@ -150,14 +207,49 @@ class LimitLine:
     allowed: FloatArray
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
+    vibratory: bool = True
+    in_passing: bool = False
+    cases: FloatArray | None = None
+    why_not: str = ""
+    absent: bool = False
+
+    @property
+    def utilisation(self) -> FloatArray:
+        """Value over value allowed, (n_speeds,); NaN where nothing is allowed or covered."""
+        return used(self.values, self.allowed)
+
+    @property
+    def each(self) -> FloatArray:
+        """The values of each case, (n_speeds, n_cases); of one where there are no others."""
+        return self.values[:, None] if self.cases is None else self.cases
+
+
+def without(criterion: str, why: str) -> LimitLine:
+    """A criterion for which data are missing."""
+    return LimitLine(criterion, "", "", np.empty(0), np.empty(0), why_not=why)
+
+
+def joined_lines(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLine:
+    """One line out of those at several groups of speeds, which belong in this order."""
+
+    def every(arrays: Sequence[FloatArray | None]) -> FloatArray | None:
+        known = [array for array in arrays if array is not None]
+        return np.concatenate(known)[order] if known else None
+
+    values, allowed = (np.concatenate([getattr(part, name) for part in parts]) for name in ("values", "allowed"))
+    if parts[0].why_not:
+        return parts[0]
+    orders, cases = (every([getattr(part, name) for part in parts]) for name in ("orders", "cases"))
+    return replace(parts[0], values=values[order], allowed=allowed[order], orders=orders, cases=cases)
 
 
 def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, ...]:
-    """A remark on the case, as the cylinder that misfires, which is worst at the worst speed."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = int(np.argmax(np.nan_to_num(line.values / line.allowed, nan=-1.0)))
+    """A remark on the case that is worst at the worst speed, as a misfiring cylinder; none where all are equal."""
+    if not line.vibratory:
+        return ()
+    at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))
     case = evidence.worst_case(sensor, at)
-    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case else ()
+    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case not in ("", ALIKE) else ()
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:
@@ -168,4 +260,8 @@ def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:
     beside = (values[at - 1] + values[at + 1]) / 2
     if beside >= (1 - COARSE) * values[at]:
         return ()
+    if evidence.speeds[at + 1] - evidence.speeds[at - 1] < UNBOUNDED * evidence.speeds[at]:
+        return (
+            f"next to nothing damps the resonance at {evidence.run.rpm[at]:.6g} rpm: the value there is not bounded",
+        )
     return (f"the peak at {evidence.run.rpm[at]:g} rpm is sharp; a smaller step of speeds may find it higher",)

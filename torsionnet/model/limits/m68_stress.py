@@ -24,8 +24,8 @@ STRENGTHS = {"carbon": (400e6, 760e6), "carbon_manganese": (400e6, 760e6), "allo
 """Tensile strength of the materials that the rule is for, Pa."""
 CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
 PROPELLER_CAP = 600e6
-NO_BARRED_ABOVE, HIGHEST = 0.8, 1.05
-"""Speed ratios above which normal firing has no barred range, and the rule says nothing."""
+NO_BARRED_ABOVE, BEND, HIGHEST = 0.8, 0.9, 1.05
+"""Speed ratios above which normal firing has no barred range, tau_C no longer falls, and the rule says nothing."""
 STRENGTH_FOR_PASSING = 500e6
 SCF_OF_UNIT = 1.45
 """Stress concentration of a slot, to which C_K = 1 would belong."""
@@ -57,7 +57,7 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
     >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
     [66.562, 36.742]
     """
-    bracket = np.where(ratio < 0.9, 3 - 2 * ratio**2, 1.38)
+    bracket = np.where(ratio < BEND, 3 - 2 * ratio**2, 1.38)
     found = (strength + 160e6) / 18 * factors * bracket
     return np.asarray(np.where(ratio <= HIGHEST * (1 + 1e-12), found, np.nan))
 

@@ -16,7 +16,7 @@ from torsionnet.model.limits.element_limit import everywhere
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.limit_check import RuleText
 
 
 @register_rule
@@ -54,9 +54,8 @@ class MachineAngleLimit(Limit):
         formula = f"{self.pole_pairs} pole pairs x half range of the angle <= angle allowed, electrical"
         return RuleText(self.source, formula, "swinging of machines that run in parallel against each other")
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         angle = self.seen(evidence.subject)
         values, orders = self.pole_pairs * evidence.size(angle), self.pole_pairs * evidence.orders(angle)
         allowed = everywhere(self.angle, evidence)
-        line = LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)
-        yield self.continuous(line, name, evidence)
+        yield LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)

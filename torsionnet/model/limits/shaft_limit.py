@@ -94,6 +94,11 @@ class ShaftLimit(Limit):
         torques, modulus = torques_of(evidence.subject.active[self.element]), self.section(evidence.subject).modulus
         return evidence.size(torques) / modulus, evidence.orders(torques) / modulus
 
+    def stress_by_case(self, evidence: Evidence) -> FloatArray | None:
+        """Half range (n_speeds, n_cases) of the nominal shear stress in Pa; None where there are no cases."""
+        found = evidence.size_by_case(torques_of(evidence.subject.active[self.element]))
+        return None if found is None else found / self.section(evidence.subject).modulus
+
     def mean_stress_of(self, evidence: Evidence) -> FloatArray | None:
         """Magnitude (n_speeds,) of the mean stress in Pa, None where it is not known."""
         mean = evidence.mean(Sensor("torque", self.element))

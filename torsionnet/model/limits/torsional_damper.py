@@ -14,7 +14,7 @@ from torsionnet.model.limits.element_limit import ElementLimit, everywhere
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.limit_check import RuleText
 
 
 @register_rule
@@ -69,13 +69,11 @@ class DamperLimit(ElementLimit):
             parts.append("half range of twist <= vibratory_twist")
         return RuleText(self.source, "; ".join(parts), "ageing of the fluid, temperature of the film, wear of springs")
 
-    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         if self.allowed_power is not None:
             allowed = everywhere(self.allowed_power, evidence)
-            line = LimitLine("P", "dissipated power", "W", evidence.power(self.element), allowed)
-            yield self.continuous(line, name, evidence)
+            yield LimitLine("P", "dissipated power", "W", evidence.power(self.element), allowed)
         if self.vibratory_twist is not None:
             allowed, twist = everywhere(self.vibratory_twist, evidence), [self.twisting]
             orders = evidence.orders(twist)
-            line = LimitLine("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)
-            yield self.continuous(line, name, evidence)
+            yield LimitLine("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)

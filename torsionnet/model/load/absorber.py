@@ -15,6 +15,8 @@ from torsionnet.core.units import RPM
 
 _SPEED = Value("a speed", "speed", below=1e6)
 _TORQUE = Value("a torque", "torque")
+STEEPEST = 10
+"""Power of the speed that no torque follows; 1 to 3 are usual."""
 
 
 class TorqueOverSpeed(Spec):
@@ -101,6 +103,9 @@ class Absorber(Declared):
                     on_key=True,
                 )
             ]
+        if self.torque_exponent is not None and abs(self.torque_exponent) > STEEPEST:
+            text = f"torque follows the speed to a power from -{STEEPEST} to {STEEPEST}: 2 of a propeller or fan"
+            return [Fault(f"{text}; got {self.torque_exponent:g}", ("torque_exponent",))]
         return []
 
     @property

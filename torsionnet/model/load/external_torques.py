@@ -68,6 +68,12 @@ class ExternalTorques:
         return {node: speed / own for node, speed in speeds.items()} if own else {}
 
     @cached_property
+    def rated_speed(self) -> float | None:
+        """Rated speed of the reference in rad/s, where that is said."""
+        rated = self.definition.speeds.rated if self.definition.speeds else None
+        return rated or self._rated_of_absorber()
+
+    @cached_property
     def operating_speed(self) -> float:
         """Speed of the reference in rad/s about which the model is linear: the operating point's, else the rated one.
 
@@ -76,9 +82,7 @@ class ExternalTorques:
         UsageError
             Nothing says it.
         """
-        definition = self.definition
-        rated = definition.speeds.rated if definition.speeds else None
-        found = self.mean_speeds.get(self.reference) or rated or self._rated_of_absorber()
+        found = self.mean_speeds.get(self.reference) or self.rated_speed
         if not found:
             raise UsageError(NEEDS_RATED)
         return float(found)

@@ -123,10 +123,11 @@ class _Flattening:
                 nodes = (*nodes, *part.ports)
                 self.without_ports.add(name)
             rest = listing(f"nodes of {name}", nodes)
+            shafts = {*_quoting_shafts(self.done[name])}
             wrong = [
                 unknown_name("node", port, nodes, ("parts", name, "ports", index), rest=rest)
                 for index, port in enumerate(part.ports)
-                if port not in nodes
+                if port not in nodes and port not in shafts
             ]
             self.tell(*(wrong if self.whole else []))
             if wrong:
@@ -179,6 +180,13 @@ class _Flattening:
             own = names.own(name)
             found["parameters"][own] = found["parameters"][own].given(value)
         return found
+
+
+def _quoting_shafts(content: PartContent) -> Iterator[str]:
+    """Nodes at whose speed values of the part are quoted, or to which its readings are referred."""
+    for one in (*content.elements.values(), *content.sensors.values()):
+        if one.referred_to is not None:
+            yield one.referred_to
 
 
 def _below(path: Path, section: str) -> Path:

@@ -11,6 +11,7 @@ from torsionnet.core.delimited.cell_grid import Cell, CellGrid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.units import DIMENSIONS, Real, UnitError, exact, parse_number
 from torsionnet.model.sheets.meanings import BY_KEY
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns
@@ -94,10 +95,16 @@ class SheetValues:
             self.faults.append(self.grid.fault(text, cell))
             return None
         try:
-            return _in_unit(number, unit)
+            return self._possible(_in_unit(number, unit), cell)
         except (UnitError, OverflowError) as error:
             self.faults.append(self.grid.fault(str(error), cell))
             return None
+
+    def _possible(self, value: SheetValue, cell: Cell) -> SheetValue | None:
+        if not is_beyond_range(value.si):
+            return value
+        self.faults.append(self.grid.fault(f"{cell.text} is no size that anything in a drivetrain has", cell))
+        return None
 
     def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
         """A ratio written as 1/4 or 1:4."""
@@ -109,7 +116,7 @@ class SheetValues:
         if not numbers or not numbers[1]:
             self.faults.append(self.grid.fault(f'"{cell.text}" is not a number', cell))
             return None
-        return SheetValue(numbers[0] / numbers[1])
+        return self._possible(SheetValue(numbers[0] / numbers[1]), cell)
 
     def _own_unit(self, column: SheetColumn, cell: Cell, text: str) -> SheetUnit | None:
         """The unit in a cell, which has to be that of the heading where that has one."""

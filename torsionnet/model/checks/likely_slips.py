@@ -1,0 +1,89 @@
+"""What probably was meant by a power or a speed that does not agree with the others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from torsionnet.core.units import RPM
+from torsionnet.model.excitations.rating import Rating
+
+NEAR = 0.35
+"""Share by which a slip may miss: an indicated power is up to a third above that at the coupling."""
+NEAR_SPEED = 0.005
+_THOUSANDS = {
+    1e-6: "a unit a million times larger",
+    1e-3: "kW for MW, or W for kW",
+    1e3: "MW for kW, or kW for W",
+    1e6: "a unit a million times smaller",
+}
+_OF_TORQUE = {
+    1e-6: "a unit a million times larger",
+    1e-3: "N*m for kN*m",
+    1e3: "kN*m for N*m",
+    1e6: "a unit a million times smaller",
+}
+
+
+def power_text(watts: float) -> str:
+    """A power in W with the unit that suits its size.
+
+    >>> power_text(3e6), power_text(3e3), power_text(2.0)
+    ('3000 kW', '3 kW', '2 W')
+    """
+    return f"{_short(watts / 1e3)} kW" if watts >= 100 else f"{_short(watts)} W"
+
+
+def _short(value: float) -> str:
+    """Four digits: what a share of 5 % shows in."""
+    return f"{float(f'{value:.4g}'):.10g}"
+
+
+def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> str:
+    """A question about a speed in rad/s: whose else it is, or whether its unit is wrong; or nothing."""
+    meant = f'; did you mean "{expected * RPM:.6g} rpm"?'
+    other = next((one for one, speed in known.items() if one != node and _is(stated, speed, NEAR_SPEED)), None)
+    if other is not None:
+        return f": that is the speed of {other}{meant}"
+    if _is(stated * RPM, expected, NEAR_SPEED):
+        return f": rad/s for rpm?{meant[1:].replace('did', 'Did')}"
+    if _is(stated, expected * RPM, NEAR_SPEED):
+        return f": rpm for rad/s?{meant[1:].replace('did', 'Did')}"
+    return ""
+
+
+def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping[str, float]) -> str:
+    """The same about a power in W; ``ratios`` are speeds of nodes over that of the machine's shaft."""
+    of_torque = rating.power is None and rating.shares == (1.0, 1.0)
+    share = stated / expected
+    slips = _OF_TORQUE if of_torque else _THOUSANDS
+    near = NEAR if rating.shares[0] < 1 else NEAR / 2
+    found = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
+    if found is not None:
+        if rating.power is None and not of_torque:
+            return "; is the load in the right unit?"
+        right = f"{_short(abs(rating.torque) / share / 1e3)} kN*m" if of_torque else power_text(expected)
+        return f'; {found}? Did you mean "{right}"?'
+    if of_torque:
+        # A torque on the wrong side of a gear is off by its ratio.
+        side = next(
+            (node for node, ratio in ratios.items() if _is(share * ratio, 1, 0.01) and not _is(ratio, 1, 0.05)), ""
+        )
+        if side:
+            return f'; that is the torque at {side}; did you mean "{_short(abs(rating.torque) / share / 1e3)} kN*m"?'
+    return "; one of them is wrong" if share > 10 or share < 0.1 else ""
+
+
+def likely_load(power: float, share: float, torque: float | None) -> str:
+    """A question about the power of a load in W, of which ``share`` times as much is stated elsewhere."""
+    found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
+                  if _is(1 / share, factor, NEAR)), None)  # fmt: skip
+    if found is None:
+        return ""
+    factor = 10.0 ** round(math.log10(share))
+    right = power_text(power * factor) if torque is None else f"{_short(torque * factor / 1e3)} kN*m"
+    return f'; {found}? Did you mean "{right}"?'
+
+
+def _is(value: float, other: float, share: float) -> bool:
+    return abs(math.log(value / other)) <= math.log1p(share) if value > 0 and other > 0 else False

@@ -1,0 +1,51 @@
+"""What holds for a propeller at full ahead, and is used where it takes much less torque: at zero pitch, say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.model.definition import LOAD
+from torsionnet.model.elements.propeller import Propeller
+from torsionnet.model.excitations.propeller_torque import PropellerTorque
+from torsionnet.model.load.external_torques import ExternalTorques
+from torsionnet.model.operating_values import OperatingPoints, operated
+from torsionnet.model.parameters import resolve
+
+SMALL, SLIP = 0.5, 0.01
+"""Torque over that of full ahead at the same speed: below one Archer's formula is not meant, below the other it is a
+slip of a unit, of which other checks speak."""
+
+
+def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
+    """Warnings about damping by Archer from a torque far below that of full ahead, at rated speed."""
+    rated = external.rated_speed
+    ahead = [one for one in external.definition.excitations.values() if isinstance(one, PropellerTorque)]
+    screws = [one for one in external.definition.active if isinstance(one, Propeller) and one.archer is not None]
+    if not rated or not ahead or not screws:
+        return
+    values = _values(external, rated)
+    for screw in screws:
+        full = next((one for one in ahead if one.node == screw.node and screw.torque.names <= values.keys()), None)
+        ratio = abs(external.ratios.get(str(screw.node), 0.0))
+        if full is None or not ratio:
+            continue
+        taken, whole = float(screw.torque.evaluate(values)), full.torque * (ratio * rated / full.rated) ** full.exponent
+        if SLIP * whole < taken < SMALL * whole:
+            text = f"Archer's damping with {taken / 1e3:.4g} kN*m, {taken / whole:.0%} of the torque of full ahead"
+            text += " at that speed; the formula is for a propeller that works at its pitch:"
+            yield Fault(
+                f"{text} give damping for this condition", ("elements", screw.name, "archer"), "warning", about=LOAD
+            )
+
+
+def _values(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
+    """Of the parameters, at a speed of the reference; as they are where a torque there is not known."""
+    if not external.definition.following:
+        return external.values
+    try:
+        found = OperatingPoints(external).at(speed)
+    except UsageError:
+        return {}
+    return resolve(operated(external.definition, found).parameters)[0]

@@ -1,0 +1,191 @@
+"""Powers and speeds that are stated several times along a drivetrain, and do not agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from torsionnet.core.errors import Fault, Path, UsageError
+from torsionnet.core.units import RPM
+from torsionnet.model.checks.likely_slips import likely_load, likely_power, likely_speed, power_text
+from torsionnet.model.definition import LOAD
+from torsionnet.model.excitations import OrderExcitation
+from torsionnet.model.excitations.rating import Rating
+from torsionnet.model.load.external_torques import ExternalTorques
+from torsionnet.model.load.sides_of_load import ENGINE
+
+OF_POWER, OF_SPEED = 0.05, 0.005
+"""Shares by which powers and speeds may differ: what data sheets round, and what slips."""
+ALIKE = 0.4
+"""Share by which powers of machines that agree differ: indicated ones are above those at the coupling."""
+PROPELLER = "propeller"
+
+
+@dataclass(frozen=True)
+class _Machine:
+    """An excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
+
+    name: str
+    excitation: OrderExcitation
+    rating: Rating
+    speed: float
+
+    @property
+    def is_driver(self) -> bool:
+        return self.rating.torque > 0
+
+    @property
+    def powers(self) -> tuple[float, ...]:
+        """W, at rated speed."""
+        return tuple(map(abs, self.rating.at(self.speed)))
+
+    def path(self, entry: Path) -> Path:
+        return ("excitations", self.name, *entry)
+
+
+@dataclass(frozen=True)
+class _Unlike:
+    """What is said of a machine, and its power over that it should have."""
+
+    machine: _Machine
+    share: float
+    fault: Fault
+
+
+def unlike_ratings(external: ExternalTorques) -> list[Fault]:
+    """Warnings about speeds that differ by more than 0.5 %, and powers that do by more than 5 %.
+
+    All are those at rated speed. That an engine gives more than is taken from it is a note.
+    """
+    rated = external.rated_speed
+    if not rated:
+        return []
+    machines = list(_machines(external, rated))
+    try:
+        work = _powers(external, rated)
+    except UsageError:  # said of the load itself
+        return []
+    faults = list(_speeds(external, machines, rated))
+    if any(fault.path[0] == LOAD for fault in faults):  # its power at rated speed follows from that
+        return faults
+    unlike = [*_absorbed(external, machines, work), *_given(external, machines, work)]
+    return faults + (_of_load(external, unlike, work) or [one.fault for one in unlike])
+
+
+def _ratios(external: ExternalTorques) -> dict[str, float]:
+    """Size of the speed of every node over that of the reference, which comes first."""
+    found = {node: abs(ratio) for node, ratio in external.ratios.items() if ratio}
+    return {external.reference: 1.0, **found}
+
+
+def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping[str, float]) -> list[Fault]:
+    """One warning about the load where it is alone in a likely slip, against two machines or more."""
+    load, sizes = external.definition.load, [one.share for one in unlike]
+    if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + ALIKE) * min(sizes):
+        return []
+    entry = next((name for name in ("power", "torque") if getattr(load, name) is not None), "over_speed")
+    stated = " and ".join(f"{one.machine.name} {power_text(one.machine.powers[0])}" for one in unlike)
+    text = f"the load takes {power_text(_taken(work))} at rated speed, but stated are of {stated}"
+    cause = likely_load(_taken(work), min(sizes), getattr(load, entry) if entry == "torque" else None)
+    return [Fault(text + cause, ("load", entry), "warning")] if cause else []
+
+
+def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
+    for name, one in external.definition.excitations.items():
+        rating, ratio = one.rating if one.enabled else None, external.ratios.get(one.shaft)
+        if rating is not None and rating.torque and ratio:
+            yield _Machine(name, one, rating, abs(ratio) * rated)
+
+
+def _powers(external: ExternalTorques, rated: float) -> dict[str, float]:
+    """W by node at rated speed, that its load gives or takes; empty without a load."""
+    if external.definition.load is None:
+        return {}
+    return {node: torque * external.ratios.get(node, 0.0) * rated for node, torque in external.at(rated).items()}
+
+
+def _speeds(external: ExternalTorques, machines: list[_Machine], rated: float) -> Iterator[Fault]:
+    """Rated speeds that are not what the ratios make of that of the reference shaft."""
+    known = {node: ratio * rated for node, ratio in _ratios(external).items()}
+    for one in machines:
+        if one.rating.speed:
+            yield from _unlike(external, one.path(one.rating.speed_path), one.rating.speed, one.excitation.shaft, known)
+    load = external.definition.load
+    for place, absorber in zip(load.by_place if load else (), external.absorbers.items(), strict=True):
+        path: Path = ("load", "absorbers", place, "rated") if load and load.absorbers else ("load", "rated")
+        where, law = absorber
+        if law.rated and where.against is None and where.of in known:
+            yield from _unlike(external, path, law.rated, where.of, known)
+
+
+def _unlike(
+    external: ExternalTorques, path: Path, stated: float, node: str, known: Mapping[str, float]
+) -> Iterator[Fault]:
+    expected = known[node]
+    if abs(stated - expected) > OF_SPEED * expected:
+        text = f"a rated speed of {stated * RPM:.6g} rpm, but {node} turns at {expected * RPM:.6g} rpm"
+        text += f" with {external.reference} at its rated {known[external.reference] * RPM:.6g} rpm"
+        yield Fault(text + likely_speed(stated, expected, node, known), path, "warning")
+
+
+def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
+    """Machines that state another power than the load takes where they are."""
+    absorbers = [one for one in machines if not one.is_driver]
+    for one in absorbers if work else ():
+        taken = -sum(work.get(node, 0.0) for node in one.excitation.nodes)
+        if taken <= 0 and len(absorbers) == 1 and len(external.absorbers) == 1:
+            taken = _taken(work)
+        if taken > 0 and not any(_agree(power, taken, one.rating.shares) for power in one.powers):
+            text = f"{one.name} takes {power_text(one.powers[0])} at rated speed"
+            text += f", the load there {power_text(taken)}"
+            fault = Fault(text + _cause(one, taken, external), one.path(one.rating.path), "warning", about=LOAD)
+            yield _Unlike(one, one.powers[0] / taken, fault)
+
+
+def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
+    """Engines that give less than is taken from them, and notes on those that could give more."""
+    propellers = [one for one in machines if one.excitation.kind == PROPELLER]
+    total = _taken(work) if work else sum(one.powers[0] for one in propellers)
+    engines = [one for one in machines if one.is_driver]
+    for one in engines:
+        share = _share(external, one, len(engines))
+        if not share or not total or any(_agree(power, share * total, one.rating.shares) for power in one.powers):
+            continue
+        wanted, given = share * total, one.powers[0]
+        indicated = " indicated" if one.rating.shares[0] < 1 else ""
+        text = f"{one.name} gives {power_text(given)}{indicated} at rated speed"
+        text += f", {'the load takes' if work else 'propellers take'} {power_text(wanted)} from it"
+        cause = _cause(one, wanted, external)
+        least = given * one.rating.shares[0]
+        severity = "note" if least > wanted and not cause else "warning"
+        fault = Fault(text + cause, one.path(one.rating.path), severity, about=LOAD)
+        yield _Unlike(one, given / wanted, fault)
+
+
+def _taken(work: Mapping[str, float]) -> float:
+    return -sum(min(0.0, power) for power in work.values())
+
+
+def _share(external: ExternalTorques, one: _Machine, engines: int) -> float | None:
+    """Share of the power that an engine gives; None where that is not said."""
+    load = external.definition.load
+    if load is None or not load.driven_by:
+        return 1.0 if engines == 1 else None
+    named = {name: share for name, share in load.driven_by.items() if name == one.name or name in one.excitation.nodes}
+    if named:
+        return float(sum(named.values()))
+    return 1.0 if engines == 1 and len(load.driven_by) == 1 and one.excitation.kind == ENGINE else None
+
+
+def _agree(stated: float, expected: float, shares: tuple[float, float]) -> bool:
+    low, high = (share * stated for share in shares)
+    return low * (1 - OF_POWER) <= expected <= high * (1 + OF_POWER)
+
+
+def _cause(one: _Machine, wanted: float, external: ExternalTorques) -> str:
+    if math.isclose(one.powers[0], 0.0):
+        return ""
+    ratios = _ratios(external)
+    own = ratios[one.excitation.shaft]
+    return likely_power(one.powers[0], wanted, one.rating, {node: ratio / own for node, ratio in ratios.items()})

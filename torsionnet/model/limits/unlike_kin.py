@@ -1,0 +1,36 @@
+"""Values of one limit that are of one dimension, and far from each other in size: a unit was left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.errors import Fault
+from torsionnet.core.units import expected_unit
+from torsionnet.model.limits.limit import Limit
+
+APART = 100.0
+"""Largest over smallest of values of one element: torques of a coupling differ by 10 at most."""
+PREFIXES = {"torque": (1e3, "kN*m"), "power": (1e3, "kW"), "pressure": (1e6, "MPa")}
+
+
+def unlike_kin(limit: Limit) -> Iterator[Fault]:
+    """Warnings about values that are less than a hundredth of another of the same limit."""
+    kin: dict[str, dict[str, float]] = {}
+    for name, spec in limit.specs():
+        value = getattr(limit, name)
+        if isinstance(spec, Value) and spec.dimension in PREFIXES and isinstance(value, float) and value > 0:
+            kin.setdefault(spec.dimension, {})[name] = value
+    for dimension, values in kin.items():
+        largest = max(values, key=lambda name: values[name])
+        for name, value in values.items():
+            if value * APART < values[largest]:
+                yield _unlike(dimension, name, value, largest, values[largest])
+
+
+def _unlike(dimension: str, name: str, value: float, largest: str, most: float) -> Fault:
+    unit, (factor, meant) = expected_unit(dimension), PREFIXES[dimension]
+    text = f"{name} of {value:g} {unit} beside {largest} of {most:g} {unit}"
+    if value * factor <= most * APART / 10:
+        text += f'; a number without unit is in {unit}: did you mean "{value:g} {meant}"?'
+    return Fault(text, (name,), "warning")
