@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import signal
+import stat
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
+
+PATIENCE = 10.0
+"""Seconds that a pipe waits for somebody to read it."""
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -31,16 +38,23 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     For libraries that write files themselves. It lies beside ``path`` and has its ending, and goes if the writing fails
     or the program is told to end. What is there and is no regular file (a pipe, a device) is not replaced: the bytes
     are written to it.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written; it names ``path``, whatever file the system spoke of.
     """
     import tempfile  # loads random and shutil, which a program that only reads can do without
 
-    target = Path(path).resolve()
+    target = _behind_links(path)
     special = target.exists() and not target.is_file()
     folder = None if special else target.parent
-    handle, name = tempfile.mkstemp(dir=folder, prefix=f".{target.name[:40]}.", suffix=target.suffix)
-    os.close(handle)
-    temporary = Path(name)
+    shown = str(path) if target.name == Path(path).name else f"{path} (a link to {target})"
+    temporary = None
     try:
+        handle, name = tempfile.mkstemp(dir=folder, prefix=f".{target.name[:40]}.", suffix=target.suffix)
+        os.close(handle)
+        temporary = Path(name)
         with _ended_in_order():
             yield temporary
             if special:
@@ -48,16 +62,52 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
             else:
                 temporary.chmod(_permissions(target))
                 temporary.replace(target)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+    except BaseException as error:
+        if temporary is not None:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+        ours = isinstance(error, OSError) and (temporary is None or error.filename in (None, str(temporary)))
+        if isinstance(error, OSError) and ours and error.errno is not None:
+            raise OSError(error.errno, error.strerror, shown) from error
         raise
 
 
+def _behind_links(path: str | os.PathLike[str]) -> Path:
+    """The file that a path leads to, which need not be there yet."""
+    try:
+        target = Path(path).resolve()
+        loops = target.is_symlink()
+    except RuntimeError:  # what Python before 3.13 makes of a loop
+        loops = True
+    if loops:
+        raise OSError(errno.ELOOP, "a link that leads back to itself", str(path))
+    return target
+
+
 def _pour(source: Path, target: Path) -> None:
-    with target.open("wb") as stream:
+    with _opened(target) as stream:
         stream.write(source.read_bytes())
     source.unlink()
+
+
+def _opened(target: Path) -> BinaryIO:
+    """A pipe or device open for writing; a pipe that nobody opens for reading is waited for, but not for ever."""
+    if not stat.S_ISFIFO(target.stat().st_mode):
+        return target.open("wb")
+    until = time.monotonic() + PATIENCE
+    while True:
+        try:
+            handle = os.open(target, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError as error:
+            if error.errno != errno.ENXIO:
+                raise
+            if time.monotonic() > until:
+                text = f"nobody has opened this pipe for reading within {PATIENCE:g} s"
+                raise OSError(errno.ENXIO, text, str(target)) from None
+            time.sleep(0.02)
+            continue
+        os.set_blocking(handle, True)
+        return os.fdopen(handle, "wb")
 
 
 @contextlib.contextmanager

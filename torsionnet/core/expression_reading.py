@@ -23,7 +23,15 @@ import torsionnet.core.units as units
 from torsionnet.core.expressions import RATIONAL, Compound, Expression, ExpressionError, Name, Number
 from torsionnet.core.units import NUMERAL, UnitError
 
-RESERVED_NAMES = frozenset({"s", "omega", "ground", "pi", "sqrt"})
+RESERVED = {
+    "s": "the variable of transfer functions",
+    "omega": "the angular frequency",
+    "ground": "the node that never moves",
+    "pi": "the number 3.14159",
+    "sqrt": "the square root",
+}
+"""Words that no parameter, element or part can be named, and what they mean in expressions."""
+RESERVED_NAMES = frozenset(RESERVED)
 _MAX_LENGTH, _MAX_NODES, _MAX_DEPTH, _MAX_EXPONENT = 200, 60, 20, 4
 _CHARACTERS = re.compile(r"[A-Za-z0-9_+\-*/(). ^]*")
 _DOTTED = r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*"
@@ -39,7 +47,7 @@ def check_name(name: str) -> str | None:
     That of a parameter of a part comes after the name under which the part is used, and a dot.
 
     >>> check_name("k_1"), check_name("left.k_1"), check_name("omega")
-    (None, None, '"omega" is reserved')
+    (None, None, '"omega" is reserved: it stands for the angular frequency; choose another name')
     """
     if not _NAME.fullmatch(name):
         return f'"{name}" is no name: a letter comes first, then letters, digits and _ (no accents)'
@@ -51,7 +59,8 @@ def _word_fault(word: str) -> str | None:
         return f'"{word}" is no finite number'
     if keyword.iskeyword(word):
         return f'"{word}" is a word of the Python language'
-    return f'"{word}" is reserved' if word in RESERVED_NAMES else None
+    meaning = RESERVED.get(word)
+    return f'"{word}" is reserved: it stands for {meaning}; choose another name' if meaning else None
 
 
 @lru_cache(maxsize=4096)

@@ -14,37 +14,32 @@ Rows: TypeAlias = tuple[tuple[Number, ...], ...]
 """Rows by rising first value."""
 
 
-def outside(rows: Rows, at: float) -> str:
+def outside(rows: Rows, at: Any) -> str:
     """Why a table has no value there, or an empty text."""
-    if rows[0][0].value <= exact_number(at) <= rows[-1][0].value:
+    if rows[0][0].value <= at <= rows[-1][0].value:
         return ""
     return f"the table goes from {rows[0][0]} to {rows[-1][0]}"
 
 
-def value_at(rows: Rows, at: float, column: int = 1) -> Number:
-    """The value at ``at``, which lies in the table.
+def value_at(rows: Rows, at: Any, column: int = 1) -> Any:
+    """The value at ``at``, a number of any algebra whose numbers have an order; it lies in the table.
 
     >>> rows = ((Number(Fraction(1)), Number(Fraction(10))), (Number(Fraction(3)), Number(Fraction(30))))
-    >>> value_at(rows, 2.5).value, slope_at(rows, 2.5).value
+    >>> value_at(rows, Fraction("2.5")), slope_at(rows, 2.5)
     (Fraction(25, 1), Fraction(10, 1))
     """
     lower = _piece(rows, at)[0]
-    return Number(lower[column].value + slope_at(rows, at, column).value * (exact_number(at) - lower[0].value))
+    return slope_at(rows, at, column) * (at - lower[0].value) + lower[column].value
 
 
-def slope_at(rows: Rows, at: float, column: int = 1) -> Number:
+def slope_at(rows: Rows, at: Any, column: int = 1) -> Fraction:
     """The slope at ``at``; at a row that of the piece above it, at the last row that of the last piece."""
     lower, upper = _piece(rows, at)
-    return Number((upper[column].value - lower[column].value) / (upper[0].value - lower[0].value))
+    return Fraction((upper[column].value - lower[column].value) / (upper[0].value - lower[0].value))
 
 
-def exact_number(value: float) -> Fraction:
-    """The decimal fraction that a number was written as."""
-    return Fraction(repr(float(value)))
-
-
-def _piece(rows: Rows, at: float) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
-    place = _place([row[0].value for row in rows], exact_number(at))
+def _piece(rows: Rows, at: Any) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
+    place = _place([row[0].value for row in rows], at)
     return rows[place - 1], rows[place]
 
 

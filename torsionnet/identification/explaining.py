@@ -3,32 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, causes_of, with_causes
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import Explanation, misfits
 from torsionnet.identification.search import LeastSquaresSolution
+from torsionnet.identification.trying_causes import Solve, Tried, explaining, squares, tried_causes
 from torsionnet.response.recording import Recording
 from torsionnet.signals.resolution import ENOUGH, resolution
 
 TRIED = 6
 """Causes that are fitted, those first that would take away most by a linear estimate."""
-MOST = 0.8
-"""Share of the misfit, as a sum of squares, that a cause must take away to be named."""
-FACTORS = (1.0, 0.5, 2.0)
-"""Multiples of a value from which the search for it begins, as a resonance may lie in the way; of records only once."""
 SEEN = 1e-6
 """Part of what a cause does to the data that the parameters cannot do."""
-ALIKE = 1.5
-"""Sums of squares that are left, of causes that explain a misfit about as well."""
 
-Solve = Callable[[FitProblem, FloatArray], LeastSquaresSolution]
-"""A local optimum from a start."""
 Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
 """Standard errors at an optimum, by name."""
 
@@ -36,58 +27,22 @@ Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
 def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
     """The best of them first, and others that do about as well; empty if none takes away most of the misfit."""
     whole = squares(problem, values)
-    tried = [
-        tried_with(problem, cause, start, solve, factor)
-        for start in (values, problem.start)  # a wrong model may have led far off
-        for cause in _promising(problem, start)
-        for factor in (FACTORS if cause.is_value and not problem.has_records else FACTORS[:1])
-    ]
-    best: dict[Cause, Tried] = {}
-    for one in sorted((one for one in tried if one is not None), key=lambda one: one.criterion):
-        best.setdefault(one.cause, one)
-    listed = list(best.values())
-    good = [one for one in listed if one.squares < min((1 - MOST) * whole, ALIKE * listed[0].squares)]
+    starts = [values, problem.start]  # a wrong model may have led far off
+    first = list(dict.fromkeys(cause for start in starts for cause in _promising(problem, start)))
+    tried = tried_causes(problem, first, starts, solve)
+    good = explaining(tried, whole)
+    if not good:  # by a linear estimate they are not what they are
+        others = [cause for cause in causes_of(problem) if cause not in first]
+        good = explaining(tried_causes(problem, others, [values], solve), whole)
     found = [_explained(one, one.squares / whole, solve, errors) for one in good]
     return tuple(one for one in found if one.complete or not found[0].complete)
-
-
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """A cause, the problem with it, and the optimum of that."""
-
-    cause: Cause
-    problem: FitProblem
-    values: FloatArray
-    squares: float
-
-    @property
-    def criterion(self) -> float:
-        """Akaike's, in units of noise: of two that leave as much, the one with fewer unknowns comes first."""
-        return self.squares + 2 * len(self.values)
-
-
-def tried_with(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float = 1.0) -> Tried | None:
-    """The fit with a cause from a start, the cause from a multiple of its own; None where that cannot be calculated."""
-    try:
-        with_it = with_causes(problem, [cause], start, instead=True)
-        begin = with_it.start.copy()
-        begin[[name.partition("[")[0] == cause.unknown for name in with_it.names]] *= factor
-        found = solve(with_it, begin).x
-        return Tried(cause, with_it, found, squares(with_it, found))
-    except (TorsionnetError, np.linalg.LinAlgError):
-        return None  # what cannot be calculated explains nothing
-
-
-def squares(problem: FitProblem, values: FloatArray) -> float:
-    """Sum of the squared weighted residuals."""
-    return float(np.sum(problem.residuals(values) ** 2))
 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
     """Causes by what a linear step would take away, those that do nothing left out."""
     causes = list(causes_of(problem))
     wide = with_causes(problem, causes, values, instead=False)
-    residuals, slopes = wide.both(wide.start)
+    residuals, slopes = _where_each_stands(wide, problem.names)
     own = [wide.names.index(name) for name in problem.names]
     basis, _ = np.linalg.qr(_scaled(slopes[:, own]))
     gains = []
@@ -100,6 +55,23 @@ def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
         gains.append(float(np.sum((fresh.T @ residuals) ** 2)))
     order = np.argsort(gains)[::-1][:TRIED]
     return [causes[place] for place in order if gains[place] > 0]
+
+
+def _where_each_stands(wide: FitProblem, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
+    """Residuals and derivatives where every block has what its own configuration says of all but these names."""
+    parts, slopes = [], []
+    for block, place in zip(wide.blocks, wide.places, strict=True):
+        own = dict(zip(block.response.names, block.response.start.tolist(), strict=True))
+        at = wide.start[place]
+        for number, index in enumerate(place):
+            if wide.names[index] not in names:
+                at[number] = own.get(wide.names[index], at[number])
+        residual, jacobian = block.residuals(at)
+        whole = np.zeros((len(residual), len(wide.names)))
+        np.add.at(whole.T, place, jacobian.T)
+        parts.append(residual)
+        slopes.append(whole)
+    return np.concatenate(parts), np.concatenate(slopes)
 
 
 def _scaled(columns: FloatArray) -> FloatArray:

@@ -20,6 +20,7 @@ from torsionnet.identification.run_to_limits import at_limits
 from torsionnet.identification.saving import dump_fit, read_fit
 from torsionnet.identification.search import LeastSquaresSolution, variance
 from torsionnet.identification.verdict_words import verdicts
+from torsionnet.identification.widening import far_off
 from torsionnet.response.recording import Recording
 
 SINGULAR = 1e-9
@@ -94,7 +95,8 @@ def make_fit(
     correlation = _correlation(inverse, turned[lost])
     names, moved = problem.names, noise_bias(problem, values)
     told = verdicts(problem, values, errors, correlation, turned[lost], moved, limits)
-    withheld = np.inf if lack is not None and lack.rejected else 0.0
+    rejected = lack is not None and lack.rejected
+    doubts, withheld = () if rejected else far_off(problem, values), np.inf if rejected else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),
         standard_errors=dict(zip(names, (np.hypot(errors, moved) + withheld).tolist(), strict=True)),
@@ -102,7 +104,7 @@ def make_fit(
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=(*lacking(lack), *limits.values(), *told),
+        verdicts=(*lacking(lack), *doubts, *limits.values(), *told),
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",

@@ -47,8 +47,10 @@ class FitPlan:
     true: Mapping[str, float] = field(default_factory=dict)
 
 
-def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse) -> FitPlan:
+def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, ranks_alone: bool = False) -> FitPlan:
     """Read a fit file; records are read too, and with the function given responses.
+
+    With ``ranks_alone`` it may name no parameters, as :func:`rank_causes` needs none.
 
     Raises
     ------
@@ -65,6 +67,8 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse) -> 
     except ModelError as error:
         raise ModelError(presentable(error.faults), file.name) from None
     reader = _Reader(document, file, read_response)
+    if not ranks_alone and "parameters" not in reader.data:
+        reader.faults.append(Fault("a fit needs parameters: entries by name; fit --rank does without", on_key=True))
     plan = reader.plan()
     if reader.faults or plan is None:
         raise ModelError(placed([*document.faults, *reader.faults], document), file.name)
@@ -117,7 +121,7 @@ class _Reader:
             return None
 
     def _parameters(self) -> Iterator[tuple[str, Unknown]]:
-        for name, given in self.entries.get("parameters", {}).items():
+        for name, given in (self.entries.get("parameters") or {}).items():
             one: FitParameter = given or FitParameter()
             try:
                 yield name, Unknown(one.start, one.bounds, one.prior, one.per_configuration)

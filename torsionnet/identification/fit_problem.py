@@ -20,7 +20,9 @@ from torsionnet.identification.record_block import RecordBlock
 from torsionnet.identification.sources import together, two_sources
 from torsionnet.identification.unknown import Unknown
 
-EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "")}
+EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), "")}
+POSITIVE = (0.0, np.inf)
+"""Of a gain that magnitudes tell: whether a channel is reversed they do not."""
 
 
 @dataclass(eq=False)
@@ -98,6 +100,16 @@ class FitProblem:
             if noise is not None:
                 block.take_measured_noise(noise)
         self.forget()
+
+    def reversed_where_nearer(self, start: FloatArray) -> FloatArray:
+        """The start (n,), with a negative gain where that brings the model nearer to the test: a reversed channel."""
+        found = start.copy()
+        for block, place in zip(self.blocks, self.places, strict=True):
+            if "gain" in block.extra and block.form != "magnitude":
+                predicted, (real, imaginary) = block.predicted(start[place])[0], np.split(block.deviations, 2)
+                if np.sum((predicted.conj() * block.measured).real / (real**2 + imaginary**2)) < 0:
+                    found[place[-1]] *= -1
+        return found
 
     @property
     def has_records(self) -> bool:
@@ -191,7 +203,8 @@ def laid_out(
         for extra in block.extra:
             entry = f"{extra}[{block.measurement.label}]"
             mine.append(entry)
-            entries[entry] = EXTRAS[extra][:2]
+            begin, span, _ = EXTRAS[extra]
+            entries[entry] = begin, POSITIVE if extra == "gain" and block.form == "magnitude" else span
         places.append(mine)
     entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
     order = {entry: index for index, entry in enumerate(entries)}

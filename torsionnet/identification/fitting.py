@@ -20,6 +20,7 @@ from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.residual_forms import FORMS
 from torsionnet.identification.search import LeastSquaresSolution, solved, steps, weights
 from torsionnet.identification.unknown import Unknown, read_unknowns
+from torsionnet.identification.widening import widened
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
@@ -71,7 +72,7 @@ def identify(
         Names that are not there, unlike units, a band without lines, parameters that do not act on the data, or more
         parameters than data.
     SolveError
-        The fit does not converge.
+        The fit does not converge, or ends where its errors cannot be calculated.
 
     Examples
     --------
@@ -92,7 +93,9 @@ def identify(
         raise UsageError("there is nothing measured to fit to")
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
-    best = min((solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
+    begun = _both_ways(problem, starts, seed)
+    best, start = min(((solved(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
+    best = widened(problem, best, start, loss)
     for _ in range(ROUNDS if problem.has_records else 0):
         before = best.x
         problem.learn_noise(before)
@@ -101,7 +104,12 @@ def identify(
             break
     if not best.converged or not np.isfinite(best.cost):
         raise SolveError(f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10")
-    return _judged(model, problem, best, loss)
+    try:
+        return _judged(model, problem, best, loss)
+    except np.linalg.LinAlgError as error:
+        values = ", ".join(f"{name} = {x:.3g}" for name, x in zip(problem.names, best.x, strict=True))
+        text = f"the fit ends where nothing can be said of it, at {values} ({error})"
+        raise SolveError(f"{text}; fix a parameter, give bounds, or take other start values") from None
 
 
 def _judged(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
@@ -124,6 +132,15 @@ def _judged(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:
     return float(np.max(np.abs(after - before) / np.maximum(np.abs(before), 1e-300)))
+
+
+def _both_ways(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
+    """The starts, and those with a channel reversed that seems to be."""
+    found = _starts(problem, count, seed)
+    return [
+        *found,
+        *(other for one in found if (other := problem.reversed_where_nearer(one)).tobytes() != one.tobytes()),
+    ]
 
 
 def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:

@@ -9,7 +9,7 @@ from torsionnet.identification.lack_of_fit import Explanation, LackOfFit
 
 AGREED = {
     "delay": "find it along (delay: true) or mend the channel",
-    "gain": "find it along (gain: true), or look for a wrong ratio or calibration",
+    "gain": "find it along (gain: true), or look for a wrong ratio, calibration or sign",
     "hysteretic": "give the spring a loss factor instead of a viscous damping",
     "viscous": "give the spring a viscous damping instead of a loss factor",
     "ratio": "look for other teeth, or correct the ratio",
@@ -50,11 +50,13 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None) -> st
 
     >>> cause_in_words("gain", "n_out", 0.7767, None), cause_in_words("ratio", "stage.ratio", 2.33, 3.0)
     ('a gain of 0.7767 in n_out', 'stage.ratio = 2.33 instead of 3')
+    >>> cause_in_words("gain", "theta_1", -1.002, None)
+    'a gain of -1.002 in theta_1 (a channel is reversed)'
     """
     if kind == "delay":
         return f"a delay of {1e3 * value:.3g} ms in {of}"
     if kind == "gain":
-        return f"a gain of {value:.4g} in {of}"
+        return f"a gain of {value:.4g} in {of}{' (a channel is reversed)' * (value < 0)}"
     if kind == "hysteretic":
         return f"hysteretic instead of viscous damping in {of} (loss factor {value:.3g})"
     if kind == "viscous":

@@ -34,7 +34,8 @@ class Measurement:
         H2 and Hr can be asked for.
     model_output, model_input, excitation : str, optional
     delay, gain : bool, optional
-        Whether a delay (s) and a gain of the output's channel are found along with the parameters.
+        Whether a delay (s) and a gain of the output's channel are found along with the parameters; the gain is negative
+        where a channel is reversed, unless only magnitudes are compared.
     reference : str, optional
         Signal of a record that drives the input and shares no noise with it, such as the exciter's set-point: noise on
         the input then biases nothing. By default the channel named after the model's input with ``_set``, if there

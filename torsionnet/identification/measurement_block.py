@@ -160,10 +160,11 @@ class MeasurementBlock(ABC):
         G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
         extra = dict(zip(self.extra, values[count:], strict=True))
         turn = -2j * np.pi * f
-        channel = extra.get("gain", 1.0) * np.exp(turn * extra.get("delay", 0.0))
+        late = np.exp(turn * extra.get("delay", 0.0))
+        channel = extra.get("gain", 1.0) * late
         columns = [slopes * channel[:, None]]
         if "delay" in extra:
             columns.append((turn * G * channel)[:, None])
         if "gain" in extra:
-            columns.append((G * channel / extra["gain"])[:, None])
+            columns.append((G * late)[:, None])
         return np.asarray(G * channel), np.concatenate(columns, axis=1)

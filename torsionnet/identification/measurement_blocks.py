@@ -27,6 +27,9 @@ from torsionnet.signals.estimators import estimate
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
+UNKNOWN = "1"
+"""Unit of both ends of a response of which a file only says that they are alike."""
+
 
 def make_block(
     model: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form
@@ -125,6 +128,11 @@ def _response(
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
     response = parametric_response(rig, output, into, frequencies, parameters, excitation=measurement.excitation)
     theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
+    if all(channel.unit == UNKNOWN for channel in channels):
+        if theirs[0] != theirs[1]:
+            pair = f"{channels[0].name}/{channels[1].name} is a ratio of like signals in the data"
+            raise UsageError(f"{measurement.label}: {pair}, of {theirs[0]} over {theirs[1]} in the model")
+        return response
     for channel, unit in zip(channels, theirs, strict=True):
         if channel.unit and channel.unit != unit:
             raise UsageError(

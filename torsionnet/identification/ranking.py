@@ -11,21 +11,15 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.threads import one_thread
-from torsionnet.identification.causes import Cause, causes_of
-from torsionnet.identification.explaining import FACTORS, MOST, Tried, squares, tried_with
+from torsionnet.identification.causes import causes_of
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.lack_words import cause_in_words
 from torsionnet.identification.measurement import Measurement
-from torsionnet.identification.search import RANGE, LeastSquaresSolution, solved
+from torsionnet.identification.search import LeastSquaresSolution, solved
+from torsionnet.identification.trying_causes import Tried, explaining, overall_misfit, squares, tried_causes
 from torsionnet.identification.unknown import Unknown, read_unknowns
-from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.response import Column, Table
-
-AS_GOOD = 4.0
-"""Sums of squares left, over the least, of causes that count as explanations beside the best one."""
-ENDED = 1e-3
-"""A value that comes as near to the end of its range, as a factor, has run there."""
 
 
 @dataclass(frozen=True)
@@ -153,11 +147,10 @@ def rank_causes(
     """
     problem, values = _prepared(model, measurements, parameters, residual)
     whole = squares(problem, values)
-    best = [one for cause in causes_of(problem) if (one := _best(problem, cause, values)) is not None]
-    least = min((one.squares for one in best), default=0.0)
-    enough = min((1 - MOST) * whole, max(AS_GOOD * least, np.finfo(float).eps * whole))
-    ranked = [_ranked(one, whole, enough) for one in sorted(best, key=lambda one: one.criterion)]
-    return Ranking(tuple(ranked), _relative(problem, values))
+    tried = tried_causes(problem, causes_of(problem), [values], _solve)
+    good = {one.cause for one in explaining(tried, whole)}
+    ranked = [_ranked(one, whole, explains=one.cause in good) for one in tried]
+    return Ranking(tuple(ranked), overall_misfit(problem, values))
 
 
 def _prepared(
@@ -183,29 +176,18 @@ def _solve(problem: FitProblem, start: FloatArray) -> LeastSquaresSolution:
     )
 
 
-def _best(problem: FitProblem, cause: Cause, values: FloatArray) -> Tried | None:
-    factors = FACTORS if cause.is_value else FACTORS[:1]
-    found = [tried_with(problem, cause, values, _solve, factor) for factor in factors]
-    return min((one for one in found if one is not None), key=lambda one: one.squares, default=None)
-
-
-def _ranked(one: Tried, whole: float, enough: float) -> RankedCause:
+def _ranked(one: Tried, whole: float, *, explains: bool) -> RankedCause:
     mine = [place for place, name in enumerate(one.problem.names) if name.partition("[")[0] == one.cause.unknown]
     cause, value = one.cause, float(np.mean(one.values[mine]))
     begin = float(np.mean(one.problem.start[mine]))
     outputs = " and ".join(dict.fromkeys(block.measurement.output for block in one.problem.blocks))
-    ended = begin > 0 and not ENDED * RANGE > value / begin > 1 / (ENDED * RANGE)
     return RankedCause(
         kind=cause.kind,
         of=outputs if cause.is_of_channel else cause.unknown if cause.is_value else cause.element,
         unknown=cause.unknown,
         before=begin if cause.is_value else None,
         value=value,
-        misfit=_relative(one.problem, one.values),
+        misfit=one.misfit,
         left=one.squares / whole if whole else 0.0,
-        explains=one.squares <= enough and not ended,
+        explains=explains,
     )
-
-
-def _relative(problem: FitProblem, values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(relative_misfits(problem, values) ** 2)))

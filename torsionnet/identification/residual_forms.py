@@ -26,7 +26,8 @@ def apart(
     """Prediction (n,) against test as so many real numbers as the form has, and derivatives (.., n_p)."""
     if form == "complex":
         return parts(predicted - measured), parts(slopes)
-    ratio, relative = np.log(predicted / measured), slopes / predicted[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):  # a gain of 0 on the way: infinitely far, and the step shrinks
+        ratio, relative = np.log(predicted / measured), slopes / predicted[:, None]
     return (ratio.real, relative.real) if form == "magnitude" else (parts(ratio), parts(relative))
 
 

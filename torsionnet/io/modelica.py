@@ -12,7 +12,15 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.modelica_elements import write_element
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import COMPONENTS, FIXED, has_counterpart, port
-from torsionnet.io.modelica_words import KEYWORDS, ROTATIONAL, ModelicaWords, quoted, unit_of, written_unit
+from torsionnet.io.modelica_words import (
+    KEYWORDS,
+    ROTATIONAL,
+    ModelicaWords,
+    kinds_in_use,
+    quoted,
+    unit_of,
+    written_unit,
+)
 from torsionnet.io.part_words import unwritten
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
@@ -119,9 +127,10 @@ class _Model:
 
     def _parameters(self, known: dict[str, str], words: ModelicaWords) -> list[str]:
         found = dimensions(self.drivetrain.parameter_definitions)[0]
+        kinds = kinds_in_use(self.drivetrain.elements.values(), found)
         lines = []
         for name, parameter in self.drivetrain.parameter_definitions.items():
-            unit = unit_of(found.get(name))
+            unit = unit_of(found.get(name), kinds.get(name), str(parameter.value))
             attribute = f'(unit="{unit}")' if unit else ""
             comment = f" {quoted(parameter.description)}" if parameter.description else ""
             lines.append(f"parameter Real {known[name]}{attribute} = {words.expression(parameter.value)}{comment};")

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.expressions import Expression
+from torsionnet.core.expressions import Expression, Name
 from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.io.open_numbers import open_values
-from torsionnet.model.elements import Values
+from torsionnet.model.elements import Element, Values
 from torsionnet.model.elements.element import viscous
 
 ROTATIONAL = "Modelica.Mechanics.Rotational"
@@ -36,8 +36,20 @@ UNITS = {
     "density": "kg/m3",
     "shear modulus": "Pa",
     "frequency": "Hz",
+    "acceleration": "rad/s2",
+    "pressure": "Pa",
+    "time": "s",
+    "power": "W",
+    "area": "m2",
+    "temperature": "K",
+    "force": "N",
+    "linear stiffness": "N/m",
+    "velocity": "m/s",
+    "1": "1",
 }
-"""Modelica's way of writing units; a torque and a stiffness have one dimension as rad is 1, the stiffness wins."""
+"""Modelica's way of writing units; of a torque and a stiffness, which have one dimension as rad is 1, both."""
+_ALIKE = {DIMENSIONS["stiffness"]: ("stiffness", "torque"), DIMENSIONS["angle"]: ("angle", "1")}
+"""Kinds of one dimension: that with an angle in its unit, and that without."""
 LARGEST_INTEGER = 2**31 - 1
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
@@ -75,8 +87,31 @@ def factor(text: str) -> str:
     return text if re.fullmatch(r"[\w.]+", text) else f"({text})"
 
 
-def unit_of(dimension: Dimension | None) -> str:
-    """Modelica's unit of a dimension; empty where there is none to tell."""
+def kinds_in_use(elements: Iterable[Element], known: Mapping[str, Dimension | None]) -> dict[str, str]:
+    """What a parameter is in the entry of an element that it is the value of, or a term of one dimension with it."""
+    found: dict[str, str] = {}
+    for element in elements:
+        for _, _, expression, kind in element.expressions():
+            for name in expression.names:
+                alone = isinstance(expression, Name) and known.get(name) is None
+                if alone or (kind in UNITS and known.get(name) == DIMENSIONS[kind]):
+                    found.setdefault(name, kind)
+    return found
+
+
+def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
+    """Modelica's unit of a parameter; empty where there is none to tell.
+
+    ``kind`` is what it is used as, if anything; ``written`` its value, whose unit tells a stiffness from a torque.
+
+    >>> unit_of(DIMENSIONS["torque"], None, "12 N*m"), unit_of(DIMENSIONS["torque"], None, "12 N*m/rad")
+    ('N.m', 'N.m/rad')
+    """
+    if kind is not None:
+        return UNITS.get(kind, "")
+    if dimension in _ALIKE:
+        kind = _ALIKE[dimension][not re.search("rad|deg", written)]
+        return UNITS[kind]
     return next((unit for name, unit in UNITS.items() if dimension == DIMENSIONS[name]), "")
 
 

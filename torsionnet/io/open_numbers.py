@@ -78,6 +78,9 @@ class OpenNumber:
     def __lt__(self, right: Any) -> bool:
         return bool(self.value < open_number(right).value)
 
+    def __gt__(self, right: Any) -> bool:
+        return bool(self.value > open_number(right).value)
+
     def __hash__(self) -> int:
         return hash(self.value)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from torsionnet.core.errors import UsageError
 from torsionnet.io.formats.registry import format_of, reading
-from torsionnet.io.records.assembling import Wanted, recordings
+from torsionnet.io.records.assembling import Wanted, recordings, with_given_clock
 from torsionnet.io.records.channel_choice import choose
 from torsionnet.io.records.pulsed import pulsed
 from torsionnet.io.records.source import Source
@@ -39,7 +39,7 @@ def read_recording(
     sampling_rate : float, optional
         Hz, where the file does not tell it.
     units : mapping, optional
-        Unit of channels where the file has none or a wrong one.
+        Unit of channels where the file has none or a wrong one; one of time makes a channel the time stamps.
     pulses : mapping, optional
         Channels that hold the pulses of an incremental encoder, with its steps per revolution: ``{"n1": 60}``. They
         become angles, band-limited between the pulses: see :func:`~torsionnet.signals.encoder.angle_from_pulses`. A
@@ -100,7 +100,8 @@ def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
 def _read(
     path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:
-    with _opened(path, dialect) as source:
+    with _opened(path, dialect) as found:
+        source, wanted = with_given_clock(found, wanted)
         if wanted.pulses:
             yield pulsed(source, wanted, path.name)
         else:

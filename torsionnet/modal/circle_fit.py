@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.modal.remarks import LEAST_LINES
+from torsionnet.modal.remarks import LEAST_LINES, line_spacing
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, lines_of
 from torsionnet.response import Channel, FrequencyResponse
@@ -275,10 +275,12 @@ def _pairs(omega: FloatArray, angle: FloatArray, resonance: float, damping: str)
 
 
 def _remarks(fit: CircleFit) -> Iterator[str]:
-    half = np.sum(np.abs(fit.frequencies / fit.natural_frequency - 1) < fit.damping_ratio)
-    if half < LEAST_LINES:
+    # Counted, a line on the very edge would be within or not as its damping is rounded.
+    width = 2 * abs(fit.damping_ratio) * fit.natural_frequency
+    lines = width / line_spacing(fit.frequencies, fit.natural_frequency)
+    if lines < LEAST_LINES:
         yield (
-            f"warning: only {half} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a "
+            f"warning: only {lines:.2g} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a "
             "window was used, the damping reads high"
         )
     if fit.residual > POOR_CIRCLE:

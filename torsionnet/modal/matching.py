@@ -15,6 +15,7 @@ from torsionnet.modal.modal_estimate import ModalEstimate
 from torsionnet.modal.poles import as_poles, cleaned, damping_ratios, natural_frequencies, upper_half
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response import SI, Column, Conventions, Modes, Table
+from torsionnet.response.mode_numbers import OSCILLATORY, REAL, mode_numbers
 
 IntArray: TypeAlias = NDArray[np.int_]
 
@@ -58,6 +59,14 @@ class Match:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(damping_ratios(found) / damping_ratios(model) - 1)
 
+    @property
+    def model_numbers(self) -> tuple[int | None, ...]:
+        """Numbers of the modes of the model as in its own tables; real poles have none."""
+        return mode_numbers([OSCILLATORY if pole.imag > 0 else REAL for pole in self.model_poles])
+
+    def _name(self, place: int) -> int | str:
+        return self.model_numbers[place] or REAL
+
     def _partners(self) -> tuple[ComplexArray, ComplexArray]:
         return self.identified_poles[self.identified], self.model_poles[self.model]
 
@@ -76,7 +85,7 @@ class Match:
         )
         return Table(self.title, columns, tuple(self._rows(conventions.frequency_scale)), self.notes)
 
-    def _rows(self, scale: float) -> Iterator[tuple[int | float | None, ...]]:
+    def _rows(self, scale: float) -> Iterator[tuple[int | float | str | None, ...]]:
         f, z = (
             [function(poles) for poles in (self.identified_poles, self.model_poles)]
             for function in (natural_frequencies, damping_ratios)
@@ -85,11 +94,11 @@ class Match:
         for i, m, (df, dz) in zip(self.identified, self.model, errors, strict=True):
             alike = None if self.mac is None else float(self.mac[i, m])
             numbers = (f[0][i] * scale, f[1][m] * scale, 100 * df, z[0][i], z[1][m], 100 * dz)
-            yield (int(i) + 1, int(m) + 1, *(float(number) for number in numbers), alike)
+            yield (int(i) + 1, self._name(m), *(float(number) for number in numbers), alike)
         for i in sorted(set(range(len(f[0]))) - {*self.identified.tolist()}):
             yield (i + 1, None, float(f[0][i] * scale), None, None, float(z[0][i]), None, None, None)
         for m in sorted(set(range(len(f[1]))) - {*self.model.tolist()}):
-            yield (None, m + 1, None, float(f[1][m] * scale), None, None, float(z[1][m]), None, None)
+            yield (None, self._name(m), None, float(f[1][m] * scale), None, None, float(z[1][m]), None, None)
 
 
 def match(

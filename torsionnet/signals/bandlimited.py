@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import SolveError
 from torsionnet.response.recording import FloatArray
+from torsionnet.signals.sample_counts import check_count
 
 HALF_LENGTH = 40
 """Pulses on either side that a value between pulses rests on."""
@@ -45,6 +46,12 @@ class Rotation:
     """
 
     def __init__(self, times: FloatArray, numbers: NDArray[np.intp], steps_per_revolution: float) -> None:
+        check_count(
+            float(numbers[-1]),
+            len(numbers),
+            f"{len(numbers)} pulses from {times[0]:.6g} to {times[-1]:.6g} s",
+            "most would be missing ones: cut the record at its gaps",
+        )
         whole = np.arange(numbers[-1] + 1, dtype=float)
         stamps = times if len(times) == len(whole) else _spline(numbers.astype(float), times)(whole)
         stamps[numbers] = times

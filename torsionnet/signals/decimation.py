@@ -89,7 +89,7 @@ class _Stream:
 
     def __init__(self, first: Recording, factor: int) -> None:
         self.first, self.factor, self.half = first, factor, HALF_LENGTH * factor
-        self.taps = anti_alias_taps(factor)
+        self.taps: FloatArray | None = None
         self.pending = np.empty((len(first.signals), 0))
         self.primed = False
         self.done = 0
@@ -120,6 +120,8 @@ class _Stream:
         count = (self.pending.shape[1] - 2 * self.half - 1) // self.factor + 1
         if count <= 0:
             return
+        if self.taps is None:  # not before there are samples for as many
+            self.taps = anti_alias_taps(self.factor)
         filtered = np.asarray(upfirdn(self.taps, self.pending, 1, self.factor, axis=1), dtype=np.float64)
         values = filtered[:, 2 * HALF_LENGTH : 2 * HALF_LENGTH + count]
         self.pending = self.pending[:, count * self.factor :]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.response.recording import FloatArray, Signal
 from torsionnet.signals.pulses import check_pulses, repaired_pulses
+from torsionnet.signals.sample_counts import even_times
 
 if TYPE_CHECKING:
     from torsionnet.signals.bandlimited import Rotation
@@ -69,7 +70,7 @@ def angle_from_pulses(
     Raises
     ------
     UsageError
-        Pulses that cannot be repaired.
+        Pulses that cannot be repaired, or times and a rate that make far more samples than there are pulses.
 
     Examples
     --------
@@ -80,9 +81,7 @@ def angle_from_pulses(
     stamps, rotation, remarks = rotation_of(times, steps_per_revolution, fill=fill)
     for remark in remarks:
         warnings.warn(remark, TorsionnetWarning, stacklevel=2)
-    # A whole number of intervals may miss the last pulse by a rounding error, and would lose its sample.
-    count = int(np.floor((stamps[-1] - stamps[0]) * sampling_rate + 1e-9)) + 1
-    even = np.minimum(stamps[0] + np.arange(count) / sampling_rate, stamps[-1])
+    even = even_times(float(stamps[0]), float(stamps[-1]), sampling_rate, len(stamps), "pulses")
     return angle_from_counts(rotation.at(even), steps_per_revolution), float(stamps[0])
 
 

@@ -80,8 +80,8 @@ class Pulses:
         if not self.period:
             return self.missing
         phase = self.numbers[self.missing.after] % self.period
-        usual = np.bincount(phase).argmax()
-        own = phase != usual
+        phases, often = np.unique(phase, return_counts=True)
+        own = phase != phases[often.argmax()]
         return MissingPulses(self.missing.after[own], self.missing.counts[own])
 
 
@@ -185,9 +185,10 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
     """Distance in pulses of gaps that come back regularly; 0 if they do not."""
     if len(numbers) < FEWEST_GAPS:
         return 0
-    counts = np.bincount(np.diff(numbers))
-    period = int(counts.argmax())
-    if counts[period] < REGULAR * (len(numbers) - 1):
+    distances, counts = np.unique(np.diff(numbers), return_counts=True)
+    most = int(counts.argmax())
+    period = int(distances[most])
+    if counts[most] < REGULAR * (len(numbers) - 1):
         return 0
     if steps and period != steps:
         raise UsageError(

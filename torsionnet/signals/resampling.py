@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.signals.sample_counts import even_times
 from torsionnet.signals.timing import gaps
 
 SLOWER = 0.99
@@ -27,7 +28,7 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
     Raises
     ------
     UsageError
-        The rate is too low, values are not finite, or there are gaps.
+        The rate is too low or far too high, values are not finite, or there are gaps.
 
     Examples
     --------
@@ -41,8 +42,7 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
         return recording
     _check(recording, new, bridge_gaps)
     time = recording.time
-    count = int(np.floor((time[-1] - time[0]) * new + 1e-9)) + 1
-    even = np.minimum(time[0] + np.arange(count) / new, time[-1])
+    even = even_times(float(time[0]), float(time[-1]), new, len(time), "samples")
     signals = tuple(_resampled(signal, time, even) for signal in recording)
     note = f"resampled to {new:g} Hz by cubic splines"
     return replace(recording, signals=signals, sampling_rate=new, start=float(time[0]), times=None).noted(note)

@@ -68,12 +68,12 @@ class _Total:
         self.first: Recording | None = None
         self.runs: list[int] = []
         self.sum: ComplexArray = np.zeros(0, dtype=complex)
+        self.weights: FloatArray = np.zeros(0)
         self.waiting: FloatArray = np.zeros(0)
         self.samples = 0
 
     def add(self, block: Recording, follows: bool) -> None:
-        if self.first is None:
-            self._begin(block)
+        self.first = self.first or block
         values = stacked(block)
         self.samples += values.shape[1]
         if follows:
@@ -81,11 +81,13 @@ class _Total:
         else:
             self.runs.append(0)
         self.waiting = values
-        if values.shape[1] >= len(self.weights):
+        if values.shape[1] >= self.settings.samples(block.sampling_rate):
+            if not len(self.weights):
+                self._begin(block)
             self._add_segments(values)
 
     def _begin(self, block: Recording) -> None:
-        self.first = block
+        """Windows and sums, once there are samples for one."""
         self.weights = self.settings.weights(block.sampling_rate)
         self.step = self.settings.step(block.sampling_rate)
         count, size = len(self.weights) // 2 + 1, len(block.signals)

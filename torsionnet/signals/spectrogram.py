@@ -11,6 +11,7 @@ from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.sample_counts import check_count
 from torsionnet.signals.welch import Welch
 
 
@@ -59,7 +60,7 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
     Raises
     ------
     UsageError
-        The record is shorter than a segment.
+        The record is shorter than a segment, or the segments overlap so much that no machine keeps the lines.
 
     Examples
     --------
@@ -80,8 +81,11 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
     if count < settings.samples(rate):
         raise UsageError(f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s")
     weights, step = settings.weights(rate), settings.step(rate)
+    slices = (count - len(weights)) // step + 1
+    about = f"{count} samples in windows of {settings.seconds:g} s with {100 * settings.overlap:g} % overlap"
+    check_count(slices * (len(weights) / 2 + 1), count, about, "take less overlap")
     transform = ShortTimeFFT(weights, step, rate, scale_to="magnitude", fft_mode="onesided")
-    middle, slices = len(weights) // 2, (count - len(weights)) // step + 1
+    middle = len(weights) // 2
     values = without_trend(chosen[name].values, settings.detrend)
     lines = np.abs(transform.stft(values, 0, slices, k_offset=middle))
     mirrored = slice(1, -1 if len(weights) % 2 == 0 else None)

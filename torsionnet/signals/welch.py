@@ -13,6 +13,8 @@ from torsionnet.signals.detrending import Trend, check_trend
 WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop", "bartlett")
 """Those that are often asked for; scipy has more."""
 
+MOST = 2.0**62
+"""Samples: more than any record has, and still a whole number."""
 SHORTEST, LONGEST = 1e-6, 1e6
 """Seconds of a segment: of a laser's encoder, and of some days."""
 
@@ -54,7 +56,7 @@ class Welch:
 
     def samples(self, sampling_rate: float) -> int:
         """Length of a segment."""
-        return max(1, round(self.seconds * sampling_rate))
+        return max(1, round(min(self.seconds * sampling_rate, MOST)))
 
     def step(self, sampling_rate: float) -> int:
         """Samples from the start of a segment to that of the next."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -27,7 +28,13 @@ class Dialect:
 
     def cells(self, line: str) -> list[str]:
         """The cells of a line without blanks and quotes around them."""
-        parts = line.split() if self.separator == " " else line.rstrip("\r\n").split(self.separator)
+        bare = line.rstrip("\r\n")
+        if self.separator == " ":
+            parts = line.split()
+        elif '"' in bare:
+            parts = next(csv.reader([bare], delimiter=self.separator, skipinitialspace=True), [])
+        else:
+            parts = bare.split(self.separator)
         return [part.strip().strip('"').strip() for part in parts]
 
     def is_number(self, cell: str) -> bool:
@@ -57,12 +64,22 @@ def sniffed(lines: Sequence[str], separator: str | None = None, decimal: str | N
 
     >>> str(sniffed(["t;M", "0,1;2,5", "0,2;2,6"]))
     'cells between semicolons, decimal comma'
+    >>> str(sniffed(["t,M", '"0,1","2,5"', '"0,2","2,6"']))
+    'cells between commas, decimal comma'
+
+    Raises
+    ------
+    ValueError
+        Separator and decimal sign are given as the same, and no cell is quoted.
     """
+    quoted = any('"' in line for line in lines)  # "0,5","1,2" holds two numbers
     candidates = [
         Dialect(between, sign)
         for between, sign in product([separator] if separator else SEPARATORS, [decimal] if decimal else ".,")
-        if between != sign
+        if between != sign or quoted
     ]
+    if not candidates:
+        raise ValueError("cells between commas cannot have decimal commas where nothing is quoted")
     return max(candidates, key=lambda dialect: _score(dialect, lines))
 
 

@@ -20,9 +20,13 @@ _OTHER_WORDS = {
     "min^-1": "rpm",
     "U/min": "rpm",
     "r/min": "rpm",
-    "RPM": "rpm",
     "grad": "",
 }
+_FOLDED = {"rpm": "rpm", "sec": "s", "seconds": "s", "msec": "ms"}
+_PRODUCT = re.compile(r"(?<=[A-Za-z])\s*[.\-]\s*(?=[A-Za-z])")
+_POWER = re.compile(r"(?<=[A-Za-z])-(?=\d)")
+_SECONDS = re.compile(r"\bsec\b"), re.compile(r"\b(?:s|sec)2\b")
+_FOOT_POUND = re.compile(r"(?:(ft|in)[*\s]?lbs?f?|lbs?f?[*\s]?(ft|in))", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -75,13 +79,21 @@ def is_unit(text: str) -> bool:
 
 
 def plain_unit(unit: str) -> str:
-    """A unit as ``parse_unit`` reads it: recorders write revolutions per minute in many ways.
+    """A unit as ``parse_unit`` reads it: recorders write revolutions per minute and products in many ways.
 
-    >>> plain_unit(" 1/min ")
-    'rpm'
+    A pound in a product with a length and nothing else is one of force: that is a torque.
+
+    >>> plain_unit(" 1/min "), plain_unit("N-m"), plain_unit("rad.s-1"), plain_unit("ft-lb")
+    ('rpm', 'N*m', 'rad*s^-1', 'lbf*ft')
     """
     bare = unit.strip()
-    return _OTHER_WORDS.get(bare, bare)
+    known = _OTHER_WORDS.get(bare, _FOLDED.get(bare.casefold()))
+    if known is not None:
+        return known
+    plain, squared = _SECONDS
+    spelled = squared.sub("s^2", plain.sub("s", _POWER.sub("^-", _PRODUCT.sub("*", bare))))
+    pounds = _FOOT_POUND.fullmatch(spelled)
+    return f"lbf*{(pounds[1] or pounds[2]).lower()}" if pounds else spelled
 
 
 def _is_units(cells: Sequence[str], width: int) -> bool:

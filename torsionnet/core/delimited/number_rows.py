@@ -80,7 +80,8 @@ class NumberRows:
                 yield values[:, list(columns)]
 
     def _parsed(self, lines: list[str]) -> FloatArray:
-        if '"' in lines[0] or not lines[0].strip() or self.faults:
+        both = self.dialect.separator == self.dialect.decimal
+        if both or '"' in lines[0] or not lines[0].strip() or self.faults:
             return self._one_by_one(lines)
         text = [line.replace(",", ".") for line in lines] if self.dialect.decimal == "," else lines
         separator = None if self.dialect.separator == " " else self.dialect.separator
@@ -133,6 +134,8 @@ class NumberRows:
     def _offset(self, line: str, column: int) -> int:
         if self.dialect.separator == " ":
             return 0
+        if '"' in line:
+            return max(line.find(f'"{self.dialect.cells(line)[column]}"'), 0)
         return sum(len(part) + 1 for part in line.split(self.dialect.separator)[:column])
 
     def _fault(self, text: str, number: int, line: str, at: int, width: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.errors import Fault, Path
@@ -33,6 +33,8 @@ class Spec:
     """What an entry holds. A simple kind says how a value is coerced, one of several values how it is read."""
 
     description: str
+    is_read_off: ClassVar[bool] = False
+    """Whether it holds rows, and another entry beside it the value at which they are read."""
 
     def coerce(self, raw: Any) -> Any:
         """The value in its stored form; EntryError says what is wrong."""

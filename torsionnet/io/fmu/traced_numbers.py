@@ -105,6 +105,20 @@ class Traced:
             self.tape.settle(self, right)
         return equal
 
+    def __lt__(self, right: object) -> bool:
+        right = self._settled(right)
+        return self.value < right.value
+
+    def __gt__(self, right: object) -> bool:
+        right = self._settled(right)
+        return self.value > right.value
+
+    def _settled(self, right: object) -> Traced:
+        """What it is compared with, on this tape: other values of either may change the order."""
+        found = self.tape.number(right)
+        self.tape.settle(self, found)
+        return found
+
     def __hash__(self) -> int:
         return hash(self.value)
 

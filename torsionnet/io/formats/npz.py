@@ -40,20 +40,25 @@ class _Stream:
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Source]:
     """An NPZ file: every numeric array is a channel, or one for every column."""
-    with zipfile.ZipFile(path) as archive:
+    # An archive keeps its file open for as long as one of its members is.
+    with zipfile.ZipFile(path) as archive, contextlib.ExitStack() as members:
         headers = checked_headers(archive, path)
         text = str(loaded(archive, KEY)) if KEY in headers else ""
-        found = [_member(archive, name, header) for name, header in headers.items() if name != KEY]
+        found = [_member(archive, name, header, members) for name, header in headers.items() if name != KEY]
         kept = [pair for pair in found if pair]
         blocks = sliced([read for _, read in kept], [member.length for member, _ in kept])
         yield array_source([member for member, _ in kept], blocks, text, path.stem)
 
 
-def _member(archive: zipfile.ZipFile, name: str, header: Header) -> tuple[Stored, Slice] | None:
+def _member(
+    archive: zipfile.ZipFile, name: str, header: Header, members: contextlib.ExitStack
+) -> tuple[Stored, Slice] | None:
     if header.dtype.kind not in "fiub" or len(header.shape) > 2:
         return None
     if len(header.shape) == 1 and header.shape[0] != 1:
-        return Stored(name, header.shape), _Stream(archive, f"{name}{ENDING}", header.dtype, header.offset)
+        stream = _Stream(archive, f"{name}{ENDING}", header.dtype, header.offset)
+        members.callback(stream.file.close)
+        return Stored(name, header.shape), stream
     values = loaded(archive, name)
     columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values
     value = float(columns.ravel()[0]) if columns.size == 1 else None

@@ -15,7 +15,7 @@ from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored import KEY, saved_columns, stored, with_stored
 from torsionnet.response.recording import Recording
 
-GROUP, PIECE, INCREMENT = "recording", 1 << 20, "wf_increment"
+GROUP, PIECE, INCREMENT, OFFSET = "recording", 1 << 20, "wf_increment", "wf_start_offset"
 
 
 @contextlib.contextmanager
@@ -25,19 +25,23 @@ def opened(path: Path) -> Iterator[Source]:
         channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
         waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
         rate = 1 / float(waves[0][INCREMENT] or 0) if waves else None
-        start = float(waves[0].get("wf_start_offset") or 0.0) if waves else 0.0
+        start = float(waves[0].get(OFFSET) or 0.0) if waves else 0.0
         title = str(content.attributes.get("name", path.stem))
-        notes = _rate_notes(waves)
+        notes = (*_notes(waves, INCREMENT, "sampling intervals"), *_notes(waves, OFFSET, "starts (wf_start_offset)"))
+        if start:
+            notes = (*notes, f"begins at {start:g} s, its wf_start_offset")
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
         text = str(content.attributes.get(KEY, ""))
         yield with_stored(source, text) if text or not waves else source
 
 
-def _rate_notes(waves: Sequence[Mapping[str, Plain]]) -> tuple[str, ...]:
-    increments = sorted({float(wave[INCREMENT] or 0) for wave in waves})
-    if len(increments) < 2:
+def _notes(waves: Sequence[Mapping[str, Plain]], name: str, what: str) -> tuple[str, ...]:
+    """A warning where channels differ in this property, s."""
+    found = sorted({float(wave.get(name) or 0) for wave in waves})
+    if len(found) < 2:
         return ()
-    return (f"channels have sampling intervals of {increments} s; the first channel's was taken for all",)
+    listed = " and ".join(f"{value:.6g}" for value in (found[0], found[-1]))
+    return (f"warning: channels have {what} between {listed} s; that of the first was taken for all",)
 
 
 def _channel(item: Stored, number: int) -> FileChannel:
@@ -51,7 +55,7 @@ def write(recording: Recording, path: Path) -> None:
     columns = saved_columns(recording)
     nptdms = needed("tdms")
     root = nptdms.RootObject({"name": recording.title or path.stem, KEY: stored(recording)})
-    wave = {"wf_increment": 1 / recording.sampling_rate, "wf_start_offset": recording.start}
+    wave = {INCREMENT: 1 / recording.sampling_rate, OFFSET: recording.start}
     with replacing(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
         writer.write_segment([root, nptdms.GroupObject(GROUP)])
         for first in range(0, len(recording), PIECE):

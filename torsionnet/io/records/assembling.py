@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.number_range import LARGEST
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
-from torsionnet.io.records.clock import Clock, clock_of, rate_fault, time_faults
-from torsionnet.io.records.source import Source
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.io.records.clock import Clock, clock_of, doubt, rate_fault, time_faults
+from torsionnet.io.records.source import Source, is_time
+from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,27 @@ class Wanted:
     pulses: Mapping[str, float] = field(default_factory=dict)
 
 
+def with_given_clock(source: Source, wanted: Wanted) -> tuple[Source, Wanted]:
+    """The source with the unit of time that the caller gives a channel, which is the time then, and what is left."""
+    every = {channel.name: channel for channel in (*source.channels, *([source.time] if source.time else []))}
+    for name, unit in wanted.units.items():
+        channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
+        is_clock = channel is not None and (source.time is None or source.time.name == name)
+        if channel is not None and is_clock and is_time(channel) and name not in wanted.pulses:
+            others = tuple(other for other in source.channels if other.name != name)
+            left = {other: word for other, word in wanted.units.items() if other != name}
+            return replace(source, channels=others, time=channel), replace(wanted, units=left)
+    return source, wanted
+
+
 def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None = None) -> Iterator[Recording]:
     """Recordings of so many seconds one after the other, or one of everything; raises :class:`ModelError`."""
-    choices, faults = choose(source, wanted.names, wanted.quantities, wanted.units)
+    stamps = source.time.name if source.time else ""
+    units = {name: unit for name, unit in wanted.units.items() if name != stamps}
+    choices, faults = choose(source, wanted.names, wanted.quantities, units)
+    if stamps in wanted.units:
+        text = f'{stamps} was taken for the time stamps, and "{wanted.units[stamps]}" is no unit of time'
+        faults.append(Fault(text))
     faults += length_faults(source, choices) + _rate_faults(source, wanted)
     if faults:
         raise ModelError(faults, file)
@@ -48,6 +66,9 @@ def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None 
 
 
 def _rate_faults(source: Source, wanted: Wanted) -> list[Fault]:
+    if source.time is None and not wanted.sampling_rate and source.rate and not is_rate(source.rate):
+        text = f"the file says a sampling rate of {source.rate:g} Hz, at which nothing is sampled"
+        return [Fault(f"{text}; give sampling_rate= in Hz")]
     if source.time is not None or wanted.sampling_rate or source.rate:
         return []
     return [Fault("nothing in the file tells the sampling rate; give sampling_rate= in Hz")]
@@ -78,6 +99,8 @@ def _clock(
         faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
     if faults:
         raise ModelError(faults, file)
+    if not source.stamped:
+        source.discovered.extend(() if done else doubt(times, source))
     return clock_of(times, rate, stamped=source.stamped)
 
 

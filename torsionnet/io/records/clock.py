@@ -16,6 +16,9 @@ SAME_RATE = 1e-3
 LATEST = 1e15
 """Seconds; thirty million years, in whatever unit a clock counted."""
 
+DOUBTFUL, SLOW, LONG = 20.0, 200.0, 3600.0
+"""Hz below which nobody samples a torsional vibration, and nobody for so many s; milliseconds look like that."""
+
 
 @dataclass(frozen=True)
 class Clock:
@@ -66,6 +69,19 @@ def _rounded(rate: float) -> float:
     """The rate without the rounding of the stamps it comes from, which are good for some nine digits."""
     plain = float(f"{rate:.7g}")
     return plain if abs(plain / rate - 1) < 1e-9 else rate
+
+
+def doubt(stamps: FloatArray, source: Source) -> tuple[str, ...]:
+    """A warning where stamps without a unit make a record slower, or longer, than those of test benches are."""
+    if source.time is None or source.time.unit or len(stamps) < 2:
+        return ()
+    span = float(stamps[-1] - stamps[0])
+    rate = (len(stamps) - 1) / span
+    if rate >= SLOW or (rate >= DOUBTFUL and span <= LONG):
+        return ()
+    name = source.time.name
+    text = f"warning: {name} has no unit and was taken for s: sampled at {rate:.3g} Hz for {span:.6g} s"
+    return (f"{text}; if it is in ms, or counts ticks, give its unit",)
 
 
 def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:

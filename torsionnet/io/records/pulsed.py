@@ -16,6 +16,10 @@ from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.encoder import angle_from_counts, rotation_of
 from torsionnet.signals.pulse_train import is_stamped, pulse_times
+from torsionnet.signals.sample_counts import even_times
+
+LEAST_PACE = 1.0
+"""Pulses a second, below which their times are hardly in s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +94,9 @@ def _turning(source: Source, channel: FileChannel, wanted: Wanted, file: str) ->
     steps = float(wanted.pulses[channel.name])
     raw = next(source.blocks([channel.column], 0))[0]
     raw = raw[np.isfinite(raw)]
-    stamped = is_stamped(raw)
+    stamped, unit = is_stamped(raw), wanted.units.get(channel.name, channel.unit)
     try:
         if stamped:
-            unit = wanted.units.get(channel.name, channel.unit)
             stamps = raw * (float(parse_unit(plain_unit(unit)).factor) if unit else 1.0)
         else:
             alone = replace(channel, unit="", quantity="", notes=())
@@ -103,10 +106,26 @@ def _turning(source: Source, channel: FileChannel, wanted: Wanted, file: str) ->
         times, rotation, remarks = rotation_of(stamps, steps)
     except (UsageError, SolveError) as error:
         raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
+    slow = len(stamps) < LEAST_PACE * (stamps[-1] - stamps[0])
+    if stamped and not unit and slow:
+        told = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
+        remarks = (*remarks, f"{told}; if they are in ms, or count ticks, give their unit")
     kind = "time stamps of pulses" if stamped else "a pulse train"
     name = wanted.names[channel.name] if isinstance(wanted.names, Mapping) else channel.name
     notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks)
     return Turning(name, steps, times, rotation, notes)
+
+
+def _even(first: float, last: float, rate: float, turning: Sequence[Turning], file: str) -> FloatArray:
+    """Times at which all turn, s."""
+    place, most = ("channels", turning[0].name), max(len(one.times) for one in turning)
+    if last < first:
+        spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in turning)
+        raise ModelError([Fault(f"the pulses have no time in common: {spans}", place)], file)
+    try:
+        return even_times(first, last, rate, most, "pulses")
+    except UsageError as error:
+        raise ModelError([Fault(str(error), place)], file) from None
 
 
 def _together(record: Recording | None, turning: Sequence[Turning], wanted: Wanted, file: str) -> Recording:
@@ -117,7 +136,7 @@ def _together(record: Recording | None, turning: Sequence[Turning], wanted: Want
     if record is None:
         rate = wanted.sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in turning)
         record = Recording((), rate, float(first), title=file)
-        times = np.minimum(first + np.arange(int((last - first) * rate + 1e-9) + 1) / rate, last)
+        times = _even(float(first), float(last), rate, turning, file)
     else:
         inside = (record.time >= first) & (record.time <= last)
         times = record.time[inside]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Position
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
@@ -64,7 +65,7 @@ def is_time(channel: FileChannel) -> bool:
         name = channel.name.rpartition(".")[2].strip()  # the field of a structure
         return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
     try:
-        return parse_unit(channel.unit).dimension == DIMENSIONS["time"]
+        return parse_unit(plain_unit(channel.unit)).dimension == DIMENSIONS["time"]
     except UnitError:
         return False
 

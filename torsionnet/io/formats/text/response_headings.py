@@ -12,6 +12,10 @@ from torsionnet.response.conventions import ANGLES, FREQUENCIES, Conventions
 
 UNITS = ("rad", "rad/s", "rad/s^2", "N*m", "Pa")
 _UNIT = re.compile(r"(?P<what>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
+_TORQUE = re.compile(r"\bN[.·-]?m\b")
+LIKE = (UNKNOWN, "-")
+"""What stands for the unit of a ratio of like signals."""
+KNOWN = "rad/(N*m), deg/(N*m), (N*m)/rad, N*m/(N*m), 1"
 _KINDS = (
     ("magnitude", re.compile(r"\|(?P<pair>.+)\|")),
     ("phase", re.compile(r"phase (?P<pair>.+)")),
@@ -88,8 +92,7 @@ def _heading(text: str, *, first: bool) -> ColumnHeading:
 
 def _frequency(what: str, unit: str) -> ColumnHeading:
     if what != "frequency":
-        several = "; a table of several configurations is read one at a time" if what == "configuration" else ""
-        raise _HeadingError(f'the first column is "{what}"; {EXPECTED}{several}')
+        raise _HeadingError(f'the first column is "{what}"; {EXPECTED}')
     if unit not in FREQUENCIES:
         expected = f"expected {', '.join(FREQUENCIES)}"
         raise _HeadingError(
@@ -117,14 +120,18 @@ def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
 
 def _split(unit: str, label: str) -> tuple[str, str, float]:
     """SI units above and below the bar, and the factor from SI to the values."""
-    if unit == UNKNOWN:
+    if not unit:
+        raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN}")
+    if unit in LIKE:
         return UNKNOWN, UNKNOWN, 1.0
+    unit = _TORQUE.sub("N*m", unit)
     for above in UNITS:
         for below in UNITS:
             for written in map(Conventions, ANGLES):
                 shown = [written.unit(side) for side in (above, below)]
-                bare = f"{shown[0]}/{shown[1]}"
-                if above != below and unit in (f"{shown[0]}/({shown[1]})", bare if "/" not in shown[1] else ""):
+                ways = {f"{top}/({shown[1]})" for top in (shown[0], f"({shown[0]})")}
+                if "/" not in shown[1]:
+                    ways |= {f"{top}/{shown[1]}" for top in (shown[0], f"({shown[0]})")}
+                if unit in ways:
                     return above, below, written.scale(above) / written.scale(below)
-    known = "rad/(N*m), deg/(N*m), (N*m)/rad, 1"
-    raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {known}')
+    raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {KNOWN}')

@@ -25,6 +25,8 @@ from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
 
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+")
 SEPARATORS = (";", "\t", ",")
+CONFIGURATION = "configuration"
+"""Heading of the first column of a table that ``torsionnet frf --csv`` writes."""
 
 
 def write(response: FrequencyResponse, path: Path) -> None:
@@ -52,7 +54,8 @@ def read(path: Path) -> FrequencyResponse:
     """The response in a CSV file; ModelError lists every fault with its line."""
     comments: list[str] = []
     with path.open(encoding="utf-8-sig") as file:
-        lines = _apart_from(comments, file)
+        configurations: dict[str, None] = {}
+        lines = _without_configuration(configurations, _apart_from(comments, file))
         filled = list(islice(((number, line) for number, line in enumerate(lines, 1) if line.strip()), 2))
         if len(filled) < 2:
             place = Position(path.name, 1, 1, 1, next(iter([*comments, *(line for _, line in filled)]), "")[:200])
@@ -69,6 +72,9 @@ def read(path: Path) -> FrequencyResponse:
             other_width=_other_width, no_number=_no_number,
         )  # fmt: skip
         numbers = next(rows.blocks(range(len(names)), 0))
+    if len(configurations) > 1:
+        text = f"the table holds the configurations {', '.join(configurations)}; keep the rows of one of them"
+        raise ModelError([Fault(text, position=place)], path.name)
     if stored is not None:  # the description has the names, whatever characters are in them
         return _own(stored, [name.split(" ")[0] for name in names], np.column_stack(numbers))
     return _foreign(columns, numbers, [comment[1:].strip() for comment in comments], path)
@@ -80,6 +86,21 @@ def _apart_from(comments: list[str], lines: Iterable[str]) -> Iterator[str]:
         if line.startswith("#"):
             comments.append(line.rstrip("\n"))
         yield "\n" if line.startswith("#") else line
+
+
+def _without_configuration(found: dict[str, None], lines: Iterable[str]) -> Iterator[str]:
+    """The lines of a table without its first column if that names configurations, which are collected in order."""
+    beginning = ""
+    for line in lines:
+        if not beginning and line.strip():
+            beginning = next((sign for sign in SEPARATORS if line.startswith(f"{CONFIGURATION}{sign}")), "none")
+            yield line.removeprefix(f"{CONFIGURATION}{beginning}")
+        elif beginning in ("", "none") or not line.strip():
+            yield line
+        else:
+            name, *cells = next(csv.reader([line.rstrip("\n")], delimiter=beginning))
+            found[name] = None
+            yield beginning.join(cells) + "\n" * line.endswith("\n")
 
 
 def _other_width(cells: int, width: int) -> str:

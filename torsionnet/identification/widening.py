@@ -1,0 +1,91 @@
+"""A search that begins with the lowest lines and takes in more of them step by step.
+
+Where a model has many resonances, one that is a little off already misses a high peak, and the misfit has a minimum
+wherever two of the peaks come together. Low lines are smooth in the parameters; what they tell brings the higher peaks
+near enough, one after the other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import SolveError
+from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.measurement_block import MeasurementBlock
+from torsionnet.identification.response_block import ResponseBlock
+from torsionnet.identification.search import LeastSquaresSolution, search_bounds, solved, steps
+from torsionnet.identification.verdict_words import relative_misfits
+
+SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
+"""Of all lines, counted from the lowest, that are compared one after the other."""
+FEWEST, CALLS = 3, 50
+"""Lines for each parameter in the first step, and evaluations in each."""
+OFF = 0.02
+"""RMS of model minus test over that of the test above which a search may have ended beside the optimum."""
+FAR, LESS = 0.1, 1e-6
+"""The same above which it is told where nothing says what noise there is, and the share by which another is better."""
+
+
+def widened(problem: FitProblem, best: LeastSquaresSolution, start: FloatArray, loss: str) -> LeastSquaresSolution:
+    """The best optimum so far, or the one that lines taken in step by step lead to where that is better.
+
+    Of responses alone; records take far longer, and their lines are wide.
+    """
+    if problem.has_records or not np.isfinite(best.cost) or relative_misfits(problem, best.x).max() <= OFF:
+        return best
+    try:
+        found = start
+        with np.errstate(all="ignore"):  # numbers beyond all range are no answer
+            for share in SHARES:
+                found = _with_lines(problem, found, share)
+    except (SolveError, ValueError, np.linalg.LinAlgError):
+        return best  # which stays the answer; lines that few may lead anywhere
+    other = solved(problem, found, loss)
+    return other if other.converged and other.cost < (1 - LESS) * best.cost else best
+
+
+def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatArray:
+    """The optimum of the lowest lines and what was known before, (n,)."""
+    every = np.sort(np.concatenate([block.frequencies for block in problem.blocks]))
+    count = min(max(int(share * len(every)), FEWEST * len(start)), len(every))
+    inside = [np.tile(block.frequencies <= every[count - 1], block.parts) for block in problem.blocks]
+    kept = np.concatenate([*inside, np.ones(len(problem.priors), dtype=bool)])
+    lower, upper = search_bounds(problem)
+
+    def residuals(x: FloatArray) -> FloatArray:
+        return np.asarray(problem.residuals(x)[kept])
+
+    def jacobian(x: FloatArray) -> FloatArray:
+        return np.asarray(problem.jacobian(x)[kept])
+
+    found = least_squares(
+        residuals,
+        np.clip(start, lower, upper),
+        jac=jacobian,
+        bounds=(lower, upper),
+        x_scale=steps(problem, problem.start),
+        max_nfev=CALLS,
+    )
+    return np.asarray(found.x)
+
+
+def far_off(problem: FitProblem, values: FloatArray) -> tuple[str, ...]:
+    """A sentence for every response that a model with peaks is far from, and nothing tells noise from other peaks."""
+    misfits = relative_misfits(problem, values)
+    return tuple(
+        f"{block.measurement.label}: the model is off by {100 * misfit:.2g} % of the response (RMS), and nothing says "
+        "that this is noise: it may have other peaks than the test; try starts=10, or an error or a coherence"
+        for block, place, misfit in zip(problem.blocks, problem.places, misfits, strict=True)
+        if misfit > FAR and _has_unknown_noise(block) and _has_peaks(block.predicted(values[place])[0])
+    )
+
+
+def _has_peaks(response: ComplexArray) -> bool:
+    size = np.abs(response)
+    return bool(np.any((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:])))
+
+
+def _has_unknown_noise(block: MeasurementBlock) -> bool:
+    return isinstance(block, ResponseBlock) and block.measurement.error is None and block.data.coherence is None
