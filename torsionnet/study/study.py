@@ -6,11 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib.util import find_spec
 from typing import Any
 
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.solve.starmesh import compiled_works
 from torsionnet.study.answer import StudyAnswer
 from torsionnet.study.answer_fit import misnamed_in_answers, unfit_answers
 from torsionnet.study.evaluator import Evaluator
@@ -72,8 +72,8 @@ class Study:
 
     @property
     def method(self) -> str:
-        """How responses are solved, the same for all variants: compiled where numba is installed and there are many."""
-        return "compiled" if self.count >= COMPILED and find_spec("numba") else "graph"
+        """How responses are solved, the same for all variants: compiled where numba works and there are many."""
+        return "compiled" if self.count >= COMPILED and compiled_works() else "graph"
 
     @cached_property
     def model_text(self) -> str:

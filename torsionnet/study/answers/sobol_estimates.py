@@ -17,7 +17,7 @@ FEWEST = 64
 
 @dataclass(frozen=True, eq=False)
 class SobolEstimates:
-    """Indices (d,) of every parameter; ``_low`` and ``_high`` are the ends of their intervals.
+    """Indices (d,) of every parameter; ``_low`` and ``_high`` are the ends of their intervals. All are from 0 to 1.
 
     ``variance`` is that of the quantity, ``evaluations`` the number of variants, ``without_value`` how many base points
     were left out because one of their variants has no value.
@@ -86,8 +86,9 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
     numbers = np.random.default_rng([seed, 1])
     drawn = np.array([_indices(terms[numbers.integers(len(terms), size=len(terms))]) for _ in range(RESAMPLES)])
     tail = (1 - confidence) / 2
-    low, high = np.quantile(drawn, [tail, 1 - tail], axis=0)
-    found = _indices(terms)
+    # A share of a variance: an interval holds its truth as often without the part that lies beyond 0 or 1.
+    low, high = np.clip(np.quantile(drawn, [tail, 1 - tail], axis=0), 0.0, 1.0)
+    found = np.clip(_indices(terms), 0.0, 1.0)
     variance = float(values[:2, whole].var())
     return SobolEstimates(
         found[0], low[0], high[0], found[1], low[1], high[1], variance, values.size, base - int(whole.sum())

@@ -31,8 +31,8 @@ class WorstCase(StudyAnswer):
     """Largest and smallest value of a quantity within the tolerances of all parameters, in each configuration.
 
     Tolerances are the limits of distributions, lists and ranges; a distribution without limits ends where all but the
-    share ``coverage`` of its values lies within. Sought in corners, by differential evolution and along slopes; what
-    is found is solved again as a model of its own, and random variants are tried to beat it.
+    share ``coverage`` of its values lies within. Correlation is left out. Sought in corners, by differential evolution
+    and along slopes; what is found is solved again as a model of its own, and random variants are tried to beat it.
     """
 
     kind: ClassVar[str] = "worst_case"
@@ -56,9 +56,9 @@ class WorstCase(StudyAnswer):
     def found(self, study: AskedStudy, result: VariantValues | None = None) -> WorstCaseFound:
         del result
         found = [self._of_case(case, sign) for case in answer_cases(study) for sign in SIGNS[self.direction]]
-        return WorstCaseFound(
-            study.title, self.quantity, measure_of(study, self.quantity).unit, units_of(study), tuple(found)
-        )
+        unit, pairs = measure_of(study, self.quantity).unit, study.space.entries.correlation
+        correlated = tuple((str(first), str(second)) for first, second in (one.between for one in pairs))
+        return WorstCaseFound(study.title, self.quantity, unit, units_of(study), tuple(found), correlated)
 
     def _of_case(self, case: AnswerCase, sign: int) -> WorstVariant:
         box = case.space.box(self.coverage)

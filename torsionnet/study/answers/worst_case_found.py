@@ -59,17 +59,25 @@ class WorstVariant:
 
 @dataclass(frozen=True, eq=False)
 class WorstCaseFound(PlainConclusion):
-    """Worst variants of all configurations."""
+    """Worst variants of all configurations; ``correlated`` are the pairs of parameters that a study correlates."""
 
     title: str
     quantity: str
     unit: str
     parameter_units: Mapping[str, str]
     variants: tuple[WorstVariant, ...]
+    correlated: tuple[tuple[str, str], ...] = ()
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        return tuple(text for one in self.variants for text in self._about(one))
+        said = [text for one in self.variants for text in self._about(one)]
+        if self.correlated:
+            pairs = ", ".join(" and ".join(pair) for pair in self.correlated)
+            said.append(
+                f"correlation is left out ({pairs}): each parameter lies anywhere within its tolerance, whatever the "
+                "others are, so that a worst case may be a variant that hardly occurs"
+            )
+        return tuple(said)
 
     def _about(self, one: WorstVariant) -> list[str]:
         values = f"{one.value:.5g} {self.unit}".rstrip() + f" (as given {one.nominal:.5g})"

@@ -12,6 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.core.errors import UsageError
+from torsionnet.study.cluster.awaiting_workers import Told, await_workers
 from torsionnet.study.cluster.chunk_task import DoneChunk, done_chunks
 from torsionnet.study.cluster.cluster_losses import let_go, scheduler_expected, workers_expected
 from torsionnet.study.cluster.shared_folder import check_folder
@@ -47,10 +48,13 @@ class DaskExecutor:
         Of :func:`torsionnet.study.cluster.connecting.connected`.
     folder : Path
         Of the study.
+    told : callable
+        Is told that there are no workers yet.
     """
 
     client: Client
     folder: Path
+    told: Told = lambda _text: None
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
         """Every part with its result, in the order in which they are done.
@@ -65,6 +69,7 @@ class DaskExecutor:
         if getattr(work, "folder", self.folder) is None:
             raise UsageError("on a cluster a study needs a folder for its results, which all workers share")
         with scheduler_expected(self.client):
+            await_workers(lambda: sum(self.client.nthreads().values()), self.told)
             needed = self._versions
         running: _Running[S] = _Running(self.client, self.folder.name, needed)
         yield from running.results(work, deque(parts))

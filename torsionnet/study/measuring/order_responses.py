@@ -20,7 +20,7 @@ def order_responses(
 
     Variants whose parameters follow the operating point are solved one by one, at every speed with its own values.
     """
-    question = _shared(block, speeds, excitations)
+    question = asked_alike(block, speeds, excitations)
     if question is None:
         for index in range(len(block)):
             run = block.asked(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
@@ -39,7 +39,30 @@ def order_responses(
             yield index, loads.response(loads.at_lines(frequencies, gains), channels)
 
 
-def _shared(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderQuestion | None:
+def responses_at(
+    block: VariantBlock, output: str, question: OrderQuestion, speeds: Sequence[FloatArray]
+) -> Iterator[OrderResponse]:
+    """Responses of every variant at speeds of its own, rad/s."""
+    loads = [question.loads(own) for own in speeds]
+    moving = [one.frequencies[one.frequencies > 0] for one in loads]
+    longest = max(map(len, moving))
+    # Rows have one length: the last frequency again and again where there are fewer.
+    frequencies = np.stack([np.append(own, np.full(longest - len(own), own[-1])) for own in moving])
+    inputs = loads[0].inputs
+    channels = tuple(one.channel for one in remembered(block.model, output, list(inputs), None).outputs)
+    first = 0
+    for _, part in block.parts(longest * len(inputs)):
+        count = len(part)
+        solved = part.responses(output, inputs, frequencies[first : first + count])
+        for number, values in enumerate(solved, first):
+            every = loads[number].frequencies
+            gains = np.zeros((len(every), *values.shape[1:]), dtype=complex)
+            gains[every > 0] = values[: len(moving[number])]
+            yield loads[number].response(loads[number].at_lines(every, gains), channels)
+        first += count
+
+
+def asked_alike(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderQuestion | None:
     """What acts on all variants alike; None where they have rows or operating points of their own."""
     if block.batch is None or block.model.definition.following:
         return None

@@ -44,6 +44,12 @@ class SpeedQuantity(StudyQuantity):
             found = found[(found >= low * (1 - 1e-9)) & (found <= high * (1 + 1e-9))]
         return np.append(found[:-1][:: self.every], found[-1:])
 
+    @staticmethod
+    def is_range(model: Drivetrain) -> bool:
+        """Whether the model's speeds stand for all between them, as a list of them does not."""
+        given = model.definition.speeds
+        return given is not None and not given.list
+
     @property
     def where(self) -> str:
         """Speeds and excitations, in words."""

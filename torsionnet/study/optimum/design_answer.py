@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 from typing import ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested
@@ -13,6 +12,7 @@ from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.solve.starmesh import compiled_works
 from torsionnet.study.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answer_names import PARAMETER, QUANTITY
 from torsionnet.study.answers.asking import measure_of
@@ -20,7 +20,7 @@ from torsionnet.study.optimum.design_entries import DESIGN, DesignBounds, bounde
 from torsionnet.study.optimum.design_goals import DesignGoals
 from torsionnet.study.optimum.design_problem import DesignProblem
 from torsionnet.study.optimum.design_quantities import DesignQuantities
-from torsionnet.study.optimum.smallest_peak import peak_polish
+from torsionnet.study.optimum.peak_curves import peak_curves
 from torsionnet.study.quantity_limit import QuantityLimit
 from torsionnet.study.quantity_value import wrong_unit
 
@@ -83,8 +83,11 @@ class DesignAnswer(StudyAnswer):
         units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}
         goals = replace(goals, units=units)
         varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
-        method = "compiled" if find_spec("numba") else "graph"
+        method = "compiled" if compiled_works() else "graph"
         evaluators = tuple(study.evaluator(one, varied, method) for one in study.configurations)
         quantities = DesignQuantities(evaluators, goals.quantities)
-        problem = DesignProblem(parameters, goals, quantities, None if names else quantities.slopes)
-        return replace(problem, polish=peak_polish(problem, evaluators)), quantities
+        acted_on = any(one.model.assembly.kinematics.actions for one in evaluators)
+        if names or acted_on:  # no derivatives, neither of samples nor where a torque follows another motion
+            return DesignProblem(parameters, goals, quantities), quantities
+        curves = peak_curves(goals.quantities, varied, evaluators)
+        return DesignProblem(parameters, goals, quantities, quantities.slopes, curves), quantities

@@ -127,17 +127,18 @@ class DesignGoals:
 
     def excess(self, found: Found) -> FloatArray:
         """How far limits are exceeded, relative to them, (n, n_points of limited quantities); below 0 inside."""
-        parts = [sign * (found[name] - bound) / (abs(bound) or 1.0) for name, sign, bound in self._bounds()]
+        parts = [sign * (found[name] - bound) / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
         count = len(next(iter(found.values())))
         return np.concatenate(parts, axis=1) if parts else np.zeros((count, 0))
 
     def excess_slopes(self, moved: Found) -> FloatArray:
         """Derivatives of :meth:`excess` from those (n_points, n_p) of the quantities."""
-        parts = [sign * moved[name] / (abs(bound) or 1.0) for name, sign, bound in self._bounds()]
+        parts = [sign * moved[name] / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
         width = next(iter(moved.values())).shape[1]
         return np.concatenate(parts) if parts else np.zeros((0, width))
 
-    def _bounds(self) -> Iterator[tuple[str, float, float]]:
+    def bounds(self) -> Iterator[tuple[str, float, float]]:
+        """Quantity, 1 for an upper limit and -1 for a lower one, and the limit: the order of :meth:`excess`."""
         for name, limit in self.limits.items():
             if limit.below is not None:
                 yield name, 1.0, limit.below

@@ -11,6 +11,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.solve.design.levels import Levels
 from torsionnet.solve.design.minimax import Box
 from torsionnet.study.optimum.design_goals import DesignGoals, Found
 
@@ -45,16 +46,15 @@ class DesignProblem:
         Of many designs at once.
     slopes : Slopes, optional
         Derivatives that are known exactly; the others are taken numerically.
-    polish : callable, optional
-        The best place near one, where the goal has a better search than programming with derivatives: of a largest
-        value, which has none where two peaks are equal.
+    curves : mapping
+        Curves over frequency of quantities that are their largest peak: smooth where the largest changes place.
     """
 
     parameters: tuple[DesignParameter, ...]
     goals: DesignGoals
     evaluate: Evaluate
     slopes: Slopes | None = None
-    polish: Callable[[FloatArray], FloatArray] | None = None
+    curves: Mapping[str, Levels] = field(default_factory=dict)
     _asked: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -69,6 +69,18 @@ class DesignProblem:
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(one.name for one in self.parameters)
+
+    @property
+    def peak_objectives(self) -> tuple[str, ...]:
+        """Quantities with a curve that are made small."""
+        sought = [name for one in self.goals.objectives[:1] if one.sign > 0 for name in one.quantities]
+        return tuple(name for name in sought if name in self.curves)
+
+    @property
+    def peak_limits(self) -> dict[str, float]:
+        """Upper limits of quantities with a curve."""
+        below = {name: limit.below for name, limit in self.goals.limits.items() if name in self.curves}
+        return {name: bound for name, bound in below.items() if bound is not None and bound > 0}
 
     @property
     def evaluations(self) -> int:

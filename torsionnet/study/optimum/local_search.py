@@ -6,7 +6,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.optimum.constrained_search import finite, programmed
+from torsionnet.study.optimum.bounded_points import finite
+from torsionnet.study.optimum.constrained_search import programmed
 from torsionnet.study.optimum.design_problem import DesignProblem
 
 EXACT = 4 * np.finfo(float).eps
@@ -20,9 +21,7 @@ EDGE = 1e-3
 def polished(problem: DesignProblem, place: FloatArray) -> FloatArray:
     """The best place that is found from one, never a worse one."""
     tried = [np.asarray(place, float)]
-    if problem.polish is not None:
-        tried.append(problem.polish(tried[-1]))
-    elif problem.goals.limits or problem.goals.objectives:
+    if problem.goals.limits or problem.goals.objectives:
         tried.append(programmed(problem, tried[-1]))
     if problem.goals.targets:
         tried.append(_fitted(problem, tried[-1]))

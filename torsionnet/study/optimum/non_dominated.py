@@ -94,7 +94,7 @@ def pareto_front(
 
 def _best_in(problem: DesignProblem, objective: DesignObjective, seed: int) -> FloatArray:
     """Place of the design that is best in one objective: an end of the front."""
-    alone = replace(problem, polish=None, goals=replace(problem.goals, objectives=(objective,)))
+    alone = replace(problem, goals=replace(problem.goals, objectives=(objective,)))
     return problem.box.place(np.array(list(optimise(alone, seed=seed).values.values())))
 
 

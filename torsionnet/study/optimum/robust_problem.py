@@ -91,7 +91,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
         goals=DesignGoals(objectives=objectives, limits=limits, units=_units(problem.goals, robustly)),
         evaluate=robustly,
         slopes=None,
-        polish=None,
+        curves={},
         _asked=[],
     )
 

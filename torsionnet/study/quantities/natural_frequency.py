@@ -11,9 +11,9 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.modes import natural_modes
+from torsionnet.solve.mode_pairs import undamped_place
 from torsionnet.study.measuring.mode_quantity import ASCENDING, ModeQuantity
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.variant_block import VariantBlock
@@ -27,7 +27,7 @@ WORDS = {"natural": "natural frequency", "damped": "frequency of the damped vibr
 class NaturalFrequency(ModeQuantity):
     """Frequency of a vibration mode: ``|lambda|/2pi``, damped ``Im lambda/2pi``, or undamped, of M and K alone.
 
-    Undamped ones are always counted by size.
+    Undamped ones are followed by their place among all by size: that of the mode of this number in the nominal model.
     """
 
     kind: ClassVar[str] = "natural_frequency"
@@ -44,7 +44,10 @@ class NaturalFrequency(ModeQuantity):
         if self.which != UNDAMPED:
             yield from super().unfit(model, quantities)
         else:
-            yield from self.beyond(int(np.sum(natural_modes(model)[0].undamped_natural_frequencies > 0)))
+            try:
+                undamped_place(model, self.mode)
+            except UsageError as error:
+                yield Fault(str(error), ("mode",))
 
     @property
     def asked(self) -> str:
@@ -64,8 +67,9 @@ class NaturalFrequency(ModeQuantity):
         return np.asarray(size[:, None] / (2 * np.pi))
 
     def undamped(self, block: VariantBlock) -> FloatArray:
-        """The n-th above 0."""
-        return nth_above_zero(block.every_mode.undamped_natural_frequencies, self.mode)
+        """Of the place of the nominal mode among those above 0."""
+        place, _ = undamped_place(block.model, self.mode)
+        return nth_above_zero(block.every_mode.undamped_natural_frequencies, place + 1)
 
 
 def nth_above_zero(sizes: FloatArray, number: int) -> FloatArray:

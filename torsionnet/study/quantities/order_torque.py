@@ -17,6 +17,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.transfer_request import named_output
+from torsionnet.study.measuring.largest_orders import largest_orders
 from torsionnet.study.measuring.order_responses import order_responses
 from torsionnet.study.measuring.speed_quantity import SpeedQuantity
 from torsionnet.study.measuring.transfer_quantity import refusal
@@ -37,7 +38,8 @@ WORDS = {"half_range": "half of the range", "peak": "largest distance from the m
 class OrderTorque(SpeedQuantity):
     """Vibration of a sensor under the model's excitations, all orders summed with their phases, or one of them.
 
-    The largest over the model's speeds, or a curve over them. A stress is asked for as ``stress(shaft)``.
+    The largest over the model's speeds, between those of a range too, or a curve over them. A stress is asked for as
+    ``stress(shaft)``.
 
     Examples
     --------
@@ -82,8 +84,13 @@ class OrderTorque(SpeedQuantity):
         return QuantityForm(unit, "speed", self.at(model)) if self.curve else QuantityForm(unit)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        found = np.full((len(block), len(self.at(block.model)) if self.curve else 1), np.nan)
-        for index, run in order_responses(block, self.output, self.at(block.model), self.excitations or None):
+        speeds, acting = self.at(block.model), self.excitations or None
+        found = np.full((len(block), len(speeds) if self.curve else 1), np.nan)
+        if self.is_range(block.model) and not self.curve:
+            for index, largest in largest_orders(block, self.output, speeds, acting, self._sizes):
+                found[index] = largest
+            return found
+        for index, run in order_responses(block, self.output, speeds, acting):
             found[index] = self._of(run)
         return found
 
@@ -95,13 +102,16 @@ class OrderTorque(SpeedQuantity):
         )
 
     def _of(self, run: OrderResponse) -> FloatArray:
-        sizes = SIZES[self.size or "half_range"](run) if self.order is None else self._of_one(run)
+        sizes = self._sizes(run)
         return sizes if self.curve else sizes.max(keepdims=True)
+
+    def _sizes(self, run: OrderResponse) -> FloatArray:
+        return SIZES[self.size or "half_range"](run) if self.order is None else self._of_one(run)
 
     def _of_one(self, run: OrderResponse) -> FloatArray:
         """The largest amplitude of any case; of several excitations that have the order, of their sum in any case."""
         assert self.order is not None
-        cases = [np.abs(case.of_order(self.order)) for case in run.coherent]
+        cases = [case.amplitude_of_order(self.order) for case in run.coherent]
         lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]
         if len(lines) == 1:
             cases.append(run.sizes[:, lines[0], 0])

@@ -57,7 +57,9 @@ class Utilisation(SpeedQuantity):
         if self.limit and known and self.limit not in known:
             yield unknown_name("limit", self.limit, known, ("limit",), rest=f"there are {', '.join(known)}")
             return
-        yield from list(self.nowhere(model)) or refusal(lambda: self._of(model))
+        speeds = self.at(model)
+        ends = speeds[:: max(1, len(speeds) - 1)]  # what is refused is refused there, where tables end
+        yield from list(self.nowhere(model)) or refusal(lambda: self._over(model, ends, refine=False))
 
     @property
     def asked(self) -> str:
@@ -73,9 +75,14 @@ class Utilisation(SpeedQuantity):
         return block.one_by_one(self._of)
 
     def _of(self, model: Drivetrain) -> float:
-        speeds = self.at(model)
+        return self._over(model, self.at(model), refine=self.is_range(model))
+
+    def _over(self, model: Drivetrain, speeds: FloatArray, *, refine: bool) -> float:
         check = model.check_limits(
-            self.limit, speeds=speeds if len(speeds) else None, excitations=self.excitations or None
+            self.limit,
+            speeds=speeds if len(speeds) else None,
+            excitations=self.excitations or None,
+            refine=refine,
         )
         verdicts = [check.of(self.limit, self.criterion)] if self.limit and self.criterion else check.verdicts
         found = [one.utilisation[one.worst] for one in verdicts if one.worst is not None]

@@ -16,6 +16,7 @@ from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.evaluation_memory import EvaluationMemory
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
+from torsionnet.study.run.no_variants import no_variants
 from torsionnet.study.run.running_study import RunningStudy, running
 from torsionnet.study.run.shared_blocks import SharedBlocks
 from torsionnet.study.run.study_folder import StudyFolder, writing
@@ -24,8 +25,6 @@ from torsionnet.study.run.workers import Workers
 from torsionnet.study.run.workload import Workload
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
-
-NO_VARIANTS = "the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values"
 
 Answering = Callable[[str, int, int | None], None]
 """Called with the name of an answer, the variants it has calculated, and how many it will if that is known."""
@@ -99,7 +98,7 @@ def answer_study(
     place = None if folder is None else Path(folder)
     unanswered = [name for name, one in study.answers.items() if one.of_variants]
     if not study.count and unanswered:
-        raise UsageError(f"{', '.join(unanswered)}: {NO_VARIANTS}")
+        raise UsageError(f"{', '.join(unanswered)}: {no_variants(study.space)}")
     with (workers or Workers()).executor(place) as executor:
         result = None
         if study.count or not study.answers:

@@ -15,6 +15,7 @@ from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
 from torsionnet.study.run.kept_part import kept_every
+from torsionnet.study.run.no_variants import no_variants
 from torsionnet.study.run.reducing import reduced
 from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
@@ -64,7 +65,7 @@ def run_study(
         The folder cannot be written any more; what is in it stays valid.
     """
     if not study.count:
-        raise UsageError("the study has no variants: give sampling: {count: 1000}, or lists or ranges of values")
+        raise UsageError(no_variants(study.space))
     workload = Workload.of(study)
     workload.bearable(longest)
     announce(workload)

@@ -28,12 +28,15 @@ class Workers:
         Instead: ``tcp://host:port``, a scheduler file, or ``local:N``.
     announce : callable or None
         Is told where the dashboard of a cluster is.
+    waiting : callable
+        Is told that a cluster has no workers yet, and for how long.
     """
 
     processes: int = 1
     threads: int = 0
     cluster: str = ""
     announce: Callable[[str], None] | None = None
+    waiting: Callable[[str], None] = lambda _text: None
 
     def __post_init__(self) -> None:
         if self.processes < 1 or self.threads < 0:
@@ -70,4 +73,4 @@ class Workers:
         with connected(self.cluster) as client:
             if self.announce is not None:
                 self.announce(str(client.dashboard_link))
-            yield DaskExecutor(client, folder)
+            yield DaskExecutor(client, folder, self.waiting)
