@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +13,9 @@ from torsionnet.cli.command import Answer, beside, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import file_option
 from torsionnet.cli.terminal import message, wrote
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
 
 FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica",
            ".fmu": "fmu", ".csv": "sheet"}  # fmt: skip
@@ -57,6 +61,12 @@ class ExportCommand(ModelCommand):
         help="Values of a sheet as at the speed of this node.  [default: real]",
     )
 
+    viscous_at: float | None = option(
+        "--viscous-at",
+        metavar="HZ",
+        help="Springs with a loss factor or a table over frequency as springs and dampers that do the same at HZ.",
+    )
+
     def answer(self) -> Answer:
         chosen = _format(Path(self.output_file).suffix.lower(), self.form)
         more = {name: value for name in OWN if (value := getattr(self, name)) is not None}
@@ -77,11 +87,20 @@ class ExportCommand(ModelCommand):
         }
         for case in cases:
             target = beside(self.output_file, case.configuration, len(cases))
-            platforms = writers[chosen](case.drivetrain, target, **more)
+            platforms = writers[chosen](self._written(case.drivetrain), target, **more)
             if platforms:
                 message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONLY_HERE}")
             wrote(target)
         return Answer()
+
+    def _written(self, drivetrain: Drivetrain) -> Drivetrain:
+        if self.viscous_at is None:
+            return drivetrain
+        from torsionnet.model.viscous_equivalent import viscous_equivalent
+
+        equivalent = viscous_equivalent(drivetrain, self.viscous_at)
+        message("note", f"laws over frequency hold at {self.viscous_at:g} Hz, as springs and viscous dampers")
+        return equivalent
 
 
 def _format(ending: str, form: str | None) -> str:

@@ -9,6 +9,7 @@ from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import OutputFile, file_option
 from torsionnet.cli.terminal import message
+from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit, Ranking
@@ -37,7 +38,9 @@ class FitCommand(Command):
     profile: bool = option(
         "--profile", help="Intervals by profile likelihood too: slower, and right where they are lopsided."
     )
-    rank: bool = option("--rank", help="Rank which value, freed alone, would explain a misfit.")
+    rank: bool = option(
+        "--rank", help="Rank which value, freed alone, would explain a misfit; FIT may name no parameters then."
+    )
     output_file: str | None = file_option("Write the result as YAML.", ENDINGS)
     model_file: str | None = option("--model", type=OutputFile(ENDINGS), help="Write the model with the values found.")
 
@@ -49,8 +52,10 @@ class FitCommand(Command):
         from torsionnet.response import Conventions
 
         with progress("fitting", None):
-            plan = load_fit_plan(self.file, read_frequency_response)
+            plan = load_fit_plan(self.file, read_frequency_response, ranks_alone=self.rank)
             _announce(plan)
+            if not plan.parameters:
+                return self._ranked(rank_causes(plan.model, plan.measurements, residual=_residual(plan)))
             found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
             profiles = {name: found.profile(name) for name in found.values} if self.profile else {}
             ranking = rank_causes(found) if self.rank else None
@@ -67,6 +72,25 @@ class FitCommand(Command):
             ],
             figures=lambda plot: [("", plot.fit(found, conventions=Conventions(angle="deg")))],
         )
+
+    def _ranked(self, ranking: Ranking) -> Answer:
+        """The ranking alone, where nothing is to be found."""
+        asked = {
+            "--profile": self.profile,
+            "-o": self.output_file,
+            "--model": self.model_file,
+            "--plot": self.output.plot_file,
+        }
+        if named := [option for option, given in asked.items() if given]:
+            raise UsageError(
+                f"{' and '.join(named)}: the fit file names no parameters, so there is nothing but a ranking"
+            )
+        table = ranking.table()
+        return Answer(screen=lambda: [table], data=lambda: _ranking(ranking), csv=lambda: [("", table)])
+
+
+def _residual(plan: FitPlan) -> str:
+    return str(plan.options.get("residual") or "complex")
 
 
 def _screen(table: Table, profiles: Intervals, ranking: Ranking | None) -> Iterator[Table | tuple[Any, ...]]:

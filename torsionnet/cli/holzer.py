@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 class HolzerCommand(ModelCommand):
     """Holzer table of a mode or of a trial frequency: amplitudes, torques, twists and stresses, station by station.
 
-    Without damping. Mode 1 is the lowest vibration; rigid bodies do not count. Quantities are those of the station's
-    own shaft, with --referred those on the shaft of the first station.
+    Without damping. Modes are numbered as in the table of torsionnet modes: 1 is the lowest vibration, rigid bodies and
+    real poles have no number. Quantities are those of the station's own shaft, with --referred those on the shaft of
+    the first station.
 
     \b
     torsionnet holzer plant.yaml --mode 2 --amplitude "1 mrad"

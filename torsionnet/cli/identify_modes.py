@@ -116,7 +116,12 @@ def _as_data(found: ModalEstimate, compared: Match | None) -> dict[str, Any]:
     data: dict[str, Any] = {"title": found.title, "method": found.method, "notes": list(found.notes), "modes": modes}
     if compared is not None:
         data["against_model"] = [
-            {"identified": int(i) + 1, "model": int(m) + 1, "frequency_error": float(df), "damping_error": float(dz)}
+            {
+                "identified": int(i) + 1,
+                "model": compared.model_numbers[m],
+                "frequency_error": float(df),
+                "damping_error": float(dz),
+            }
             for i, m, df, dz in zip(
                 compared.identified, compared.model, compared.frequency_errors, compared.damping_errors, strict=True
             )

@@ -14,18 +14,22 @@ from torsionnet.cli.options import ANGLE
 if TYPE_CHECKING:
     from torsionnet.response import Conventions
     from torsionnet.response.limit_check import LimitCheck, LimitVerdict
+    from torsionnet.response.limit_conclusion import LimitConclusion
     from torsionnet.response.table import Table
 
-EXCEEDED = 5
-"""Exit code where a limit does not hold."""
+EXCEEDED, OPEN_END = 5, 6
+"""Exit codes where a limit does not hold, and where none fails but not everything was examined or judged."""
 
 
 class LimitsCommand(ModelCommand):
     """Whether shafts, couplings, gears and dampers bear what an engine does to them, and which speeds are barred.
 
     The model says what they bear in its entry limits: and what runs in excitations: and speeds:. Every limit is judged
-    at its worst speed: "pass", "barred range" (it holds outside of the speeds given), "fail", or "not judged". Exit
-    code 5 if one fails; a barred range is no failure. --csv writes value and value allowed at every speed.
+    at its worst speed: "pass", "barred range" (it holds outside of the speeds given), "fail", or "not judged". Between
+    the speeds of a range more are examined until the result does not depend on their step. The last line is the verdict
+    on the model: "incomplete" unless all configurations (-c all) and limits were examined. Exit code 5 if a limit
+    fails, 6 if none does but the verdict is "incomplete" or "not judged"; a barred range is no failure. --csv writes
+    value and value allowed at every speed.
 
     \b
     torsionnet limits plant.yaml -c all
@@ -42,41 +46,65 @@ class LimitsCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
-        from torsionnet.response.limit_check import FAIL
+        from torsionnet.response.limit_conclusion import LimitConclusion
 
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
         found = [case.drivetrain.check_limits(self.limits or None) for case in cases]
+        overall = LimitConclusion(tuple(found))
         return Answer(
-            screen=lambda: self._shown(cases, found, conventions),
-            data=lambda: [_as_data(one) for one in found],
+            screen=lambda: self._shown(cases, overall, conventions),
+            data=lambda: [_as_data(one, overall) for one in found],
             csv=lambda: [("", self.joined(cases, [one.long_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.limit_check(one, conventions=conventions))
                 for case, one in zip(cases, found, strict=True)
             ],
-            exit_code=EXCEEDED if any(one.verdict == FAIL for one in found) else 0,
+            exit_code=_exit_code(overall.verdict),
         )
 
     def _shown(
-        self, cases: list[ConfiguredCase], found: list[LimitCheck], conventions: Conventions
+        self, cases: list[ConfiguredCase], overall: LimitConclusion, conventions: Conventions
     ) -> Iterator[Table | str]:
-        table = self.joined(cases, [one.table(conventions) for one in found])
+        from torsionnet.model.excitations.engine_phases import running_alone
+        from torsionnet.response.limit_check import PASS
+
+        table = self.joined(cases, [one.table(conventions) for one in overall.checks])
         yield replace(table, title=f"{cases[0].drivetrain.name}: limits", notes=())
         yield ""
         yield from table.notes
+        conditions = [(one.configuration, one.drivetrain.definition.excitations) for one in cases]
+        for engine, names in running_alone(conditions).items():
+            yield f"running on {engine} alone: {'examined in ' + ', '.join(names) if names else 'not examined'}"
         yield ""
-        for one in found:
-            yield f"{one.title}: {one.conclusion}"
+        worse = [one for one in overall.checks if one.verdict != PASS] if len(overall.checks) > 1 else []
+        for one in worse:
+            yield f"{one.configuration}: {one.finding()}"
+        if worse:
+            yield ""
+        yield f"{cases[0].drivetrain.name}: {overall.verdict}: {overall.sentence}"
 
 
-def _as_data(check: LimitCheck) -> dict[str, Any]:
+def _exit_code(verdict: str) -> int:
+    from torsionnet.response.limit_check import FAIL, INCOMPLETE, OPEN
+
+    return EXCEEDED if verdict == FAIL else OPEN_END if verdict in (INCOMPLETE, OPEN) else 0
+
+
+def _as_data(check: LimitCheck, overall: LimitConclusion) -> dict[str, Any]:
     return {
         "title": check.title,
         "configuration": check.configuration,
         "speed_of": check.reference,
         "misfiring": check.misfiring,
         "verdict": check.verdict,
+        "overall": {
+            "verdict": overall.verdict,
+            "conclusion": overall.sentence,
+            "not_examined": list(overall.not_examined),
+            "left_out": list(overall.left_out),
+            "barred_rpm": _spans(overall.barred),
+        },
         "barred_rpm": _spans(check.barred),
         "speeds_rpm": check.rpm.tolist(),
         "limits": [_verdict_as_data(check, one) for one in check.verdicts],

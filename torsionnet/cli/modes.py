@@ -118,7 +118,7 @@ def _mode(modes: Modes, index: int) -> dict[str, Any]:
     value = complex(modes.eigenvalues[index])
     shares = modes.energy_shares(index)
     return {
-        "mode": index + 1,
+        "mode": modes.numbers[index],
         "kind": modes.kinds[index],
         "natural_frequency_Hz": float(modes.natural_frequencies[index]),
         "damped_frequency_Hz": float(modes.damped_frequencies[index]),

@@ -32,7 +32,8 @@ class OrdersCommand(ModelCommand):
     """What engines, propellers and other excitations do to a drivetrain over its speed.
 
     The model says which in its entries excitations: and speeds:. On the screen each output has its worst speed and the
-    orders that make it; --csv writes the complex amplitude of every order at every speed.
+    orders that make it, whatever the step of the speeds; --csv writes the complex amplitude of every order at every
+    speed, and at those between them that were needed for that.
 
     \b
     torsionnet orders plant.yaml --output "torque(coupling)" --plot coupling.png
@@ -114,7 +115,7 @@ class OrdersCommand(ModelCommand):
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(
-            referred(self.outputs, self.referred_to), excitations=self.excitations or None
+            referred(self.outputs, self.referred_to), excitations=self.excitations or None, refine=True
         )
 
 
@@ -148,6 +149,7 @@ def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str
                 "half_range": run.half_range[:, place].tolist(),
                 "rms": run.rms[:, place].tolist(),
                 "cases": list(run.cases(channel.name)) if isinstance(run, WorstResponse) else None,
+                **_over_angles(run, place),
                 "orders": [
                     {
                         "excitation": line.excitation,
@@ -163,6 +165,19 @@ def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str
             }
             for place, channel in enumerate(run.outputs)
         ],
+    }
+
+
+def _over_angles(run: OrderResponse, place: int) -> dict[str, Any]:
+    """Angles between engines that are not fixed to each other with the largest half range, and the smallest one."""
+    from torsionnet.response.worst_response import WorstResponse
+
+    if not isinstance(run, WorstResponse) or not run.angles:
+        return {}
+    return {
+        "angles_deg": {one.engine: one.degrees[:, place].tolist() for one in run.angles},
+        "smallest_half_range": run.least.half_range[:, place].tolist(),
+        "smallest_at_deg": {one.engine: one.degrees[:, place].tolist() for one in run.least.angles},
     }
 
 

@@ -40,7 +40,7 @@ def or_null(schema: Schema) -> Schema:
     return {"anyOf": [schema, {"type": "null"}]}
 
 
-VERDICT: Schema = {"enum": ["pass", "barred range", "fail", "not judged"]}
+VERDICT: Schema = {"enum": ["pass", "barred range", "incomplete", "not judged", "fail"]}
 NUMBERS = listed(NUMBER)
 ROWS = listed(NUMBERS)
 PAIR: Schema = {**NUMBERS, "minItems": 2, "maxItems": 2}
@@ -79,9 +79,10 @@ FAULT = record(
     used_at=listed(POSITION),
     defined_at=or_null(POSITION),
 )
+NUMBER_OF_MODE: Schema = {"type": ["integer", "null"], "description": "null for rigid bodies and real poles"}
 KIND: Schema = {"enum": ["rigid body", "real pole", "oscillatory"]}
 MODE = record(
-    mode=COUNT,
+    mode=NUMBER_OF_MODE,
     kind=KIND,
     natural_frequency_Hz=NUMBER,
     damped_frequency_Hz=NUMBER,
@@ -215,7 +216,7 @@ OUTPUTS: dict[str, Schema] = {
             values=NUMBERS,
             modes=listed(
                 record(
-                    mode=COUNT,
+                    mode=NUMBER_OF_MODE,
                     natural_frequency_Hz=NUMBER,
                     damping_ratio=NUMBER,
                     frequency_percent_per_percent=NUMBERS,
@@ -251,7 +252,14 @@ OUTPUTS: dict[str, Schema] = {
                     {
                         "measured": listed(
                             record(of_reference=NUMBER, speeds_rpm=NUMBERS, measured=NUMBERS, calculated=NUMBERS)
-                        )
+                        ),
+                        "angles_deg": {
+                            **by_name(NUMBERS),
+                            "description": "of engines that are not fixed to the first one, where the half range is "
+                            "largest: by how much of its crank angle each fires later",
+                        },
+                        "smallest_half_range": {**NUMBERS, "description": "with these engines at the best angles"},
+                        "smallest_at_deg": by_name(NUMBERS),
                     },
                     output=TEXT,
                     unit=TEXT,
@@ -343,6 +351,7 @@ OUTPUTS: dict[str, Schema] = {
             speed_of=TEXT,
             misfiring=YES_OR_NO,
             verdict=VERDICT,
+            overall=record(verdict=VERDICT, conclusion=TEXT, not_examined=TEXTS, left_out=TEXTS, barred_rpm=ROWS),
             barred_rpm=ROWS,
             speeds_rpm=NUMBERS,
             limits=listed(
@@ -439,7 +448,11 @@ OUTPUTS: dict[str, Schema] = {
         measurements=listed(COMPARED),
     ),
     "identify-modes": record(
-        {"against_model": listed(record(identified=COUNT, model=COUNT, frequency_error=NUMBER, damping_error=NUMBER))},
+        {
+            "against_model": listed(
+                record(identified=COUNT, model=NUMBER_OF_MODE, frequency_error=NUMBER, damping_error=NUMBER)
+            )
+        },
         title=TEXT,
         method=TEXT,
         notes=TEXTS,

@@ -71,7 +71,8 @@ class SensitivityCommand(ModelCommand):
 
 
 def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
-    known = sorted({one.number(mode) for one in results for mode in range(len(one.poles))})
+    every = {one.number(mode) for one in results for mode in range(len(one.poles))}
+    known = sorted(number for number in every if number is not None)
     for mode in modes:
         if mode not in known:
             raise UsageError(f"there is no mode {mode} to move; there are {', '.join(map(str, known)) or 'none'}")
@@ -83,17 +84,20 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     rows = tuple(
         row for row in table.rows if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > ROUNDING
     )
-    notes = tuple(note for index, note in enumerate(table.notes) if not modes or found.number(index) in modes)
+    words, rest = table.notes[: len(found.poles)], table.notes[len(found.poles) :]
+    notes = (*(note for index, note in enumerate(words) if not modes or found.number(index) in modes), *rest)
     return replace(table, rows=rows, notes=notes)
 
 
 def _largest(table: Table) -> Table:
     """The effects that move an eigenvalue farthest for its size, and what is said of their modes."""
+    from torsionnet.response.mode_numbers import COUNTING
+
     if len(table.rows) <= MOST:
         return table
     rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:MOST]
-    seen = {row[0] for row in rows}
-    notes = [note for note in table.notes if any(note.startswith(f"mode {mode} ") for mode in seen)]
+    seen = tuple({f"{'real pole' if row[0] is None else f'mode {row[0]}'} ({row[1]:.4g} Hz" for row in rows})
+    notes = [note for note in table.notes if note.startswith(seen) or note == COUNTING]
     rest = f"the {MOST} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
 

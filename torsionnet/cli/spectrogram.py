@@ -28,7 +28,9 @@ class SpectrogramCommand(RecordCommand):
 
     channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", help="Repeatable; default: all of the record.")
     averaging: Averaging
-    highest: float | None = option("--to", type=Finite(0, min_open=True), help="Highest frequency in Hz.")
+    highest: float | None = option(
+        "--to", type=Finite(0, min_open=True), help="Highest frequency in Hz; default: where the power ends."
+    )
     span: float = option("--span", type=Finite(0, min_open=True), default=60.0, show_default=True, help="dB shown.")
     angle: str = ANGLE
 

@@ -82,7 +82,7 @@ class StudyCommand(Command):
             screen=lambda: _screen(result, conclusions),
             data=lambda: _as_data(study, answered),
             csv=lambda: _tables(result, conclusions),
-            files=[(self.variants_file, lambda file: _write_variants(result, file))],
+            files=[(self.variants_file, lambda file: _write_variants(study, result, file))],
             figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
             exit_code=max((error.exit_code for error in answered.unanswered.values()), default=0),
         )
@@ -93,7 +93,13 @@ class StudyCommand(Command):
         from torsionnet.study.run.run_chunks import LONGEST
         from torsionnet.study.run.workers import Workers
 
-        workers = Workers(self.processes, self.threads, self.cluster, lambda link: message("dashboard", link))
+        workers = Workers(
+            self.processes,
+            self.threads,
+            self.cluster,
+            announce=lambda link: message("dashboard", link),
+            waiting=lambda text: message("note", text),
+        )
         with stages() as show:
             try:
                 return answer_study(
@@ -194,12 +200,12 @@ def _as_data(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
     return {"title": study.title, **result, "answers": answers} | ({"unanswered": unanswered} if unanswered else {})
 
 
-def _write_variants(result: StudyResult | None, file: str) -> None:
+def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:
     from torsionnet.core.errors import UsageError
-    from torsionnet.study.run.answering import NO_VARIANTS
+    from torsionnet.study.run.no_variants import no_variants
 
     if result is None:
-        raise UsageError(NO_VARIANTS)
+        raise UsageError(no_variants(study.space))
     if result.kept.every > 1:
         message("note", f"{file} has {result.kept.words(result.study.count)}; beyond so many not all are kept")
     (result.to_parquet if file.endswith(".parquet") else result.to_csv)(file)

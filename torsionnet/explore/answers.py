@@ -156,6 +156,7 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "ratio": numbers(modes.damping_ratios),
         "real": numbers(modes.eigenvalues.real),
         "imag": numbers(modes.eigenvalues.imag),
+        "numbers": list(modes.numbers),
         "kinds": list(modes.kinds),
         "descriptions": list(modes.descriptions),
         "notes": list(modes.notes),

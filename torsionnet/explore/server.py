@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import json
+import time
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from io import BufferedReader, RawIOBase
+from socket import socket
 from threading import BoundedSemaphore
 from typing import Any
 
@@ -18,8 +21,8 @@ from torsionnet.explore.state import RequestError
 
 LARGEST = 100_000
 """Bytes of a request; a state of 2000 parameters has about that many."""
-PATIENCE = 60.0
-"""Seconds until a silent connection is closed."""
+PATIENCE = 20.0
+"""Seconds that a request may take to come in, from the moment the connection waits for it, and an answer to go out."""
 MOST_CONNECTIONS = 32
 """At a time, each of which takes a thread; a browser opens six."""
 JSON = "application/json"
@@ -97,6 +100,18 @@ class Handler(BaseHTTPRequestHandler):
     timeout = PATIENCE
     disable_nagle_algorithm = True  # else small answers wait for the acknowledgement of the one before
 
+    def setup(self) -> None:
+        """Read requests against a limit of time for the whole of each, not for every few bytes of it."""
+        super().setup()
+        self._incoming = _Incoming(self.connection)
+        self.rfile.close()
+        self.rfile = BufferedReader(self._incoming)
+
+    def handle_one_request(self) -> None:
+        """Answer one request, whose time begins now."""
+        self._incoming.begin()
+        super().handle_one_request()
+
     def do_GET(self) -> None:
         self._guarded(self._page)
 
@@ -157,11 +172,33 @@ class Handler(BaseHTTPRequestHandler):
         more = {"Content-Type": media_type, "Content-Length": str(len(content))}
         more |= {"Connection": "close"} if self.close_connection else {}
         lines = [f"{name}: {value}" for name, value in (HEADERS | more | headers).items()]
+        self.connection.settimeout(PATIENCE)
         head = "\r\n".join([f"{self.protocol_version} {status.value} {status.phrase}", *lines, "", ""])
         self.wfile.write(head.encode("latin-1") + content)
 
     def log_message(self, format: str, *args: Any) -> None:
         """The terminal stays quiet."""
+
+
+class _Incoming(RawIOBase):
+    """What a connection sends, until the time of its request is over."""
+
+    def __init__(self, connection: socket) -> None:
+        self._connection = connection
+        self.begin()
+
+    def begin(self) -> None:
+        self._until = time.monotonic() + PATIENCE
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        left = self._until - time.monotonic()
+        if left <= 0:
+            raise TimeoutError("a request has taken too long to come in")
+        self._connection.settimeout(left)
+        return self._connection.recv_into(buffer)
 
 
 FULL = (

@@ -12,6 +12,7 @@ from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.units import NUMERAL, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.parameters import Parameter
 
 AROUND = 10.0
 """Without bounds, a slider goes from a tenth of a value to ten times it."""
@@ -38,7 +39,8 @@ class Slider:
         Equal ways are equal factors; both ends have one sign.
     changed : bool
     expression : str
-        Of a derived parameter, which follows others and has no slider; else empty.
+        Of a derived parameter, which follows others and has no slider, or what one follows with the operating point;
+        else empty.
     """
 
     name: str
@@ -84,7 +86,8 @@ def sliders(plain: Drivetrain, changed: Drivetrain, values: Mapping[str, Any]) -
 
 def _slider(name: str, plain: Drivetrain, changed: Drivetrain, units: Mapping[str, str], *, is_changed: bool) -> Slider:
     own = plain.parameter_definitions[name]
-    derived = changed.parameter_definitions[name].is_derived
+    follows = own.by is not None
+    derived = follows or changed.parameter_definitions[name].is_derived
     unit = "" if derived or own.is_derived else written_unit(own.value)
     shown = unit or units[name]
     factor = parse_unit(unit).factor if unit else Fraction(1)
@@ -103,8 +106,13 @@ def _slider(name: str, plain: Drivetrain, changed: Drivetrain, units: Mapping[st
         high=high,
         logarithmic=low > 0 or high < 0,
         changed=is_changed,
-        expression=str(changed.parameter_definitions[name].value) if derived else "",
+        expression=_followed(own) if follows else str(changed.parameter_definitions[name].value) if derived else "",
     )
+
+
+def _followed(own: Parameter) -> str:
+    """What a parameter follows, as ``by load of propeller``."""
+    return f"by {str(own.by).replace('_', ' ')}" + (f" of {own.of}" if own.of else "")
 
 
 def written_unit(value: Expression) -> str:

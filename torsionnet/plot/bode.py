@@ -24,6 +24,8 @@ from torsionnet.signals.advice import LEAST_COHERENCE
 POOR = 1e-10
 """Conditioning of a measured input below which a response cannot be trusted."""
 
+BEYOND = 1.5
+"""Times the highest frequency that is coherent: the end of the frequency axis of an estimate."""
 SHORT_LABEL = 14
 LONGEST_LABEL = 32
 """Letters beside the magnitude that fit at full size."""
@@ -49,7 +51,7 @@ class Curve:
     @property
     def is_meant(self) -> NDArray[np.bool_]:
         """Where it can be used, or is coherent at least: the picture makes room for that."""
-        return self.is_usable if self.coherence is None else self.is_usable | (self.coherence >= LEAST_COHERENCE)
+        return _is_meant(self.is_usable, self.coherence)
 
     @property
     def is_usable(self) -> NDArray[np.bool_]:
@@ -168,13 +170,16 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
             values = response.values[shown, o, i]
             size = np.abs(values) * response.scale(conventions, o, i)
             pair = f"{out.name}/{into.name}" if several or not label else ""
+            coherence = None if response.coherence is None else response.coherence[shown, o, i]
+            is_usable = response.frequencies[shown] <= _limit(response)
             curves.append(
                 Curve(
                     ", ".join(text for text in (label, pair) if text),
                     response.frequencies[shown] * conventions.frequency_scale,
                     np.where(np.isfinite(size) & (size > 0), size, np.nan),
-                    unwrapped(values),
-                    None if response.coherence is None else response.coherence[shown, o, i],
+                    # The phase of what is not coherent is any, and its turns would be counted into all that follows.
+                    unwrapped(np.where(_is_meant(is_usable, coherence), values, np.nan)),
+                    coherence,
                     poor[shown],
                     _limit(response) * conventions.frequency_scale,
                     f"{out.name}/{into.name}",
@@ -182,6 +187,12 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
                 )
             )
     return curves
+
+
+def _is_meant(is_usable: NDArray[np.bool_], coherence: FloatArray | None) -> NDArray[np.bool_]:
+    """Where a response is usable or coherent; everywhere if it is so nowhere."""
+    found = is_usable if coherence is None else is_usable | (coherence >= LEAST_COHERENCE)
+    return found if found.any() else np.ones_like(is_usable)
 
 
 def _limit(response: FrequencyResponse) -> float:
@@ -272,7 +283,7 @@ def _stretches(curve: Curve) -> list[tuple[float, float]]:
 
 
 def _dress_frequency(axes: Sequence[Axes], curves: Sequence[Curve], conventions: Conventions, *, x_log: bool) -> None:
-    every = np.concatenate([curve.frequency for curve in curves])
+    every = np.concatenate([_shown_frequencies(curve) for curve in curves])
     last = axes[-1]
     last.set_xlabel(f"frequency [{conventions.frequency}]")
     if x_log:
@@ -281,6 +292,14 @@ def _dress_frequency(axes: Sequence[Axes], curves: Sequence[Curve], conventions:
         last.set_xlim(every.min(), every.max())
     if x_log and every.size:
         style.log_ticks(last.xaxis, float(every.min()), float(every.max()))
+
+
+def _shown_frequencies(curve: Curve) -> FloatArray:
+    """Frequencies up to a little beyond the last at which the curve says anything."""
+    if curve.coherence is None:
+        return curve.frequency
+    highest = float(curve.frequency[curve.is_meant].max(initial=0.0))
+    return np.asarray(curve.frequency[curve.frequency <= BEYOND * highest])
 
 
 def _pair(responses: Sequence[FrequencyResponse]) -> str:

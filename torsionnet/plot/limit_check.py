@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import typeset_unit
 from torsionnet.core.units import RPM
+from torsionnet.plot.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.limit_check import LimitCheck, LimitVerdict
@@ -86,7 +86,8 @@ def _draw(
     panel: Axes, check: LimitCheck, verdicts: Sequence[LimitVerdict], most: int, conventions: Conventions
 ) -> None:
     first = verdicts[0]
-    scale = conventions.scale(first.unit)
+    known = [np.nanmax(one.allowed) for one in verdicts if np.isfinite(one.allowed).any()]
+    scale, unit = axis_unit(first.unit, float(max([*known, first.values.max()])), conventions)
     style.dress(panel)
     for number, span in enumerate(span for one in verdicts for span in one.barred):
         label = None if number else "to be barred"
@@ -107,6 +108,6 @@ def _draw(
             check.rpm, one.allowed * scale, color=LIMIT_COLOR, linestyle=dashes, linewidth=1.6, label=one.criterion
         )
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
-    panel.set_ylabel(f"[{typeset_unit(conventions.unit(first.unit))}]")
+    panel.set_ylabel(f"[{unit}]")
     panel.set_ylim(bottom=0)
     panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -10,7 +10,7 @@ from matplotlib.ticker import MultipleLocator
 
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse
@@ -57,8 +57,7 @@ def order_response(
     total = response.half_range
     for panel, name in zip(panels, names, strict=True):
         place = response.output(name)
-        unit = response.outputs[place].unit
-        scale = conventions.scale(unit)
+        scale, unit = axis_unit(response.outputs[place].unit, float(total[:, place].max()), conventions)
         sizes = response.sizes[:, :, place] * scale
         style.dress(panel)
         exact = response.revolutions is not None
@@ -66,7 +65,7 @@ def order_response(
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
-        panel.set_ylabel(f"{name} [{typeset_unit(conventions.unit(unit))}]")
+        panel.set_ylabel(f"{name} [{unit}]")
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
@@ -105,16 +104,16 @@ def half_ranges(
     """
     place = responses[0].output(output)
     channel = responses[0].outputs[place]
-    unit = conventions.unit(channel.unit)
+    sizes = [response.half_range[:, response.output(channel.name)] for response in responses]
+    scale, unit = axis_unit(channel.unit, max(float(size.max()) for size in sizes), conventions)
     figure = style.new_figure(style.WIDTH, 3.4)
     axes = figure.subplots()
     style.dress(axes)
-    for number, response in enumerate(responses):
+    for number, (response, size) in enumerate(zip(responses, sizes, strict=True)):
         label = labels[number] if labels else response.title
-        size = response.half_range[:, response.output(channel.name)] * conventions.scale(channel.unit)
-        axes.plot(response.rpm, size, label=label, **style.line_style(number))
+        axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
     axes.set_xlabel(f"speed of {responses[0].reference} [r/min]")
-    axes.set_ylabel(f"{channel.name}, half range [{typeset_unit(unit)}]")
+    axes.set_ylabel(f"{channel.name}, half range [{unit}]")
     axes.set_ylim(bottom=0)
     if len(responses[0].rpm) > 1:
         axes.set_xlim(responses[0].rpm[0], responses[0].rpm[-1])
@@ -162,9 +161,10 @@ def waveform(
     figure = style.new_figure(style.WIDTH, 3.2)
     axes = figure.subplots()
     style.dress(axes)
-    axes.plot(np.degrees(angle), waves[at] * conventions.scale(channel.unit), color=style.INK, linewidth=1.4)
+    scale, unit = axis_unit(channel.unit, float(np.abs(waves[at]).max()), conventions)
+    axes.plot(np.degrees(angle), waves[at] * scale, color=style.INK, linewidth=1.4)
     axes.set_xlabel(f"angle of {response.reference} [deg]")
-    axes.set_ylabel(f"{channel.name} [{typeset_unit(conventions.unit(channel.unit))}]")
+    axes.set_ylabel(f"{channel.name} [{unit}]")
     axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
     axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
     style.heading(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)

@@ -189,9 +189,7 @@ def _label(axes: Axes, panel: Panel, text: str) -> None:
 
 
 def _title(modes: Modes, index: int) -> str:
-    where = f"Mode {index + 1}"
-    if modes.kinds[index] == "rigid body":
-        return f"{where}: rigid body"
-    if modes.kinds[index] == "real pole":
-        return f"{where}: overdamped"
-    return f"{where}: {modes.natural_frequencies[index]:.4g} Hz"
+    name = modes.names[index]
+    if modes.numbers[index] is None:
+        return name[:1].upper() + name[1:]
+    return f"Mode {name}: {modes.natural_frequencies[index]:.4g} Hz"

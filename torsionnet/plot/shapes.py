@@ -16,6 +16,8 @@ import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.plot.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
+from torsionnet.response.mode_numbers import place_of
+from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -23,8 +25,8 @@ if TYPE_CHECKING:
 MOST = 12
 """Modes shown unless others are asked for."""
 
-COLUMNS, WIDE = 2, 16
-"""Panels beside each other, unless there are more stations than this."""
+COLUMNS, PAGE = 2, 10.0
+"""Panels beside each other, and the largest height in inches."""
 
 MOST_LETTERS, HANDLE = 105, 8
 """Letters beside each other in a legend, and those that a line takes the room of."""
@@ -79,7 +81,7 @@ def mode_shapes(
     drivetrain : Drivetrain, optional
         Gives order, lines and ratios; without it own angles are shown in the order of ``modes.nodes``.
     which : sequence of int, optional
-        Modes by their number in the table, from 1; by default the first twelve.
+        Modes by their number in the table, from 1; by default the first twelve that oscillate.
     conventions : Conventions, optional
         Unit of the frequencies.
     title : str, optional
@@ -148,10 +150,10 @@ def view_of(
 
 
 def _panels(modes: Modes, chosen: Sequence[int], view: View, conventions: Conventions) -> Figure:
-    columns = 1 if len(view.axis.stations) > WIDE else min(COLUMNS, max(1, len(chosen)))
+    columns = min(COLUMNS, max(1, len(chosen)))
     rows = -(-len(chosen) // columns)
     longest = max((len(node) for node in modes.nodes), default=1)
-    figure = style.new_figure(style.WIDTH, 0.9 + rows * (1.5 + 0.05 * min(longest, 16)))
+    figure = style.new_figure(style.WIDTH, min(PAGE, 0.9 + rows * (1.5 + 0.05 * min(longest, 16))))
     scattered = False
     if chosen:
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
@@ -168,11 +170,9 @@ def _panels(modes: Modes, chosen: Sequence[int], view: View, conventions: Conven
 
 def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
     if which is None:
-        return list(range(min(MOST, len(modes))))
-    for number in which:
-        if not 1 <= number <= len(modes):
-            raise UsageError(f"there is no mode {number}; the modes are numbered 1 to {len(modes)}")
-    return [number - 1 for number in which]
+        vibrations = [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
+        return (vibrations or list(range(len(modes))))[:MOST]
+    return [place_of(number, modes.kinds) for number in which]
 
 
 def shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
@@ -263,11 +263,12 @@ def _name_nodes(axes: Axes, axis: Axis) -> None:
 
 def _title(modes: Modes, index: int, conventions: Conventions) -> str:
     if modes.kinds[index] == "rigid body":
-        return f"{index + 1}: rigid body"
+        return modes.names[index]
     if modes.kinds[index] == "real pole":
-        return f"{index + 1}: real pole, {modes.eigenvalues[index].real:.4g} rad/s"
+        return f"{modes.names[index]}, {modes.eigenvalues[index].real:.4g} rad/s"
     frequency = modes.natural_frequencies[index] * conventions.frequency_scale
-    return f"{index + 1}: {frequency:.4g} {conventions.frequency}, zeta = {100 * modes.damping_ratios[index]:.3g} %"
+    ratio = 100 * modes.damping_ratios[index]
+    return f"{modes.names[index]}: {frequency:.4g} {conventions.frequency}, zeta = {ratio:.3g} %"
 
 
 def _legend(figure: Figure, total: int, chosen: Sequence[int], view: View, *, scattered: bool) -> None:

@@ -18,6 +18,8 @@ from torsionnet.signals.order_tracking import OrderMap
 from torsionnet.signals.spectrogram import Spectrogram
 
 COLOURS = "viridis"
+ROOM = 1.1
+"""Times the highest frequency that carries something: the upper end of a picture."""
 
 
 def spectrogram(
@@ -34,7 +36,7 @@ def spectrogram(
     ----------
     seen : Spectrogram
     highest : float, optional
-        Upper end of the frequency axis, Hz.
+        Upper end of the frequency axis, Hz; by default a tenth above the last level that the colours show.
     span : float, optional
         dB below the highest level at which the colours end.
     conventions : Conventions, optional
@@ -60,12 +62,19 @@ def spectrogram(
     label = f"{seen.name} [dB re {conventions.db_reference:g} {unit}]"
     figure = style.new_figure(style.WIDTH, 3.6)
     axes = figure.subplots()
-    kept = slice(None) if highest is None else seen.frequencies <= highest
+    kept = seen.frequencies <= (_last_shown(seen.frequencies, levels, span) if highest is None else highest)
     _map(figure, axes, seen.times, seen.frequencies[kept], levels[kept], span, label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("frequency [Hz]")
     style.heading(figure, seen.name if title is None else title)
     return figure
+
+
+def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> float:
+    """Frequency in Hz above which nothing is as high as the colours begin."""
+    top = levels[np.isfinite(levels)].max(initial=-np.inf)
+    carrying = np.flatnonzero((levels > top - span).any(axis=1))
+    return float(ROOM * frequencies[carrying[-1]]) if len(carrying) and frequencies[carrying[-1]] else np.inf
 
 
 def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None) -> Figure:

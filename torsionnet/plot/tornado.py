@@ -28,7 +28,7 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     ----------
     found : ModeSensitivities
     modes : list of int, optional
-        Numbers of modes as in their table, where rigid-body modes count; by default the first four vibrations.
+        Numbers of modes as in their table; by default the first four, real poles among them.
     title : str, optional
 
     Returns
@@ -43,11 +43,12 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     2
     """
     known = [found.number(index) for index in range(len(found.poles))]
+    have = [str(number) for number in known if number is not None]
     wrong = [number for number in modes or () if number not in known]
     if wrong or not known:
-        have = f"there are {', '.join(map(str, known))}" if known else "there is none that vibrates"
-        raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {have}")
-    chosen = [known.index(number) for number in modes or known]
+        there = f"there are {', '.join(have)}" if have else "there is none that vibrates"
+        raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {there}")
+    chosen = [known.index(number) for number in modes] if modes else list(range(len(known)))
     chosen = [mode for mode in chosen if _moves(found, mode)][: len(chosen) if modes else MOST_MODES]
     if not chosen:
         raise UsageError("none of the parameters moves these modes")
@@ -55,14 +56,12 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > FAINTEST * size.max()]
     damped = any(np.abs(found.relative_dampings[mode]).max() > NOTHING for mode in chosen)
     figure = style.new_figure(style.WIDTH, 1.2 + len(chosen) * (0.6 + 0.22 * len(shown)))
-    panels = figure.subplots(len(chosen), 2 if damped else 1, squeeze=False, sharey=True)
+    panels = figure.subplots(len(chosen), 2 if damped else 1, squeeze=False)
     for row, mode in zip(panels, chosen, strict=True):
-        _bars(row[0], found.relative_frequencies[mode, shown], style.PALETTE[0])
-        row[0].set_yticks(range(len(shown)), [found.parameters[p] for p in shown])
+        _bars(row[0], found, found.relative_frequencies[mode], shown, style.PALETTE[0])
         row[0].set_title(_title(found, mode), fontsize=style.FONT)
         if damped:
             _damping(row[1], found, mode, shown)
-    panels[0][0].invert_yaxis()  # all panels share the axis: once for all of them
     for axes, what in zip(_lowest(panels), ("natural frequency", "damping ratio"), strict=False):
         axes.set_xlabel(f"{what} [% per %]")
     style.heading(figure, found.title if title is None else title)
@@ -75,17 +74,16 @@ def _moves(found: ModeSensitivities, mode: int) -> bool:
 
 
 def _title(found: ModeSensitivities, mode: int) -> str:
-    what = "real pole, " if found.poles[mode].imag == 0 else ""
-    return f"mode {found.number(mode)}: {what}{found.natural_frequencies[mode]:.4g} Hz"
+    return f"{found.name(mode)}: {found.natural_frequencies[mode]:.4g} Hz"
 
 
 def _damping(axes: Axes, found: ModeSensitivities, mode: int, shown: list[int]) -> None:
     """The bars of the damping ratio; a real pole or a mode without damping has none, and no panel."""
-    slopes = found.relative_dampings[mode, shown]
-    if np.abs(slopes).max(initial=0.0) <= NOTHING:
+    slopes = found.relative_dampings[mode]
+    if np.abs(slopes[shown]).max(initial=0.0) <= NOTHING:
         axes.remove()
         return
-    _bars(axes, slopes, style.PALETTE[1])
+    _bars(axes, found, slopes, shown, style.PALETTE[1])
     axes.set_title(f"damping ratio {100 * found.damping_ratios[mode]:.3g} %", fontsize=style.FONT)
 
 
@@ -94,7 +92,13 @@ def _lowest(panels: Any) -> list[Axes]:
     return [[axes for axes in column if axes.figure is not None][-1] for column in panels.T]
 
 
-def _bars(axes: Axes, values: FloatArray, colour: str) -> None:
+def _bars(axes: Axes, found: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:
+    """Bars of those parameters that move this mode, the longest on top."""
     style.dress(axes)
-    axes.barh(range(len(values)), values, color=colour, height=0.7)
+    sizes = np.abs(slopes)
+    falling = sorted(shown, key=lambda p: -float(f"{sizes[p]:.6g}"))  # equal ones in the order of the parameters
+    longest = [p for p in falling if sizes[p] > max(FAINTEST * sizes[falling[0]], NOTHING)]
+    axes.barh(range(len(longest)), slopes[longest], color=colour, height=0.7)
+    axes.set_yticks(range(len(longest)), [found.parameters[p] for p in longest])
+    axes.set_ylim(max(len(longest), 1) - 0.4, -0.6)
     axes.axvline(0, color=style.MUTED, linewidth=0.8)

@@ -88,11 +88,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
         yield "Source of data", (model.source.strip(),)
     names = [case.configuration for case in subject.cases if case.configuration]
     if names:
-        rest = len(model.configurations) - len(names)
-        yield (
-            "Configurations",
-            (listed(names, len(names)) + (f" (of {len(model.configurations)})" if rest > 0 else ""),),
-        )
+        yield "Configurations", (listed(names, len(names)) + _others(subject),)
     if request.settings:
         yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)
     if request.plan.author:
@@ -102,3 +98,12 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
     yield "Calculated with", (f"torsionnet {version}",)
     yield "Model file" if subject.file else "Model", (subject.file or "described in Python",)
     yield "SHA-256", (subject.digest,)
+
+
+def _others(subject: ReportData) -> str:
+    """Of how many configurations these are shown, and whether verdicts are on more."""
+    if not subject.left_out:
+        return ""
+    shown, judged, count = len(subject.cases), len(subject.judged), len(subject.model.configurations)
+    more = subject.limits_found is not None and subject.request.wants("limits") and judged > shown
+    return f" (of {count}" + (f"; limits are examined in {'all' if judged == count else judged}" if more else "") + ")"

@@ -22,12 +22,12 @@ from torsionnet.solve.transfer_request import usable
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.response.limit_check import LimitCheck
+    from torsionnet.response.limit_conclusion import LimitConclusion
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
-MOST_CASES = 12
-"""Configurations in a report unless more are asked for by name."""
+MOST_CASES, MOST_JUDGED = 12, 200
+"""Configurations in a report unless more are asked for by name, and those whose limits are judged."""
 MOST_MODES = 10
 LARGE = 40
 """Coordinates from which on only the lowest modes are calculated."""
@@ -150,14 +150,38 @@ class ReportData:
     @cached_property
     def order_responses(self) -> tuple[OrderResponse, ...]:
         """Of every case."""
-        return tuple(case.drivetrain.order_response(list(self.order_outputs)) for case in self.cases)
+        return tuple(case.drivetrain.order_response(list(self.order_outputs), refine=True) for case in self.cases)
 
     @cached_property
-    def limit_checks(self) -> tuple[LimitCheck, ...]:
-        """Verdicts on the limits of every case; none where the model has no limits."""
-        if not self.running or not self.model.definition.limits:
+    def judged(self) -> tuple[Case, ...]:
+        """What verdicts are drawn from: all configurations, also those not shown; those asked for where some were."""
+        if self.request.plan.configurations or not self.left_out:
+            return self.cases
+        known = {case.configuration: case for case in self.cases}
+        names = self.model.configurations[:MOST_JUDGED]
+        return tuple(known.get(name) or Case(name, self.model.configured(name)) for name in names)
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """Configurations of the model that are no case of this report."""
+        others = [set(case.drivetrain.other_configurations) for case in self.cases]
+        return tuple(name for name in self.model.configurations if all(name in missing for missing in others))
+
+    @property
+    def of_how_many(self) -> tuple[str, ...]:
+        """A sentence on how many configurations a section is about, where those are not all."""
+        if not self.left_out:
             return ()
-        return tuple(case.drivetrain.check_limits() for case in self.cases)
+        return (f" Of {len(self.model.configurations)} configurations {len(self.cases)} are examined here.",)
+
+    @cached_property
+    def limits_found(self) -> LimitConclusion | None:
+        """Verdicts on the limits in all configurations; None where the model has no limits."""
+        if not self.running or not self.model.definition.limits:
+            return None
+        from torsionnet.response.limit_conclusion import LimitConclusion
+
+        return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged))
 
     @cached_property
     def by_drivetrain(self) -> ReportData:

@@ -18,7 +18,7 @@ function cells(modes, k) {
   const vibrates = modes.damped[k] > 0;
   const ratio = modes.kinds[k] === "rigid body" || modes.ratio[k] === null ? "–" : short(100 * modes.ratio[k], 4);
   return [
-    cell("th", "mode", String(k + 1)),
+    cell("th", "mode", modes.numbers[k] === null ? "–" : String(modes.numbers[k])),
     cell("td", "natural", short(modes.natural[k], 5)),
     cell("td", "damped", vibrates ? short(modes.damped[k], 5) : "–"),
     cell("td", "ratio", ratio),

@@ -23,9 +23,9 @@ PASSED = (
 
 
 def findings(subject: ReportData) -> list[Fault]:
-    """Of the model as written, then of each case."""
+    """Of the model as written, then of each configuration."""
     found = list(subject.model.check())
-    for case in subject.cases:
+    for case in subject.judged:
         known = {fault.message for fault in found}
         found += [
             replace(fault, configuration=fault.configuration or case.configuration)

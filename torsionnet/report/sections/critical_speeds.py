@@ -35,7 +35,7 @@ INTRODUCTION = (
 def critical_speeds_section(subject: ReportData) -> Section | None:
     if not subject.running:
         return None
-    blocks: list[Block] = [Paragraph((INTRODUCTION,))]
+    blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.of_how_many))]
     for number, cases in enumerate(subject.different, 1):
         blocks += _of_drivetrain(cases, number, several=len(subject.different) > 1)
     return Section("critical_speeds", ("Critical speeds",), tuple(blocks))
@@ -67,9 +67,12 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
 
 
 def _reached(found: CriticalSpeeds) -> Table:
-    """Natural frequencies up to the highest that any order meets, and one more."""
-    last = max((one.mode.number for one in found.crossings), default=MOST_HOLZER) + 1
-    return replace(found, modes=found.modes[:last]).mode_table()
+    """Natural frequencies up to the highest that any order meets, and one more; of overdamped ones those it meets."""
+    met = {one.mode.number for one in found.crossings}
+    swings = [one.number for one in found.modes if not math.isnan(one.natural_frequency)]
+    last = max(met.intersection(swings), default=MOST_HOLZER) + 1
+    kept = tuple(one for one in found.modes if one.number in met or (one.number in swings and one.number <= last))
+    return replace(found, modes=kept).mode_table()
 
 
 def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import MISSING_TYPESET, aligned
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.excitations.by_pressure import ByPressure
 from torsionnet.model.excitations.pressure_trace import PressureTrace
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from torsionnet.model.excitations import OrderExcitation
     from torsionnet.model.excitations.speed_range import SpeedRange
 
+ROUNDING = 1e-9
+"""Share by which amplitudes differ that are the same."""
 LONG = 12
 """Numbers of a list that are written out."""
 MOST_ORDERS = 30
@@ -87,7 +89,28 @@ def _shown(spec: Spec, value: Any) -> tuple[Cell, Cell]:
         return plain("; ".join(f"at {pressure / 1e5:.6g} bar {one}" for pressure, one in value.items())), "–"
     if isinstance(value, tuple) and len(value) > LONG:
         return f"{len(value)} values between {min(value):.6g} and {max(value):.6g}", "SI"
+    if isinstance(value, Mapping) and value and all(isinstance(one, Declared) for one in value.values()):
+        return "; ".join(f"{_text(key)}: {_given(one)}" for key, one in value.items()), "–"
     return _text(spec.plain(value)), "–"
+
+
+def _given(entry: Declared) -> str:
+    """What was given of one of several, each number with its unit."""
+    absent = dict(entry.defaults())
+    found = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
+    return ", ".join(
+        f"{plain(name)} {_with_unit(spec, value)}"
+        for name, spec, value in found
+        if value not in (None, absent.get(name))
+    )
+
+
+def _with_unit(spec: Spec, value: Any) -> str:
+    if not isinstance(spec, Value):
+        return _text(spec.plain(value))
+    if spec.dimension == "angle":
+        return f"{math.degrees(value):.6g} {unit('deg')}"
+    return f"{float(value):.6g} {unit(expected_unit(spec.dimension))}".removesuffix(f" {MISSING_TYPESET}")
 
 
 def _text(value: Any) -> str:
@@ -103,7 +126,8 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     speed, own = shaft_speeds(case.drivetrain, name)
     torques = excitation.torques(np.array([own]))
     sizes = np.abs(torques.amplitudes[0])
-    where = np.argmax(sizes, axis=1)
+    same = sizes >= (1 - ROUNDING) * sizes.max(axis=1, keepdims=True)
+    where = np.argmax(same, axis=1)  # of equal ones the first
     largest = sizes[np.arange(len(where)), where]
     phases = np.degrees(np.angle(torques.amplitudes[0][np.arange(len(where)), where]))
     fixed = np.zeros(len(where)) if torques.fixed is None else torques.fixed
@@ -120,14 +144,19 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
         beside,
         aligned(largest.tolist()),
         [NumberText(float(phase), 4, 1) for phase in phases],
-        [plain(torques.nodes[place]) for place in where],
+        [_node(torques.nodes, place, int(count)) for place, count in zip(where, same.sum(axis=1), strict=True)],
         strict=True,
     )
     other = "" if math.isclose(own, speed) else f", where the reference shaft has {speed * RPM:.6g} r/min"
     what = "Torques of " if excitation.quantity == "torque" else "Imposed motion of "
     caption = f"{what}{plain(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
-    notes = ["Of several nodes the one with the largest amplitude; cylinders differ in phase."]
+    notes = ["Of several nodes the one with the largest amplitude, of equal ones the first; cylinders differ in phase."]
     return table(caption, columns, list(rows), notes if len(torques.nodes) > 1 else [], most=MOST_ORDERS)
+
+
+def _node(nodes: Sequence[str], place: int, alike: int) -> str:
+    """The node whose phase is given, and on how many the amplitude is the same."""
+    return plain(nodes[place]) + (f" (of {alike} alike)" if alike > 1 else "")
 
 
 def _changes(subject: ReportData) -> Iterator[Row]:

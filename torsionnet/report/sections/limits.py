@@ -19,37 +19,51 @@ from torsionnet.report.document_tree import (
     Strong,
     TableBlock,
 )
-from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_data import MOST_CASES, ReportData
+from torsionnet.report.report_engines import on_engines
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import plain, unit
-from torsionnet.response.limit_check import LimitCheck, LimitVerdict
+from torsionnet.report.report_words import capital, plain, unit
+from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, few, gravest
+from torsionnet.response.limit_conclusion import LimitConclusion
 
 MOST_DRAWN = 8
 """Limits drawn over speed, each in its worst condition."""
+MOST_ROWS = 24
+"""Conditions whose conclusion is shown; the verdict is on all."""
 
 
 def limits_section(subject: ReportData) -> Section | None:
-    if not subject.limit_checks:
+    found = subject.limits_found
+    if found is None:
         return None
-    blocks: list[Block] = [conclusion(subject)]
-    names = list(dict.fromkeys(one.limit for check in subject.limit_checks for one in check.verdicts))
-    blocks += [_verdicts(subject, name) for name in names]
+    blocks: list[Block] = [verdict(found), conclusion(found), *on_engines(subject)]
+    names = list(dict.fromkeys(one.limit for check in found.checks for one in check.verdicts))
+    blocks += [_verdicts(subject, found, name) for name in names]
     for number, name in enumerate(names[:MOST_DRAWN], 1):
-        blocks += _picture(subject, name, number)
-    blocks += _rules(subject)
+        blocks += _picture(subject, found, name, number)
+    blocks += _rules(found)
     return Section("limits", ("Stresses and limits",), tuple(blocks))
 
 
-def conclusion(subject: ReportData) -> TableBlock:
-    """One sentence for every condition."""
+def verdict(found: LimitConclusion) -> Paragraph:
+    """The verdict on the model, and first of all what was not examined."""
+    return Paragraph((Strong(f"Verdict on stresses and limits: {found.verdict}."), f" {capital(found.sentence)}."))
+
+
+def conclusion(found: LimitConclusion) -> TableBlock:
+    """One sentence for every condition; of many the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
-    rows = [(check.configuration, check.verdict, plain(check.conclusion)) for check in subject.limit_checks]
-    return table("Conclusion on stresses and limits", columns, rows)
+    kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
+    rows = [(check.configuration, check.verdict, plain(check.finding())) for check in kept[:MOST_ROWS]]
+    rest = len(found.checks) - len(rows)
+    notes = [f"{rest} further configurations are in the verdict."] if rest else []
+    return table("Conclusion on stresses and limits", columns, rows, notes)
 
 
-def _verdicts(subject: ReportData, name: str) -> TableBlock:
-    """The worst speed of every condition and criterion of one limit."""
-    found = [(check, one) for check in subject.limit_checks for one in check.verdicts if one.limit == name]
+def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableBlock:
+    """The worst speed of every condition and criterion of one limit; of many conditions the gravest."""
+    checks = _gravest(judged, name)
+    found = [(check, one) for check in checks for one in check.verdicts if one.limit == name]
     columns = (
         Heading("Configuration"),
         Heading("Criterion"),
@@ -74,7 +88,20 @@ def _verdicts(subject: ReportData, name: str) -> TableBlock:
         [", ".join(map(str, one.barred)) for _, one in found],
     ]
     of = dict.fromkeys(one.of for _, one in found)
-    return table(f"Limit {plain(name)}: {', '.join(map(plain, of))}", columns, list(zip(*cells, strict=True)))
+    many = f"The {len(checks)} of {len(judged.checks)} configurations in which it is used most."
+    notes = [many] if len(checks) < len(judged.checks) else []
+    return table(f"Limit {plain(name)}: {', '.join(map(plain, of))}", columns, list(zip(*cells, strict=True)), notes)
+
+
+def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
+    """Conditions that are shown of one limit, in their order."""
+
+    def grave(check: LimitCheck) -> tuple[bool, float]:
+        verdicts = [one.verdict for one in check.verdicts if one.limit == name]
+        return gravest(verdicts) == PASS, -np.nan_to_num(_most_used(check, name))
+
+    places = sorted(range(len(found.checks)), key=lambda place: (*grave(found.checks[place]), place))[:MOST_CASES]
+    return [found.checks[place] for place in sorted(places)]
 
 
 def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[float | None, ...]:
@@ -87,14 +114,14 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
     return (float(check.rpm[at]), *sizes, 100 * float(one.utilisation[at]))
 
 
-def _picture(subject: ReportData, name: str, number: int) -> list[Picture]:
+def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: int) -> list[Picture]:
     """The limit in the condition in which it is used most."""
     from torsionnet.plot.limit_check import limit_check
 
-    use = [_most_used(check, name) for check in subject.limit_checks]
+    use = [_most_used(check, name) for check in judged.checks]
     if not np.isfinite(use).any():
         return []
-    check = subject.limit_checks[int(np.nanargmax(use))]
+    check = judged.checks[int(np.nanargmax(use))]
     drawn = limit_check(replace(check, title=""), name, conventions=subject.conventions, title="")
     where = f" in configuration {check.configuration}" if check.configuration and len(use) > 1 else ""
     caption = (f"Limit {plain(name)} over speed{where}.",)
@@ -108,20 +135,34 @@ def _most_used(check: LimitCheck, name: str) -> float:
     return max(shares, default=float("nan"))
 
 
-def _rules(subject: ReportData) -> list[Block]:
+def _rules(found: LimitConclusion) -> list[Block]:
     """Source, formula and what is not covered, once for all limits that rest on it; and remarks."""
-    texts = {text: names for check in subject.limit_checks for text, names in check.texts().items()}
+    texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
         (Strong(", ".join(map(plain, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
         for text, names in texts.items()
     )
-    remarks = dict.fromkeys(
-        f"{plain(one.limit)}, {plain(one.criterion)}: {plain(remark)}"
-        for check in subject.limit_checks
-        for one in check.verdicts
-        for remark in one.remarks
-    )
+    remarks = _remarks(found)
     blocks: list[Block] = [Paragraph(("What the limits rest on:",)), Listing(rules)]
     if remarks:
         blocks += [Paragraph(("Remarks:",)), Listing(tuple((remark,) for remark in remarks))]
     return blocks
+
+
+def _remarks(found: LimitConclusion) -> list[str]:
+    """What is said of a limit, once, with the configurations it is said of unless those are all."""
+    said: dict[str, dict[str, dict[str, list[str]]]] = {}
+    for check in found.checks:
+        for one in check.verdicts:
+            about = f"{plain(one.limit)}, {plain(one.criterion)}"
+            for remark in one.remarks:
+                where = said.setdefault(one.limit, {}).setdefault(remark, {})
+                where.setdefault(about, []).append(check.configuration)
+    remarks = []
+    for remark, where in (pair for those in said.values() for pair in those.items()):
+        for names in dict.fromkeys(map(tuple, where.values())):
+            about = "; ".join(key for key, those in where.items() if tuple(those) == names)
+            everywhere = len(names) == len(found.checks)
+            within = "" if everywhere or not any(names) else f" (in {few(names)})"
+            remarks.append(f"{about}: {plain(remark)}{within}")
+    return remarks

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import MISSING_TYPESET, aligned
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import capital, named, pair_latex, plain, sentence
-from torsionnet.response.modes import OSCILLATORY
+from torsionnet.response.mode_numbers import COUNTING, OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -137,11 +137,16 @@ def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
     )
     return tuple(
         (
-            NumberText(index + 1), KINDS.get(modes.kinds[index], modes.kinds[index]), natural[index], damped[index],
+            _number(modes, index), KINDS.get(modes.kinds[index], modes.kinds[index]), natural[index], damped[index],
             ratios[index], sentence(capital(modes.descriptions[index]), rig),
         )
         for index in range(len(modes))
     )  # fmt: skip
+
+
+def _number(modes: Modes, index: int) -> Cell:
+    number = modes.numbers[index]
+    return MISSING_TYPESET if number is None else str(number)
 
 
 def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
@@ -154,19 +159,20 @@ def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
     listed = "; ".join(str(note[0]) for note in notes)
     remarks = dict.fromkeys(note for modes in found for note in modes.notes)
     lead = ("Undamped natural frequencies: ", listed)
-    return [lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
+    counting: list[Text] = [(capital(COUNTING) + ".",)] if any(None in modes.numbers for modes in found) else []
+    return [*counting, lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
 
 
 def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
     columns = (
-        Heading("Mode", numeric=True),
+        Heading("Mode"),
         Heading("Kinetic energy", wide=True),
         Heading("Strain energy", wide=True),
         Heading("Dissipated power", wide=True),
     )
     groups = []
     for case, modes in zip(subject.cases, found, strict=True):
-        rows = tuple((NumberText(index + 1), *_energy(modes, index)) for index in range(len(modes)))
+        rows = tuple((modes.names[index], *_energy(modes, index)) for index in range(len(modes)))
         groups.append(TableGroup(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
     note = f"Shares of at least {100 * NOTEWORTHY:.0f} %, the {MOST_SHARES} largest."
     return TableBlock(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))

@@ -7,9 +7,11 @@ import numpy as np
 from torsionnet.core.number_text import aligned
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_engines import by_angle, on_engines
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import named, plain, unit
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.order_sums import lines_of_one_frequency, sum_name
 from torsionnet.response.worst_response import WorstResponse
 
 MOST_CURVES = 7
@@ -24,7 +26,7 @@ NO_CYCLE = " What has no short common cycle takes every position to each other: 
 def orders_section(subject: ReportData) -> Section | None:
     if not subject.running or not subject.order_outputs:
         return None
-    blocks: list[Block] = [Paragraph(_introduction(subject))]
+    blocks: list[Block] = [Paragraph(_introduction(subject)), *on_engines(subject)]
     for number, name in enumerate(subject.order_outputs, 1):
         blocks += _output(subject, name, number)
     return Section("orders", ("Response by order",), tuple(blocks))
@@ -32,7 +34,7 @@ def orders_section(subject: ReportData) -> Section | None:
 
 def _introduction(subject: ReportData) -> tuple[Inline, ...]:
     has_cycle = all(run.revolutions is not None for run in subject.order_responses)
-    return (TOGETHER,) if has_cycle else (TOGETHER, NO_CYCLE)
+    return (*((TOGETHER,) if has_cycle else (TOGETHER, NO_CYCLE)), *subject.of_how_many)
 
 
 def _output(subject: ReportData, name: str, number: int) -> list[Block]:
@@ -55,8 +57,7 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
     where = f" in configuration {subject.cases[worst].configuration}" if len(runs) > 1 else ""
     caption = (named(name), f": largest orders over speed{where}.")
     blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
-    blocks.append(_worst(subject, name))
-    return blocks
+    return [*blocks, _worst(subject, name), *by_angle(subject, name)]
 
 
 def _worst(subject: ReportData, name: str) -> TableBlock:
@@ -65,7 +66,7 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
     scale = subject.conventions.scale(runs[0].outputs[place].unit)
     shown = unit(subject.conventions.unit(runs[0].outputs[place].unit))
     worst = [(run, int(np.argmax(run.half_range[:, place]))) for run in runs]
-    sizes = [np.abs(run.values[index, :, place]) for run, index in worst]
+    sizes = [np.abs(run.by_frequency()[index, :, place]) for run, index in worst]
     columns = (
         Heading("Configuration"),
         Heading("Speed", "r/min", numeric=True),
@@ -79,10 +80,15 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
         list(aligned([float(run.rpm[index]) for run, index in worst])),
         list(aligned([float(run.half_range[index, place]) * scale for run, index in worst])),
         list(aligned([float(run.rms[index, place]) * scale for run, index in worst])),
-        [plain(str(run.lines[np.argmax(size)])) for run, size in zip(runs, sizes, strict=True)],
+        [plain(_line_name(run, int(np.argmax(size)))) for run, size in zip(runs, sizes, strict=True)],
         list(aligned([float(size.max()) * scale for size in sizes])),
     ]
     return table((named(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
+
+
+def _line_name(run: OrderResponse, number: int) -> str:
+    """The lines of one frequency, by its number."""
+    return sum_name([run.lines[place] for place in lines_of_one_frequency(run.lines)[number]])
 
 
 def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:

@@ -10,7 +10,7 @@ from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, 
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import named, pair_latex, unit
-from torsionnet.report.sections.limits import conclusion
+from torsionnet.report.sections.limits import conclusion, verdict
 from torsionnet.report.sections.responses import read_off
 from torsionnet.response.modes import OSCILLATORY
 
@@ -23,11 +23,13 @@ MOST_VIBRATIONS, MOST_PAIRS = 3, 4
 
 
 def summary_section(subject: ReportData) -> Section:
-    blocks: list[Block] = [*_of_model(subject.by_drivetrain)]
+    judged = subject.limits_found if subject.request.wants("limits") else None
+    blocks: list[Block] = [] if judged is None else [verdict(judged)]
+    blocks += _of_model(subject.by_drivetrain)
     blocks += [found for fit in subject.request.fits if (found := _fitted(subject, fit)) is not None]
     blocks += [_response(subject.by_drivetrain.about(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
-    if subject.request.wants("limits") and subject.limit_checks:
-        blocks.append(conclusion(subject))
+    if judged is not None:
+        blocks.append(conclusion(judged))
     if not blocks:
         blocks.append(Paragraph(("No vibration and no transfer function.",)))
     return Section("summary", ("Results at a glance",), tuple(blocks))

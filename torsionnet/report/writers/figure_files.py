@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from torsionnet.core.atomic import write_bytes, write_text
@@ -39,8 +41,25 @@ def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path
     images = report.template.images if report.template else {}
     files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
     files |= {f"{picture.name}.{form}": rendered(picture.drawn, form) for picture in report.pictures}
-    for name, data in files.items():
-        folder.mkdir(exist_ok=True)
-        write_bytes(folder / name, data)
-    write_text(path, text)
+    with _all_or_none(folder, files):
+        for name, data in files.items():
+            folder.mkdir(exist_ok=True)
+            write_bytes(folder / name, data)
+        write_text(path, text)
     return (path, *(folder / name for name in files))
+
+
+@contextlib.contextmanager
+def _all_or_none(folder: Path, names: Iterable[str]) -> Iterator[None]:
+    """Take away what was not there before if one of the files cannot be written, as on a full disk."""
+    new = [folder / name for name in names if not (folder / name).exists()]
+    made = not folder.exists()
+    try:
+        yield
+    except BaseException:
+        with contextlib.suppress(OSError):
+            for one in new:
+                one.unlink(missing_ok=True)
+            if made:
+                folder.rmdir()
+        raise

@@ -1,0 +1,64 @@
+"""What a report says of several engines: angles between them that nothing gives, and running on one of them."""
+
+from __future__ import annotations
+
+from torsionnet.core.number_text import aligned
+from torsionnet.model.excitations.engine_phases import running_alone
+from torsionnet.report.document_tree import Block, Cell, Heading, Listing, TableBlock
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import named, plain, unit
+from torsionnet.response.engine_angles import EngineAngle
+from torsionnet.response.worst_response import WorstResponse
+
+
+def on_engines(subject: ReportData) -> list[Block]:
+    """Sentences on angles and on conditions with one engine; nothing of a model with one engine."""
+    notes = dict.fromkeys(note for run in subject.order_responses for note in run.engine_notes)
+    conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.cases]
+    found = [
+        *(f"{note[0].upper()}{note[1:]}." for note in notes),
+        *(
+            f"Running on {engine} alone: examined in {', '.join(names)}."
+            if names
+            else f"Running on {engine} alone: not examined."
+            for engine, names in running_alone(conditions).items()
+        ),
+    ]
+    return [Listing(tuple((plain(one),) for one in found))] if found else []
+
+
+def by_angle(subject: ReportData, name: str) -> list[TableBlock]:
+    """The largest and the smallest half range of an output by the angles of engines, at the worst speed of each."""
+    found = [
+        (case.configuration, run, run.output(name), run.half_range[:, run.output(name)])
+        for case, run in zip(subject.cases, subject.order_responses, strict=True)
+        if isinstance(run, WorstResponse) and run.angles
+    ]
+    if not found:
+        return []
+    channel = found[0][1].outputs[found[0][2]]
+    scale, shown = subject.conventions.scale(channel.unit), unit(subject.conventions.unit(channel.unit))
+    columns = (
+        Heading("Configuration"),
+        Heading("Speed", "r/min", numeric=True),
+        Heading("Largest half range", shown, numeric=True),
+        Heading("Where it is largest"),
+        Heading("Smallest half range", shown, numeric=True),
+        Heading("Where it is smallest"),
+    )
+    worst = [int(sizes.argmax()) for _, _, _, sizes in found]
+    least = [run.least_at(at, name) for (_, run, _, _), at in zip(found, worst, strict=True)]
+    cells: list[list[Cell]] = [
+        [configuration for configuration, _, _, _ in found],
+        list(aligned([float(run.rpm[at]) for (_, run, _, _), at in zip(found, worst, strict=True)])),
+        list(aligned([float(sizes[at]) * scale for (_, _, _, sizes), at in zip(found, worst, strict=True)])),
+        [_words(run.angles, at, place) for (_, run, place, _), at in zip(found, worst, strict=True)],
+        list(aligned([float(one.half_range[0, 0]) * scale for one in least])),
+        [_words(one.angles, 0, 0) for one in least],
+    ]
+    return [table((named(name), ": by the angle between engines"), columns, list(zip(*cells, strict=True)))]
+
+
+def _words(angles: tuple[EngineAngle, ...], speed: int, output: int) -> str:
+    return plain(", ".join(one.at(speed, output) for one in angles))
