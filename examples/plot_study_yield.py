@@ -19,7 +19,8 @@ figure = share.figure(plot, units=shown_units(study))
 print("\n".join(share.sentences))
 
 # %%
-# Forty draws are few: the interval says so. What belongs to the largest value is a variant like any other, and a model.
+# Twelve draws are few: the interval says so. What belongs to the largest value is a variant like any other,
+# and a model.
 
 names = list(study.space.names)
 worst = result.summary("crankshaft", "firing=misfire")
