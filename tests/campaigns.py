@@ -1,5 +1,12 @@
 """How many examples a property is tried with: few in a run without slow tests, as many as a campaign takes otherwise."""
 
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+_IMPORTED = re.compile(r"^from (\w+) import", re.MULTILINE)
+
 quick = False
 """Set by conftest.py before tests are collected."""
 
@@ -7,3 +14,29 @@ quick = False
 def examples(few, many):
     """The number for this run."""
     return few if quick else many
+
+
+@cache
+def sized(path):
+    """Names at the top of a file of tests, of functions, classes and values, that ask here how many examples to try."""
+    text = Path(path).read_text(encoding="utf-8")
+    helpers = [file for name in _IMPORTED.findall(text) if (file := Path(path).with_name(f"{name}.py")).exists()]
+    found = {name for name in {"campaigns"}.union(*map(sized, helpers)) if name in text}
+    if not found:  # reading all files as syntax would take a second
+        return frozenset()
+    words = {name: used for node in ast.parse(text).body for name, used in _words(node)}
+    while more := {name for name, used in words.items() if used & found} - found:
+        found |= more
+    return frozenset(found)
+
+
+def _words(node):
+    """Each name that a statement defines, with the names and the arguments, which may be fixtures, that it uses."""
+    used = {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
+    used |= {one.arg for one in ast.walk(node) if isinstance(one, ast.arg)}
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        yield node.name, used
+    elif isinstance(node, ast.Assign):
+        yield from (
+            (one.id, used) for one in ast.walk(node) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)
+        )

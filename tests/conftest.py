@@ -1,9 +1,10 @@
-"""For all tests: one thread for small matrices, and what was skipped for want of a tool."""
+"""For all tests: one thread for small matrices, what was skipped for want of a tool, and the processor's time."""
 
 import os
 from collections import Counter
 
 import campaigns
+import processor_time
 import pytest
 from hypothesis import settings
 
@@ -42,9 +43,23 @@ def chromium():
         found.close()
 
 
+def pytest_addoption(parser):
+    processor_time.add_options(parser)
+
+
 def pytest_configure(config):
     """Without slow tests properties are tried with few examples."""
     campaigns.quick = "not slow" in (config.option.markexpr or "")
+    config.pluginmanager.register(processor_time.ProcessorTime(config))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark what a run without slow tests tries with fewer examples."""
+    for item in items:
+        name = item.nodeid.split("::")[1].split("[")[0]
+        if isinstance(item, pytest.Function) and name in campaigns.sized(item.path):
+            item.add_marker("campaign")
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -85,7 +85,7 @@ def test_a_limit_takes_what_it_is_not_told(tmp_path):
 def test_a_limit_judges_by_the_catalogue(tmp_path):
     """The torque of the coupling under a sine of 100 N m on one mass, by hand; T_KW is 880 N m."""
     running = MODEL + (
-        "speeds: {of: a, range: 600..1200 rpm, step: 300 rpm}\n"
+        "speeds: {of: a, list: [600 rpm, 900 rpm, 1200 rpm]}\n"
         "excitations: {shaker: {type: harmonic, node: a, orders: {1: {amplitude: 100 N*m}}}}\n"
     )
     model = load(tmp_path, running)

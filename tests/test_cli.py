@@ -399,6 +399,12 @@ def test_frf_gives_static_value_and_peak():
     assert [float(cell) for cell in peak[4:]] == pytest.approx([8.116, 0.2519, -72.6], rel=1e-3)
 
 
+def test_frf_of_a_torque_over_itself_has_no_peaks():
+    """It is 1 but for rounding, which differs from one processor to another."""
+    text = run("frf", "amt_rig", "--output", "T_T", "--input", "T_T").stdout
+    assert [line.split()[2] for line in text.splitlines() if line.startswith("T_T/T_T")] == ["static"]
+
+
 def test_frf_peak_does_not_depend_on_the_grid():
     arguments = ("frf", "dmf_rig", "--output", "theta_1", "--input", "T_T", "--json")
     coarse, fine = (
@@ -775,12 +781,12 @@ def on_terminal(*arguments, env):
 @pytest.mark.skipif(os.name == "nt", reason="pipes of a shell")
 @pytest.mark.parametrize("ending", ["| head -2", pytest.param(">&-", marks=pytest.mark.slow)])
 def test_files_are_written_though_nobody_reads_what_is_printed(tmp_path, ending):
-    words = "frf dmf_rig --output theta_1 --input T_T --full --points 5000 --csv all.csv --plot all.svg"
+    words = "frf dmf_rig --output theta_1 --input T_T --full --points 2500 --csv all.csv --plot all.svg"
     shell = f"set -o pipefail; {shlex.quote(sys.executable)} -m torsionnet {words} {ending}"
     done = subprocess.run(["bash", "-c", shell], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
-    assert len((tmp_path / "all.csv").read_text().splitlines()) > 5000
+    assert len((tmp_path / "all.csv").read_text().splitlines()) > 2500
     assert (tmp_path / "all.svg").exists()
 
 
@@ -839,7 +845,7 @@ def test_screens_are_120_columns_wide():
     shown = run("modes", "six_cylinder_diesel", "--energies", "--shapes").stdout
     assert max(map(len, shown.splitlines())) <= 120
     modes = tn.load("six_cylinder_diesel").modes()
-    assert re.findall(r"\|shape (\d+)\|", shown) == [str(number + 1) for number in range(len(modes))]
+    assert re.findall(r"\|shape (\d+)\|", shown) == [str(number) for number in modes.numbers if number]
     shares = [cell for line in shown.splitlines() if re.match(r"crank_1 .* - ", line) for cell in line.split()[1:]]
     expected = [100 * share for index in range(len(modes)) for share in modes.energy_shares(index)["crank_1"]]
     assert [0 if cell == "-" else float(cell) for cell in shares] == pytest.approx(expected, abs=0.006)

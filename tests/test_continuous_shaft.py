@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.model.elements.shaft_stiffness import ShaftEnd, ShaftTwist
+from torsionnet.solve.continuous_damped import damped_modes
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sturm import negative_pivots
@@ -236,6 +237,18 @@ def test_a_matched_damper_swallows_all_modes_and_that_is_said():
     matched = held(tn.Damper("c", nodes=("b", "ground"), damping=float(np.sqrt(K * J))))
     with pytest.warns(TorsionnetWarning, match="could not be followed"):
         matched.modes(lowest=5)
+
+
+@pytest.mark.parametrize("damping", [10, 30, 50])
+def test_steps_are_newton_s_where_a_stiffness_follows_the_frequency(damping):
+    """Steep over Im s, and damped by a third: steps of an analytic D(s) crept along, and lost half of the modes."""
+    table = tn.TabulatedSpring("rubber", nodes=("b", "ring"), table=[[50, 1e4, damping], [1200, 3e5, damping]])
+    drivetrain = held(table, tn.Inertia("ring", node="ring", inertia=0.02))
+    _, found, lost = damped_modes(drivetrain.assembly.system, 4)
+    assert lost == 0
+    assert len(found.values) == 4
+    assert found.converged.all()
+    assert found.iterations.max() <= 10
 
 
 def test_loss_factor_alone():

@@ -9,10 +9,16 @@ FREQUENCIES = np.array([0.05, 0.7, 1.3, 2.9, 8.0])
 
 
 class Plant:
-    """A random tree with controllers, and its dense M, C, K and laws."""
+    """A random tree with controllers, and its dense M, C, K and laws.
 
-    def __init__(self, seed, delay=False, forms=("gain", "pid", "polynomials", "roots", "matrices")):
+    Every other one turns ``freely``: neither dragged nor sensed against the ground, so that zero is a double root. Every
+    fourth consists of two trees ``apart``, between which a damper slips.
+    """
+
+    def __init__(self, seed, delay=False, forms=("gain", "pid", "polynomials", "roots", "matrices"), freely=None):
         rng = self.rng = np.random.default_rng(seed)
+        self.freely = seed // 2 % 2 > 0 if freely is None else freely
+        self.apart = self.freely and seed // 4 % 2 > 0
         self.n = n = int(rng.integers(3, 7))
         self.M, self.C, self.K = np.diag(rng.uniform(0.5, 3, n)), np.zeros((n, n)), np.zeros((n, n))
         self.elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=float(self.M[i, i])) for i in range(n)]
@@ -20,17 +26,22 @@ class Plant:
             row = np.zeros(n)
             row[i], row[int(rng.integers(0, i))] = 1, -1
             k, c = rng.uniform(50, 400), rng.uniform(0.5, 5)
-            self.K += k * np.outer(row, row)
-            self.C += c * np.outer(row, row)
             ends = (f"n{i}", f"n{int(np.argmin(row))}")
+            self.C += c * np.outer(row, row)
+            if self.apart and i == self.n - 1:
+                self.elements.append(tn.Damper(f"k{i}", nodes=ends, damping=c))
+                continue
+            self.K += k * np.outer(row, row)
             self.elements.append(tn.Spring(f"k{i}", nodes=ends, stiffness=k, damping=c))
-        self.C[0, 0] += 3
-        self.elements.append(tn.Damper("bearing", nodes=("n0", "ground"), damping=3))
+        if not self.freely:
+            self.C[0, 0] += 3
+            self.elements.append(tn.Damper("bearing", nodes=("n0", "ground"), damping=3))
         self.laws = [self._controller(number, forms, delay) for number in range(int(rng.integers(1, 4)))]
         self.rig = tn.Drivetrain("plant", self.elements)
 
-    def _nodes(self):
-        nodes = self.rng.permutation(self.n)[: self.rng.integers(1, 3)]
+    def _nodes(self, least=1):
+        order = self.rng.permutation(self.n)
+        nodes = order[: max(least, self.rng.integers(1, 3))]
         row = np.zeros(self.n)
         row[nodes[0]] = 1
         if len(nodes) > 1:
@@ -41,7 +52,7 @@ class Plant:
     def _controller(self, number, forms, delay):
         rng = self.rng
         out, act = self._nodes()
-        sensed, of = self._nodes()
+        sensed, of = self._nodes(2 if self.freely else 1)
         power = int(rng.integers(0, 3))
         law, H = self.law(str(rng.choice(forms)), power)
         tau = float(rng.uniform(0.01, 0.2)) if delay else 0.0

@@ -80,6 +80,20 @@ class TestMargins:
             rig = speed_loop(-30 * (gain * share if change == "gain" else 1), 0.05 + delay * share)
             assert (rig.modes().eigenvalues.real > 0).any() == grows
 
+    def test_of_an_unstable_loop_they_are_not_called_margins(self):
+        """The gain of the textbook's loop is past its limit: -30 may grow by pi/1.5, and no further."""
+        kept, lost = (speed_loop(-30 * factor).loop_margins() for factor in (2.0, 2.2))
+        assert kept.stable
+        assert not lost.stable
+        names = [row[0] for row in lost.table().rows]
+        assert "phase margin" in [row[0] for row in kept.table().rows]
+        assert not [name for name in names if "margin" in name or "may" in name]
+        assert lost.table().columns[0].name == "a pole reaches the axis with"
+        assert lost.table().title.endswith("UNSTABLE when closed")
+        assert "these are no margins" in str(lost.table().notes)
+        factor = lost.table().rows[names.index("gain fallen to the factor")][1]
+        assert factor == pytest.approx(math.pi / 1.5 / 2.2, rel=1e-9)
+
     def test_nyquist_shows_the_curve_and_the_point(self):
         margins = speed_loop().loop_margins()
         plane = tn.plot.nyquist(margins).axes[0]
@@ -133,6 +147,41 @@ configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
 
         monkeypatch.setattr(stability, "natural_modes", lambda _: pytest.fail("modes were calculated"))
         tn.Drivetrain("plain", shaft_loop(-1)[:-1]).check()
+
+
+class TestTurnsFreely:
+    """The note of check counts the motions that modes count: a torque that follows an angle may hold one."""
+
+    @pytest.mark.parametrize(
+        ("sense", "act", "law", "free"),
+        [
+            ({"velocity": "a"}, "a", {"p": -3}, 1),
+            ({"velocity": "a"}, "b", {"p": -3, "i": -2}, 0),
+            ({"angle": "a"}, "a", {"numerator": [-1], "denominator": [1, 0]}, 0),
+            ({"angle": "b"}, "a", {"numerator": [-1, 0], "denominator": [1, 5]}, 1),
+            ({"velocity": "a"}, ("a", "b"), {"p": -3, "i": -2}, 1),
+            ({"velocity": ("a", "b")}, "a", {"p": -3, "i": -2}, 1),
+        ],
+    )
+    def test_is_said_where_it_does(self, sense, act, law, free):
+        governor = tn.Controller("governor", sense=sense, act=act, law=law)
+        rig = tn.Drivetrain("free", [*shaft_loop(-1)[:3], governor])
+        said = [fault.message for fault in rig.check() if "turn freely" in fault.message]
+        assert len(said) == free
+        assert rig.modes().kinds.count("rigid body") == free
+
+    def test_one_of_two_bodies_is_held(self):
+        elements = [
+            *shaft_loop(-1)[:3],
+            tn.Damper("slip", nodes=("b", "c"), damping=2),
+            tn.Inertia("load", node="c", inertia=1),
+            tn.Controller("first", sense={"velocity": "a"}, act="a", law={"p": -3, "i": -2}),
+            tn.Controller("second", sense={"velocity": "b"}, act="b", law={"p": -3, "i": -4}),
+        ]
+        rig = tn.Drivetrain("two", elements)
+        (said,) = [fault.message for fault in rig.check() if "freely" in fault.message]
+        assert said.endswith("one rigid-body mode")
+        assert rig.modes().kinds.count("rigid body") == 1
 
 
 class TestRefused:

@@ -184,6 +184,27 @@ class TestPoles:
         assert modes.dissipated[:, 0] == pytest.approx([0, 0.4, -0.6])
         assert modes.undamped_natural_frequencies == pytest.approx([20 / (2 * math.pi)])
 
+    @pytest.mark.parametrize("seed", range(12))
+    def test_what_neither_grows_nor_decays_is_not_unstable_by_rounding(self, seed):
+        """Two equal masses swing against each other; the third, which a load of constant power drives, stands still."""
+        rng = np.random.default_rng(seed)
+        J, k = 10 ** rng.uniform(-2, 2), 10 ** rng.uniform(2, 6)
+        rate = math.sqrt(k * J)
+        elements = [
+            tn.Inertia("left", node="a", inertia=J),
+            tn.Spring("one", nodes=("a", "b"), stiffness=k),
+            tn.Inertia("middle", node="b", inertia=3 * J),
+            tn.Spring("two", nodes=("b", "c"), stiffness=k),
+            tn.Inertia("right", node="c", inertia=J),
+            tn.Spring("hold", nodes=("b", "ground"), stiffness=2 * k, damping=rate / 100),
+            tn.ConstantPowerLoad("load", node="b", power=10 * rate, speed=10),
+        ]
+        modes = tn.Drivetrain("three", elements).modes()
+        swings = int(np.argmin(np.abs(np.abs(modes.eigenvalues) - math.sqrt(k / J))))
+        assert modes.eigenvalues[swings].real == 0
+        grows = ["unstable" in text for text in modes.descriptions]
+        assert [place for place, one in enumerate(grows) if not one] == [swings]
+
     def test_a_delay_does_not_hide_modes_beyond_its_circle(self):
         elements = [
             tn.Inertia("one", node="a", inertia=1),

@@ -32,7 +32,9 @@ PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
 LONG = {
     "compressor",
+    "damper_design",
     "marine",
+    "studies",
     "identify_parameters",
     "identify_modes",
     "report",
@@ -44,6 +46,7 @@ LONG = {
     "plot_modes_without_a_model",
     "plot_ratio_sweep",
     "plot_study_damper",
+    "plot_study_tolerances",
     "plot_study_yield",
     "plot_tdms_to_response",
 }
@@ -289,7 +292,8 @@ def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
     lay_out(path, workplace)
     for line in commands(path):
         code = main(shlex.split(line)[1:])
-        assert code == 0, (line, capsys.readouterr())
+        incomplete = 6 if " limits " in line else 0  # pages may examine some of the configurations of a model
+        assert code in (0, incomplete), (line, capsys.readouterr())
 
 
 @pytest.mark.parametrize("path", [path for path in PAGES if path.stem in LONG], ids=lambda path: path.stem)
@@ -359,8 +363,9 @@ def test_every_public_name_is_in_the_reference(package):
         assert (getattr(home, name).__doc__ or "").strip(), name
 
 
-def test_the_page_of_elements_sorts_every_type_by_use():
-    named = re.findall(r"\[(\w+)\]\(#(\w+)\)", (DOCS / "elements.md").read_text(encoding="utf-8"))
+def test_the_page_of_elements_begins_with_all_types(generate):
+    assert "generated/element_index.md" in (DOCS / "elements.md").read_text(encoding="utf-8")
+    named = re.findall(r"\[(\w+)\]\(#(\w+)\)", generate.element_index())
     assert sorted(named) == sorted((kind, kind) for kind in ELEMENT_TYPES)
 
 

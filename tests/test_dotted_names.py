@@ -30,6 +30,19 @@ def in_a_part(definition):
         use={"rig": Use(part="model")},
         operating_point=definition.operating_point.renamed(names),
         speeds=definition.speeds and definition.speeds.renamed(names),
+        load=loaded_in_the_whole(definition),
+    )
+
+
+def loaded_in_the_whole(definition):
+    """A part has no load; what follows it in a part follows that of the whole."""
+    load = definition.load
+    if not any(parameter.by in ("load", "mean_torque") for parameter in definition.following.values()):
+        return None
+    return replace(
+        load,
+        absorbed_at=load.absorbed_at and f"rig.{load.absorbed_at}",
+        driven_by=load.driven_by and {f"rig.{name}": share for name, share in load.driven_by.items()},
     )
 
 

@@ -109,7 +109,6 @@ class TestFriction:
         ({}, "give stiffness or stages, one of the two"),
         ({"stiffness": 1, "stages": STAGES, "torque": 1}, "not both"),
         ({"stages": STAGES}, "stages need torque"),
-        ({"stages": STAGES, "torque": "Q"}, "by: mean_torque with a table"),
         ({"stages": STAGES[:2], "torque": 300}, r"ends at 250 N\*m; leave out its end"),
         ({"stages": [{"stiffness": 300}, {"stiffness": 400}], "torque": 1}, "add to"),
         ({"stages": [{"stiffness": 300, "to": 20}], "torque": 1}, "with its unit"),

@@ -11,6 +11,7 @@ import time
 import urllib.request
 from pathlib import Path
 
+import campaigns
 import numpy as np
 import pytest
 
@@ -243,7 +244,7 @@ class TestSaving:
     @pytest.mark.parametrize("name", sorted(tn.library_models()))
     def test_every_library_model_comes_back_with_the_same_numbers(self, name):
         session = open_session(name)
-        for configuration in ("", *session.base.configurations):
+        for configuration in ("", *list(session.base.configurations)[:: campaigns.examples(100, 1)]):
             rig = session.base.configured(configuration)
             free = [one for one in sliders(rig, rig, {}) if not one.expression]
             values = {one.name: f"{1.03 * one.default:.6g} {one.unit}".strip() for one in free}

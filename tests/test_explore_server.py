@@ -1,5 +1,6 @@
 """The server of the explore page answers its own page, and nobody else."""
 
+import contextlib
 import http.client
 import json
 import socket
@@ -9,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from explore_pages import serving
 
+import torsionnet.explore.server as server_module
 from torsionnet.explore.api import QUESTIONS
 from torsionnet.explore.guard import HEADERS
 from torsionnet.explore.server import LARGEST, MOST_CONNECTIONS
@@ -241,3 +243,40 @@ def test_connections_are_limited():
             if status == 200:
                 break
         assert status == 200
+
+
+def test_a_request_has_time_as_a_whole(monkeypatch):
+    """Connections that send a byte now and then hold their places no longer than silent ones."""
+    monkeypatch.setattr(server_module, "PATIENCE", 0.5)
+    with serving("dmf_rig") as busy:
+        slow = []
+        for _ in range(MOST_CONNECTIONS):
+            slow.append(socket.create_connection(busy.server_address, timeout=10))
+            time.sleep(0.005)
+        try:
+            began = time.monotonic()
+            status = None
+            while status != 200 and time.monotonic() - began < 20:
+                for connection in slow:
+                    with contextlib.suppress(OSError):
+                        connection.send(b"G")
+                time.sleep(0.1)
+                with contextlib.suppress(ConnectionError, http.client.HTTPException):
+                    status = ask(busy)[0]
+            assert status == 200
+        finally:
+            for connection in slow:
+                connection.close()
+
+
+def test_two_requests_on_one_connection(server):
+    """Each has its own time, and the second is read where the first has ended."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=10)
+    found = []
+    for _ in range(2):
+        connection.request("GET", f"/{server.guard.token}/")
+        reply = connection.getresponse()
+        found.append((reply.status, reply.read()))
+    connection.close()
+    assert found[0] == found[1]
+    assert found[0][0] == 200

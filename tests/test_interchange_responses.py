@@ -185,7 +185,11 @@ class TestTables:
             ("frequency [Hz];re a/M [1];im a/M [1]\n1,5;2;3\n", "2:1", "write numbers with a decimal point"),
             ("frequency [Hz],re a/M [1],im a/M [1]\n1,2\n", "2:1", "2 cells under 3 headings"),
             ("frequency [Hz],re a/M [1],im a/M [1],re b/N [1],im b/N [1]\n1,2,3,4,5\n", "", "there is no a/N, b/M"),
-            ("configuration,frequency [Hz],re a/M [1],im a/M [1]\nV,1,2,3\n", "1:1", "one at a time"),
+            (
+                "configuration,frequency [Hz],re a/M [1],im a/M [1]\nV,1,2,3\nIV,1,2,3\n",
+                "1:1",
+                "V, IV; keep the rows of one",
+            ),
         ],
     )
     def test_faults_have_their_place(self, tmp_path, text, place, message):

@@ -112,7 +112,7 @@ class TestKnownPoles:
         ),
         st.integers(0, 10_000),
     )
-    @settings(max_examples=campaigns.examples(5, 60))
+    @settings(max_examples=campaigns.examples(3, 60))
     def test_any_oscillatory_modes_apart(self, modes, seed):
         modes = sorted(modes)
         if any(b[0] < 1.25 * a[0] for a, b in pairwise(modes)):

@@ -128,7 +128,7 @@ def test_critical_damping_is_passed_both_ways():
     assert back.eigenvalues[:, 0] == pytest.approx([pair[0] for pair in roots], rel=1e-9)
     assert back.eigenvalues[3:, 1] == pytest.approx([pair[1] for pair in roots[3:]], rel=1e-9)
     assert np.isnan(back.eigenvalues[:3, 1]).all()
-    assert "mode 2 has no successor in 3 of 6 variants" in back.notes
+    assert "a real pole has no successor in 3 of 6 variants" in back.notes
 
 
 def damped_chain(source, n):

@@ -1,5 +1,7 @@
 """Parameters that follow speed, load and mean torque: against models with the numbers put in by hand."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -79,6 +81,16 @@ class TestOrderResponse:
         self.agrees(rig, lambda rpm: {"c_prop": rated * rpm / 750})
         assert rig.parameters["c_prop"] == pytest.approx(rated)
 
+    def test_only_what_follows_the_speed_is_made_again(self):
+        """A speed costs the elements that follow it; a float that equals a fraction is another value."""
+        rig = ship(K, C_TABLE)
+        first, other = (rig.operated({"c_prop": value}).assembly.kinematics for value in (2e4, 3e4))
+        same = {one: first.made[one] is other.made[one] for one in first.made}
+        assert [name for name, kept in same.items() if not kept] == ["prop_damp"]
+        assert [one.part.damping for one in other.parts if one.element == "prop_damp"] == [3e4]
+        exact, rounded = (rig.configured(k_cpl=value).assembly.kinematics for value in (Fraction(300000), 300000.5))
+        assert exact.made["coupling"] is not rounded.made["coupling"]
+
     def test_speeds_of_another_shaft(self):
         rig = ship(K_TABLE)
         run = rig.order_response("torque(coupling)", speeds=[100 * RPM], speed_of="prop")
@@ -98,6 +110,17 @@ class TestAtTheOperatingPoint:
         assert rig.modes().eigenvalues == pytest.approx(fixed.modes().eigenvalues)
         pair = ("torque(coupling)", "fly", [3.0])
         assert rig.frequency_response(*pair).values == pytest.approx(fixed.frequency_response(*pair).values)
+
+    def test_modes_name_the_speed_for_which_they_hold(self):
+        text = "natural frequencies and damping ratios hold with fly at {} rpm: {} follow the operating point"
+        rig = ship(K_TABLE, C_TABLE)
+        assert rig.modes().notes == (text.format(750, "k_cpl, c_prop"),)
+        assert rig.configured(k_cpl=4e5).modes().table().notes[-1] == text.format(750, "c_prop")
+        slow = SHIP.format(k_cpl=K_TABLE, c_prop=C, more="") + "operating_point: {speed: {fly: 500 rpm}}\n"
+        assert tn.loads(slow).modes().notes == (text.format(500, "k_cpl"),)
+        assert ship().modes().notes == ()
+        note = ship(K, C_TABLE).critical_speeds().notes[0]
+        assert note.startswith(text.format(750, "c_prop"))
 
     def test_the_operating_point_may_be_another_speed(self):
         text = SHIP.format(k_cpl=K_TABLE, c_prop=C, more="") + "operating_point: {speed: {fly: 500 rpm}}\n"

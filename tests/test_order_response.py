@@ -287,7 +287,7 @@ class TestCommand:
     def test_worst_speed_is_that_of_the_resonance(self):
         """sqrt(k (1/J_m + 1/J_f)) is 50.33 Hz: 503 rpm for order 6."""
         text = run("orders", "plant.yaml", "-c", "rough", "--output", "torque(shaft)").stdout
-        assert re.search(r"^motor 6 +500 ", text, re.MULTILINE)
+        assert re.search(r"^motor 6 +500\.\d+ ", text, re.MULTILINE)
         assert "common cycle: 1 revolution of m" in text
 
     def test_an_alternative_changes_an_excitation(self, folder):
@@ -430,7 +430,7 @@ class TestFiles:
         assert one.torques(np.array([9.0])).amplitudes == pytest.approx(both.torques(np.array([9.0])).amplitudes)
 
     def test_pressures_in_bar_without_unit_are_told(self):
-        with pytest.raises(tn.ModelError, match="write 98 bar"):
+        with pytest.raises(tn.ModelError, match="write 90 bar"):
             engine_of(1, [1], gas={"fired": (50 + 40 * np.cos(2 * np.pi * np.arange(72) / 72)).tolist()})
 
     def test_without_excitations_or_speeds(self):

@@ -288,3 +288,26 @@ def test_show_prints_the_flat_file_and_draws_boxes(tmp_path, capsys):
     assert "left.shaft" in texts[0]
     assert "left.shaft" not in texts[1]
     assert {"left", "right", "half"} <= set(texts[1])
+
+
+@pytest.mark.parametrize("port", ["crank", "c"])
+def test_a_port_at_which_values_are_quoted_only(port):
+    """No element of the part is on that node: J at the gear's far side is 4 at the crank, which turns with the port."""
+    text = f"""\
+torsionnet: 1
+name: quoted
+parts:
+  load:
+    ports: [n, {port}]
+    elements:
+      g: {{type: gear, nodes: [n, m], ratio: 2}}
+      j: {{type: inertia, node: m, inertia: 4, referred_to: {port}}}
+elements:
+  a: {{type: inertia, node: c, inertia: 1}}
+  s: {{type: spring, nodes: [c, d], stiffness: 100}}
+use:
+  l: {{part: load, at: {{n: d, {port}: c}}}}
+"""
+    assert model(text).modes().natural_frequencies[1] == pytest.approx(np.sqrt(100 * (1 + 1 / 4)) / 2 / np.pi)
+    with pytest.raises(tn.ModelError, match=f'no node is named "{port}"'):
+        model(text.replace(f", referred_to: {port}", ""))

@@ -11,7 +11,6 @@ from torsionnet.model.excitations import excitation_kinds
 from torsionnet.model.limits import limit_rules
 
 NAMES = Renaming("left.", {"ground": "ground", "n1": "outer"})
-LIBRARY = [tn.load(name).definition for name in tn.library_models()]
 
 
 def renamed_node(node):
@@ -46,7 +45,7 @@ def sample_of():
 
 def test_every_excitation_and_limit_of_the_library():
     seen = set()
-    for definition in LIBRARY:
+    for definition in (tn.load(name).definition for name in tn.library_models()):
         for one in definition.excitations.values():
             found = one.renamed(NAMES)
             seen.add(one.kind)

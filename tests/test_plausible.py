@@ -1,8 +1,14 @@
 """Sizes that are possible and hardly meant are asked about."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
+import models
 import pytest
 
 import torsionnet as tn
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.model.checks.plausible import unusual_sizes
 
 MODEL = """\
 torsionnet: 1
@@ -69,3 +75,33 @@ def test_a_loss_factor_in_percent_is_asked_about():
 def test_an_inertia_that_nothing_has_is_asked_about():
     text = MODEL.format(**USUAL).replace("inertia: 1}", "inertia: 1e30}")
     assert any("mass moment of inertia of 1e+30" in fault.message for fault in tn.loads(text).check())
+
+
+LENGTHS = [
+    (kind, name)
+    for kind, element in models.EVERY_ELEMENT.items()
+    for name, (spec, _) in element.scalars().items()
+    if isinstance(spec, PhysicalQuantity) and spec.dimension == "length" and name != "length"
+]
+
+
+def asked(element):
+    """Entries of an element about whose size a question is asked."""
+    return [fault.path[2:] for fault in unusual_sizes(SimpleNamespace(elements={element.name: element}), {})]
+
+
+@pytest.mark.parametrize(("kind", "name"), LENGTHS)
+def test_no_length_of_an_element_is_sixty_metres(kind, name):
+    """Typed in millimetres, as the radius of a crank or of the path of a pendulum; but for shafts, which may be long."""
+    try:
+        element = replace(models.EVERY_ELEMENT[kind], **{name: 60})
+    except tn.ModelError:
+        return  # contradicts the other entries
+    assert (name,) in asked(element)
+    assert (name,) not in asked(models.EVERY_ELEMENT[kind])
+
+
+def test_slip_stiffness_in_kilonewtons():
+    tyre = replace(models.EVERY_ELEMENT["tyre"], slip_stiffness=80)
+    (fault,) = unusual_sizes(SimpleNamespace(elements={"e": tyre}), {})
+    assert 'did you mean "80 kN"?' in fault.message

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from torsionnet import plot
 from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import QUANTITY_UNITS, Recording, Signal
 from torsionnet.signals.calculus import convert, differentiate, integrate
@@ -224,6 +225,18 @@ class TestSpectrogram:
     def test_too_short(self):
         with pytest.raises(UsageError, match=r"1\.995 s is too short for one window of 2 s"):
             spectrogram(recorded(np.ones(399), self.RATE), "x")
+
+    def test_picture_ends_where_nothing_is_left(self):
+        """A tone of 20 Hz and one 54 dB below it at 60 Hz in a record up to 1000 Hz, with noise far below."""
+        time = np.arange(20 * 2000) / 2000
+        noise = 1e-6 * np.random.default_rng(1).standard_normal(len(time))
+        tones = np.sin(2 * np.pi * 20 * time) + 2e-3 * np.sin(2 * np.pi * 60 * time)
+        seen = spectrogram(recorded(tones + noise, 2000), "x")
+        ends = [plot.spectrogram(seen, span=span).axes[0].get_ylim()[1] for span in (60.0, 40.0, 300.0)]
+        assert 60 < ends[0] < 75
+        assert 20 < ends[1] < 30
+        assert ends[2] > 990
+        assert plot.spectrogram(seen, highest=500.0).axes[0].get_ylim()[1] == pytest.approx(500, abs=1)
 
 
 class TestHarmonics:

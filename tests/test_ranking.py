@@ -4,14 +4,20 @@ import json
 import re
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from test_cli import run
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
-from torsionnet.identification import load_fit, rank_causes
+from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.identification import fitting, load_fit, rank_causes, trying_causes
+from torsionnet.identification.causes import Cause
+from torsionnet.identification.explaining import _promising as promising
+from torsionnet.identification.fit_problem import make_problem
+from torsionnet.identification.search import solved
+from torsionnet.identification.unknown import Unknown
 from torsionnet.io import read_frequency_response
 
 F = np.array([6.0, 14.0, 24.0])
@@ -160,3 +166,117 @@ def test_command_in_json(tmp_path, monkeypatch):
     command_files(tmp_path, monkeypatch)
     ranking = json.loads(run("fit", "fit.yaml", "--rank", "--json").stdout)["ranking"]
     assert {one["unknown"]: one["explains"] for one in ranking}["k_2"] is False
+
+
+# Channels that are reversed, and one rule for what explains
+
+
+def reversed_test(noise=0.01, **more):
+    """A torque meter mounted the wrong way round."""
+    response = rig().frequency_response("n_out", "T", np.linspace(3, 20, 25))
+    rng = np.random.default_rng(2)
+    error = noise * (rng.normal(size=response.values.shape) + 1j * rng.normal(size=response.values.shape))
+    return tn.Measurement(replace(response, values=-response.values * (1 + error)), "n_out", "T", **more)
+
+
+@pytest.mark.parametrize("residual", ["complex", "log"])
+def test_a_reversed_channel_is_found_along(residual):
+    fit = tn.identify(rig(k_2=7000), reversed_test(gain=True), ["k_2"], residual=residual)
+    assert fit.values["k_2"] == pytest.approx(9000, rel=0.01)
+    assert fit.values["gain[measurement]"] == pytest.approx(-1, abs=0.01)
+    low, high = fit.intervals()["gain[measurement]"]
+    assert low < -1 < high
+    assert fit.verdicts == ()
+
+
+def test_a_gain_is_tried_both_ways():
+    problem = make_problem(rig(), [reversed_test()], {"d": Unknown()}, "complex")
+    gain = Cause("gain", "gain")
+    (found,) = trying_causes.tried_causes(problem, [gain], [problem.start], lambda *p: solved(*p, "linear"))
+    assert dict(zip(found.problem.names, found.values, strict=True))["gain[measurement]"] == pytest.approx(-1, abs=0.01)
+    assert trying_causes.explaining([found], trying_causes.squares(problem, problem.start)) == [found]
+
+
+@pytest.mark.slow
+def test_a_reversed_channel_is_named_by_fit_and_ranking():
+    ranking = rank_causes(rig(), reversed_test())
+    assert (ranking.causes[0].kind, ranking.causes[0].explains) == ("gain", True)
+    assert ranking.causes[0].value == pytest.approx(-1, abs=0.01)
+    assert re.fullmatch(
+        r"only a gain of -(1|0\.99\d*|1\.00\d*) in n_out \(a channel is reversed\) explains the misfit", ranking.verdict
+    )
+    fit = tn.identify(rig(), reversed_test(), ["d"])
+    assert "in n_out (a channel is reversed) would explain it" in fit.verdicts[0]
+
+
+def test_magnitudes_do_not_tell_a_reversed_channel():
+    fit = tn.identify(rig(), reversed_test(gain=True), ["k_2"], residual="magnitude")
+    assert fit.values["gain[measurement]"] == pytest.approx(1, abs=0.01)
+
+
+def test_what_cannot_be_judged_is_told_in_words(monkeypatch):
+    def fails(*_):
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    monkeypatch.setattr(fitting, "misfits", fails)
+    with pytest.raises(SolveError, match=r"ends where nothing can be said of it, at k_2 = \S+ \(SVD"):
+        tn.identify(rig(), reversed_test(), ["k_2"])
+
+
+def gears(count):
+    """Second to fifth gear of the AMT, whose ratio is another one in each."""
+    true, rng, tests = tn.load("amt_rig"), np.random.default_rng(1), []
+    for gear in ("II", "III", "IV", "V"):
+        response = true.configured(gear).frequency_response("theta_1", "T_T", np.linspace(1, 20, count))
+        error = 0.005 * (rng.normal(size=response.values.shape) + 1j * rng.normal(size=response.values.shape))
+        data = replace(response, values=response.values * (1 + error))
+        tests.append(tn.Measurement(data, "theta_1", "T_T", configuration=gear))
+    return true.configured(c_B=0.001), tests
+
+
+def test_causes_are_weighed_where_each_configuration_stands():
+    """A linear estimate at the ratio of second gear for all called the bearing's damping hopeless."""
+    model, tests = gears(15)
+    problem = make_problem(model, tests, {"c_O": Unknown()}, "complex")
+    assert "c_B" in [cause.unknown for cause in promising(problem, np.array([211.0]))[:3]]
+
+
+@pytest.mark.slow
+def test_verdict_of_a_fit_and_ranking_agree():
+    model, tests = gears(60)
+    fit = tn.identify(model, tests, ["c_O"])
+    assert "; c_B = 1.499 instead of 0.001 would explain it: c_O would be 170" in fit.verdicts[0]
+    assert rank_causes(fit).verdict == "only c_B = 1.499 instead of 0.001 explains the misfit"
+
+
+@pytest.mark.parametrize(
+    ("misfits", "squares", "error", "explain"),
+    [
+        ((4.8, 8.4), (1.0, 3.06), None, 1),
+        ((4.8, 8.4), (1.0, 1.2), None, 1),
+        ((4.8, 5.2), (1.0, 1.2), None, 2),
+        ((0.01, 0.5), (1e-4, 2.0), 0.02, 2),
+        ((0.01, 4.0), (1e-4, 9.0), 0.02, 1),
+        ((4.8, 5.2), (30.0, 31.0), None, 0),
+    ],
+)
+def test_what_explains_beside_the_best(monkeypatch, misfits, squares, error, explain):
+    """As of a measured thruster rig, where one value left 4.8 % and another, a hundredth of what it is, 8.4 %."""
+    monkeypatch.setattr(trying_causes, "overall_misfit", lambda problem, _: problem.misfit)
+    blocks = [SimpleNamespace(measurement=SimpleNamespace(error=error))]
+    tried = [
+        trying_causes.Tried(
+            Cause("value", "k"),
+            SimpleNamespace(blocks=blocks, effective_count=6.0, names=("k",), start=np.array([2.0]), misfit=misfit),
+            np.array([3.0]),
+            left,
+        )
+        for misfit, left in zip(misfits, squares, strict=True)
+    ]
+    assert len(trying_causes.explaining(tried, 100.0)) == explain
+
+
+def test_a_value_that_runs_away_explains_nothing():
+    problem = SimpleNamespace(names=("k",), start=np.array([2.0]))
+    assert trying_causes.Tried(Cause("value", "k"), problem, np.array([1.9e9]), 0.0).ended
+    assert not trying_causes.Tried(Cause("gain", "k"), problem, np.array([-2.0]), 0.0).ended

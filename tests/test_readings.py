@@ -8,6 +8,7 @@ import mpmath
 import networkx as nx
 import numpy as np
 import pytest
+from models import EVERY_ELEMENT
 from random_drivetrains import draw
 
 import torsionnet as tn
@@ -132,3 +133,16 @@ def test_groups_are_the_connected_parts_of_the_graph(seed):
         assert joined.join(first, second) == (not nx.has_path(graph, first, second))
         graph.add_edge(first, second)
     assert sorted(map(sorted, joined.groups())) == sorted(map(sorted, nx.connected_components(graph)))
+
+
+GEARED = ("mass_elastic", "gear", "planetary", "differential", "belt", "gearbox", "final_drive", "chain_drive")
+
+
+@pytest.mark.parametrize("kind", [kind for kind in EVERY_ELEMENT if kind not in GEARED])
+def test_twist_is_what_the_page_on_signs_says(kind):
+    """Of two nodes their difference; of one that of its ring or pendulum, or else its angle."""
+    element = EVERY_ELEMENT[kind]
+    nodes = [node for node in element.ports.values() if node != "ground"]
+    first = nodes[0]
+    others = element.internal_nodes if len(nodes) == 1 else nodes[1:]
+    assert element.twist(Values({})) == {first: 1, **({others[0]: -1} if others else {})}

@@ -1,6 +1,7 @@
 """Recordings from and into files, and what is said of faulty ones."""
 
 import tracemalloc
+import zipfile
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from test_foreign_files import CHILD_ENDINGS
 
 from torsionnet.core.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
-from torsionnet.io.formats import extras
+from torsionnet.io.formats import extras, npz
 from torsionnet.io.formats.registry import FORMATS
 from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
 from torsionnet.response.recording import Recording, Signal
@@ -295,6 +296,20 @@ class TestFaultyFiles:
         path = write(tmp_path, "time,T [deg]\n0,1\n1,2\n")
         with pytest.raises(ModelError, match='"deg" is no unit of torque; expected one like N'):
             read_recording(path, {"T": "torque"})
+
+    def test_a_file_is_closed_though_it_is_not_read_to_its_end(self, tmp_path, monkeypatch):
+        """With one reference left to a member an archive stays open, until chance collects it and warns of it."""
+        members, plain = [], zipfile.ZipFile.open
+
+        def kept(*arguments, **options):
+            members.append(plain(*arguments, **options))
+            return members[-1]
+
+        np.savez(tmp_path / "r.npz", a=np.zeros(5), b=np.zeros(5), fs=1.0)
+        monkeypatch.setattr(zipfile.ZipFile, "open", kept)
+        with npz.opened(tmp_path / "r.npz"):
+            assert any(not member.closed for member in members)
+        assert all(member.closed for member in members)
 
     def test_unequal_lengths_of_arrays(self, tmp_path):
         np.savez(tmp_path / "r.npz", a=np.zeros(5), b=np.zeros(7), c=np.zeros(7), fs=1.0)

@@ -133,6 +133,46 @@ class TestValues:
         (law,) = rig.elements["o_J"].parts(tn_values(rig))
         assert law.inertia == pytest.approx(0.5 * 64)
 
+    @pytest.mark.parametrize("kind", ["final_drive", "differential"])
+    def test_half_shafts_quoted_at_the_engine(self, kind):
+        """On a straight road both turn as the cage: with wheels that hold still, the two shafts are 2 k at the engine."""
+        i, k, J = 3.5 * 4, 30.0, 0.2
+        if kind == "final_drive":
+            drive = [tn.FinalDrive("axle", pinion="o", left="l", right="r", ratio=4)]
+        else:
+            drive = [
+                tn.Gear("crown", nodes=("o", "cage"), ratio=4),
+                tn.Differential("axle", cage="cage", left="l", right="r"),
+            ]
+        wheels = {side: 60 * (1 + number) for number, side in enumerate("lr")}
+        elements = [
+            tn.Inertia("e_J", node="e", inertia=J),
+            tn.Gear("box", nodes=("e", "o"), ratio=3.5),
+            *drive,
+            *(tn.Spring(f"h{one}", nodes=(one, f"w{one}"), stiffness=k, referred_to="e") for one in wheels),
+            *(tn.Inertia(f"J{one}", node=f"w{one}", inertia=size) for one, size in wheels.items()),
+        ]
+        rig = tn.Drivetrain("car", elements, inputs={"T": {"torque": "e"}})
+        # Both outputs carry the same torque: at the cage the half shafts are in series, of twice the twist.
+        found = rig.frequency_response(["twist(hl)", "angle(e)"], "T", F).values[:, :, 0]
+        s = 2j * np.pi * F
+        flexible = sum(1 / (k * i**2) + 1 / (size * s**2) for size in wheels.values())
+        angle = 1 / (J * s**2 + 4 / flexible / i**2)
+        assert found[:, 1] == pytest.approx(angle, rel=1e-9)
+        torque = angle * 2 / flexible / i  # in each half shaft
+        assert found[:, 0] == pytest.approx(torque / (k * i**2), rel=1e-9)
+
+    def test_wheel_that_stands(self):
+        """The other one turns twice as fast as the cage, which the values follow."""
+        elements = [
+            tn.Inertia("c_J", node="c", inertia=1),
+            tn.Differential("axle", cage="c", left="l", right="r"),
+            tn.Lock("jack", node="l"),
+            tn.Inertia("r_J", node="r", inertia=1, referred_to="c"),
+        ]
+        (law,) = (rig := tn.Drivetrain("axle", elements)).elements["r_J"].parts(tn_values(rig))
+        assert law.inertia == pytest.approx(1 / 4)
+
     def test_ratio_follows_the_gear(self):
         rig = line(
             referred_to="crank",
@@ -284,15 +324,15 @@ class TestFaults:
         with pytest.raises(ModelError, match="no ratio leads from b to a"):
             tn.Drivetrain("slipping", damped)
 
-    def test_differential(self):
+    def test_a_free_planetary_set(self):
         elements = [
-            tn.Inertia("cage_J", node="cage", inertia=1),
-            tn.Differential("diff", cage="cage", left="l", right="r"),
-            tn.Inertia("l_J", node="l", inertia=1, referred_to="cage"),
-            tn.Inertia("r_J", node="r", inertia=1),
+            tn.Inertia("s_J", node="s", inertia=1),
+            tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=2),
+            tn.Inertia("r_J", node="r", inertia=1, referred_to="s"),
+            tn.Inertia("c_J", node="c", inertia=1),
         ]
-        with pytest.raises(ModelError, match="differential"):
-            tn.Drivetrain("axle", elements)
+        with pytest.raises(ModelError, match="no ratio leads from r to s"):
+            tn.Drivetrain("set", elements)
 
     def test_place_in_a_file(self):
         text = line(referred_to="crank").to_yaml().replace("referred_to: crank", "referred_to: cranc")

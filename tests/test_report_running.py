@@ -32,7 +32,7 @@ class TestExcitations:
     def test_what_a_configuration_changes(self, found):
         changes = table(found, "excitations", "What configurations change")
         assert [row[:3] for row in rows(changes)] == [("smooth", "motor", "orders")]
-        assert "amplitude: 5" in rows(changes)[0][3]
+        assert "amplitude 5 N·m" in rows(changes)[0][3]
 
 
 class TestOrders:
@@ -42,8 +42,8 @@ class TestOrders:
         assert [row[0] for row in worst] == ["smooth", "rough"]
         for row, amplitude in zip(worst, (5, 20), strict=True):
             speed, half_range = dense_worst(amplitude)
-            assert float(row[1]) == pytest.approx(speed)
-            assert float(row[2]) == pytest.approx(half_range, rel=2e-3)
+            assert float(row[1]) == pytest.approx(speed, abs=0.2)
+            assert float(row[2]) == pytest.approx(half_range, rel=1e-3)
 
     def test_only_torques_unless_others_are_asked_for(self, found):
         assert len(of(Picture, blocks(found, "orders"))) == 2
@@ -56,7 +56,7 @@ def dense_worst(amplitude):
     M, C, K = np.diag([0.5, 2.0]), 20 * np.array([[1, -1], [-1, 1]]), 4e4 * np.array([[1, -1], [-1, 1]])
     phi = np.linspace(0, 2 * np.pi, 20001)
     best = (0.0, 0.0)
-    for rpm in np.arange(300, 1501, 10):
+    for rpm in np.concatenate([np.arange(300, 1501, 10), np.arange(495, 510, 0.2)]):
         wave = np.zeros_like(phi)
         for order, load in ((6, [amplitude, 0]), (5, [0, 12 * np.exp(1j * np.radians(20))])):
             w = order * rpm * np.pi / 30
@@ -87,7 +87,8 @@ def test_the_largest_crossings_are_those_of_any_condition():
     """Order 0.5 cancels in normal firing; with a misfire it is the largest of the first mode."""
     from torsionnet.report.sections.critical_speeds import MOST_ROWS, _largest
 
-    ship = tn.load("marine_medium_speed")
+    # The propeller's damping of full power at all speeds: one set of modes instead of one for each crossing.
+    ship = tn.load("marine_medium_speed").configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")
     runs = [
         ship.configured(f"water=wet,coupling=nominal,firing={name}").critical_speeds() for name in ("normal", "misfire")
     ]

@@ -45,17 +45,22 @@ class TestModes:
     def test_table(self, unit, scale):
         table = self.MODES.table(Conventions(frequency=unit))
         assert [column.unit for column in table.columns] == ["", unit, unit, "1", "rad/s", "rad/s", "", ""]
-        assert table.rows[2][0] == 3
+        assert table.rows[2][0] == 1
         assert table.rows[2][1:6] == pytest.approx((5 * scale, 4 * scale, 0.6, -3 * TURN, 4 * TURN))
         assert table.rows[2][6:] == ("oscillatory", "swings")
-        assert [row[0] for row in table.rows] == [1, 2, 3]
+        assert [row[0] for row in table.rows] == [None, None, 1]
         numbers = ", ".join(f"{value * scale:.6g}" for value in (0, 3.5, 7))
-        assert table.notes == (f"undamped natural frequencies [{unit}]: {numbers}", "a note")
+        assert table.notes[1:] == (f"undamped natural frequencies [{unit}]: {numbers}", "a note")
+        assert "mode 1 is the lowest vibration" in table.notes[0]
 
     def test_shapes(self):
         table = self.MODES.shape_table()
-        assert [column.heading for column in table.columns[:3]] == ["node", "|shape 1| [rad]", "phase 1 [deg]"]
-        assert table.columns[-1].name == "phase 3"
+        assert [column.heading for column in table.columns[:3]] == [
+            "node",
+            "|shape rigid body| [rad]",
+            "phase rigid body [deg]",
+        ]
+        assert table.columns[-1].name == "phase 1"
         assert table.rows == (("a", 1, 0, 1, 0, 0.5, 90), ("b", 1, 0, 0.25, 180, 1, 180))
         np.testing.assert_array_equal(self.MODES.shape_at("b"), [1, -0.25, -1])
         with pytest.raises(UsageError, match='no node is named "B"; did you mean "b"'):
@@ -63,7 +68,9 @@ class TestModes:
 
     def test_energies(self):
         table = self.MODES.energy_table()
-        heads = [f"{what} {mode}" for mode in (1, 2, 3) for what in ("kinetic", "strain", "dissipated")]
+        heads = [
+            f"{what} {mode}" for mode in ("rigid body", "real pole", 1) for what in ("kinetic", "strain", "dissipated")
+        ]
         assert [column.name for column in table.columns] == ["element", *heads]
         assert table.rows[0] == ("disc", 100, 0, 0, 75, 0, 37.5, 50, 12.5, 6.25)
         assert table.rows[1] == ("shaft", 0, 0, 0, 25, 100, 62.5, 50, 87.5, 93.75)

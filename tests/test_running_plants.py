@@ -1,10 +1,14 @@
 """Plants of the library that run: numbers by hand, by closed forms, or from a dense solution made elsewhere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from forced_plants import plant as forced_plant
 from forced_plants import reference
 
 import torsionnet as tn
+from torsionnet.model.elements import Values
 from torsionnet.model.speeds import total_ratio
 
 RPM = 30 / np.pi
@@ -108,8 +112,12 @@ class TestMarine:
         assert abs(found.values[0, 1]) / 1e6 == pytest.approx(23.4, abs=0.05)
 
     def test_damping_of_the_propeller_is_archers(self, plant):
-        """c = a Q/n, a = 30, n in r/min."""
-        assert plant.parameters["c_prop"] == pytest.approx(30 * 188.7e3 / 151.8, rel=1e-3)
+        """c = a Q/n, a = 30, n in r/min, Q over n squared: half of it at half the speed."""
+        for share in (1, 0.5):
+            point = tn.OperatingPoint(speed={"fly": f"{750 * share} rpm"})
+            there = tn.Drivetrain.from_definition(replace(plant.definition, operating_point=point))
+            (law,) = there.elements["propeller"].parts(Values(there.exact_values))
+            assert float(law.damping) == pytest.approx(share * 30 * 188.7e3 / 151.8, rel=1e-3)
 
 
 class TestTwoStroke:
@@ -125,13 +133,34 @@ class TestTwoStroke:
 
     @pytest.mark.parametrize(("configuration", "key"), [("normal", None), ("misfire_2", "motored")])
     def test_half_ranges(self, plant, configuration, key):
-        """Against the dense solution, whose traces have steps of one degree: a percent at most."""
+        """Against the dense solution, whose traces have steps of one degree: a percent at most.
+
+        That has the damping of full power at all speeds.
+        """
         data = reference("forced_two_stroke_propulsion")
-        run = plant.configured(configuration).order_response(["T_int", "T_tail"])
+        full = plant.configured(configuration, Q_prop="1280 kN*m", n_prop="105 rpm")
+        run = full.order_response(["T_int", "T_tail"])
         for case in data["misfire"][key] if key else data["normal"]:
             at = np.argmin(np.abs(run.rpm - case["rpm"]))
             expected = [case["half_range"][name] for name in ("intermediate", "tail")]
             np.testing.assert_allclose(run.half_range[at], expected, rtol=5e-3)
+
+    def test_damping_of_the_propeller_follows_its_speed(self, plant):
+        """29.0 N/mm^2 at 52 r/min; 16.5 by the damping of full power, which held at all speeds before.
+
+        The plant of the dense solution, given by hand the damping a Q/n of this speed, has the same.
+        """
+        data = reference("forced_two_stroke_propulsion")
+        data["normal"] = [{"rpm": 52}]
+        (screw,) = (node for node in data["model"]["nodes"] if node["name"] == "propeller")
+        at_full_power, found = screw["damping_to_ground"], []
+        for damping in (at_full_power, at_full_power * 52 / 105):
+            screw["damping_to_ground"] = damping
+            half_range = forced_plant(data).order_response("torque(intermediate)").half_range[0, 0]
+            found.append(16 * half_range / (np.pi * 0.48**3) / 1e6)
+        assert found == pytest.approx([16.5, 29.0], abs=0.1)
+        stress = plant.order_response("stress(intermediate)", speeds=[52 / RPM]).half_range[0, 0] / 1e6
+        assert stress == pytest.approx(found[1], rel=5e-3)  # traces of four degrees, and of one
 
     def test_order_six_is_at_52(self, plant):
         run = plant.order_response("T_int")

@@ -152,6 +152,16 @@ def test_worst_case_is_in_the_corners():
     assert "J at the lower bound, k at the upper bound" in found.sentences[0]
 
 
+def test_a_worst_case_says_that_it_leaves_correlation_out():
+    """J and k that rise together hardly move the frequency: its corners are no variants that are drawn."""
+    vary = {name: {"type": "uniform", "low": "-10 %", "high": "+10 %"} for name in ("J", "k")}
+    together = [{"between": ["J", "k"], "coefficient": 0.95}]
+    answers = {"a": {"type": "worst_case", "quantity": "f", "tried": 10, "direction": "largest"}}
+    found = answered(study(vary, answers=answers, correlation=together))
+    assert found.sentences[-1].startswith("correlation is left out (J and k)")
+    assert not any("correlation" in text for text in answered(study(vary, answers=answers)).sentences)
+
+
 def test_worst_case_inside_the_tolerances():
     """At resonance the response is largest: |k - J omega^2| = 0, with the smallest damping."""
     vary = {name: {"type": "uniform", "low": "-10 %", "high": "+10 %"} for name in ("k", "c")}

@@ -17,7 +17,7 @@ from cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, proce
 from cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.study.cluster import shared_folder, worker_versions
+from torsionnet.study.cluster import awaiting_workers, shared_folder, worker_versions
 from torsionnet.study.cluster.cluster_error import ClusterError
 from torsionnet.study.cluster.connecting import connected
 from torsionnet.study.cluster.dask_executor import TASKS_AHEAD, DaskExecutor
@@ -231,6 +231,31 @@ class TestWorkers:
 
         monkeypatch.setattr(shared_folder.Path, "touch", full)
         assert "cannot be used: Read-only file system" in trouble_with(str(token), "word")
+
+
+def test_no_workers_yet_is_said_while_it_waits(tmp_path, monkeypatch):
+    """A scheduler whose workers join at the third look, and what comes after their versions does not matter."""
+    monkeypatch.setattr(awaiting_workers, "LOOK_EVERY", 0.0)
+    monkeypatch.setattr(awaiting_workers, "SAID_FIRST", 0.0)
+
+    class JoinedError(Exception):
+        pass
+
+    class Scheduler:
+        status = "running"
+        looks = iter([{}, {}, {}, {"tcp://n7:9": 4}])
+
+        def nthreads(self):
+            return next(self.looks)
+
+        def get_versions(self, **_packages):
+            raise JoinedError
+
+    said = []
+    with pytest.raises(JoinedError):
+        next(DaskExecutor(Scheduler(), tmp_path, said.append).map(len, [()]))
+    assert said[0].startswith("the scheduler has no workers yet; waiting")
+    assert said[1] == "no workers yet for 0 s"
 
 
 @pytest.mark.slow

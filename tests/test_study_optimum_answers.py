@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, minimize_scalar
 
 import torsionnet as tn
 from torsionnet import plot
@@ -13,6 +14,7 @@ from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.study.evaluator import Evaluator
 from torsionnet.study.optimum.conditions_damper import damper_over_conditions
 from torsionnet.study.optimum.exact_slopes import ExactSlopes
+from torsionnet.study.optimum.local_search import polished
 from torsionnet.study.quantities.damping_ratio import DampingRatio
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.quantities.response import ResponseQuantity
@@ -213,6 +215,62 @@ def test_tuned_damper():
     assert found.values["k_film"] == pytest.approx(MU * J * own**2, rel=1e-6)
     assert found.values["c"] == pytest.approx(2 * MU * J * zeta * own, rel=1e-5)
     assert found.merit * K == pytest.approx(np.sqrt(1 + 2 / MU), rel=0.005)  # Den Hartog's fixed points
+
+
+DAMPER = {"c": [10, 100], "k_film": [6000, 30000]}
+
+
+def near(quantities, place=(0.6, 0.4), **answer):
+    """Values that a search from one place comes to."""
+    given = {"a": {"type": "optimum", "design": DAMPER, **answer}}
+    study = define(damped(), {"c": TOLERANCE}, {**PEAK, **quantities}, answers=given)
+    problem, _ = study.answers["a"].problem(study)
+    return problem.values(polished(problem, np.array(place)))
+
+
+class TestPeaksThatChangePlace:
+    """Two peaks are equal at the best damper: the largest of them has a kink there, whatever is limited besides."""
+
+    def test_a_limit_that_does_not_hold(self):
+        static = {"low": {"type": "response", "output": "a", "input": "a", "at": "5 Hz"}}
+        found = near(static, place=(0.55, 0.39), minimise="peak", limits={"low": {"below": 1.0}})
+        root = np.sqrt(4 + 3 * MU)  # O. Nishihara and T. Asami, as above
+        square = 2 * (16 + 23 * MU + 9 * MU**2 + 2 * (2 + MU) * root) / (3 * (64 + 80 * MU + 27 * MU**2))
+        own = 2 / (1 + MU) * np.sqrt(square) * np.sqrt(K / J)
+        assert found["k_film"] == pytest.approx(MU * J * own**2, rel=1e-6)
+        assert found["c"] == pytest.approx(MU * J * own * np.sqrt((8 + 9 * MU - 4 * root) / (1 + MU)) / 2, rel=1e-5)
+
+    def test_a_limit_of_both_peaks(self):
+        """The film that takes least out of a slow motion, its peaks at most 3.6/K: both are as high as that.
+
+        From the magnification in closed form: the layer at which the smallest damping keeps both peaks.
+        """
+        f = 2 * np.pi * np.linspace(15, 50, 4001)
+
+        def peak(c, k):
+            law = k + 1j * f * c
+            ring = law - MU * J * f**2
+            return np.abs(ring / ((K - J * f**2 + law) * ring - law**2)).max()
+
+        def lowest(c):
+            return minimize_scalar(lambda k: peak(c, k), bounds=(9e3, 14e3), method="bounded", options={"xatol": 1e-2})
+
+        c = brentq(lambda c: lowest(c).fun - 3.6 / K, 20, 30, xtol=1e-4)
+        lag = {"lag": {"type": "response", "output": "a", "input": "a", "at": "12 Hz", "part": "imaginary"}}
+        found = near(lag, maximise="lag", limits={"peak": {"below": 3.6 / K}})
+        assert found == {"c": pytest.approx(c, rel=1e-5), "k_film": pytest.approx(lowest(c).x, rel=1e-5)}
+
+    def test_where_a_torque_follows_another_motion(self):
+        """There are no exact derivatives then: the differences are those of a damper that does the same."""
+        brake = tn.Controller("brake", sense={"velocity": "a"}, act="a", law={"p": -20})
+        damper = tn.Damper("brake", nodes=("a", "ground"), damping=20.0)
+        slopes = []
+        for one in (brake, damper):
+            rig = tn.Drivetrain("damped", [*damped().elements.values(), one], parameters=damped().definition.parameters)
+            answers = {"a": {"type": "optimum", "design": DAMPER, "minimise": "peak"}}
+            study = define(rig, {"c": TOLERANCE}, PEAK, answers=answers)
+            slopes.append(study.answers["a"].problem(study)[0].jacobian(np.array([0.3, 0.2]))["peak"])
+        np.testing.assert_allclose(slopes[0], slopes[1], rtol=1e-6)
 
 
 STIFF = 1.5

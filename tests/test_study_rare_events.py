@@ -135,6 +135,22 @@ def test_intervals_of_importance_sampling_hold_what_they_say():
     assert np.mean([one.low <= 1e-6 <= one.high for one in found]) >= 0.9
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("low", "high", "all_trusted"), [(3.5, 3.6, True), (3.5, 3.52, False)])
+def test_intervals_of_a_failure_in_a_thin_band(low, high, all_trusted):
+    """A limit of (f - f_0)^2, 200 seeds: what is trusted holds in about 95 %, with three standard errors 90 %."""
+    truth, middle, half = norm.sf(low) - norm.sf(high), (low + high) / 2, (high - low) / 2
+    direction = np.array([0.8, -0.6])
+
+    def band(points):
+        return ((points @ direction - middle) / half) ** 2 - 1
+
+    found = [importance_sampling(band, 2, count=100_000, seed=seed) for seed in range(200)]
+    trusted = [one for one in found if not one.doubts]
+    assert len(trusted) == (200 if all_trusted else 0)
+    assert sum(one.low <= truth <= one.high for one in trusted) >= 0.9 * len(trusted)
+
+
 def test_too_few_variants():
     with pytest.raises(UsageError, match="needs 4000 variants or more"):
         importance_sampling(linear(2), 2, count=100, seed=1)

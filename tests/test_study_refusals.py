@@ -1,6 +1,7 @@
 """Studies that cannot be: what is said of them, the exit code, and that nothing in a folder is touched."""
 
 import errno
+import sys
 
 import pytest
 from click.testing import CliRunner
@@ -8,7 +9,7 @@ from study_runs import contents, small_study
 
 import torsionnet as tn
 from torsionnet.cli.app import app
-from torsionnet.core.errors import SolveError
+from torsionnet.core.errors import MissingExtraError, SolveError
 from torsionnet.study.run import study_folder
 from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.user_function import function
@@ -149,3 +150,26 @@ def test_function_with_another_default_is_another():
         return function(scaled)
 
     assert made(2.0).to_data() == made(2.0).to_data() != made(3.0).to_data()
+
+
+def test_what_is_not_drawn_beside_ranges_is_named(said):
+    ranges = PLAN.replace("k_1: {type: normal, deviation: 4 %}", "k_1: {type: range, low: -5 %, high: +5 %, count: 3}")
+    text = said(ranges.replace("sampling: {count: 16}\n", ""), code=2)
+    assert "k_2, c_1 have distributions and are not drawn: give sampling" in text
+
+
+def test_a_numba_that_refuses_this_numpy_is_done_without(monkeypatch):
+    """As if there were none: its import says that another numpy is needed."""
+
+    class Refusing:
+        def find_spec(self, name, *_):
+            if name.partition(".")[0] == "numba":
+                raise ImportError("Numba needs NumPy 2.3 or less. Got NumPy 2.4.")
+
+    for name in [one for one in sys.modules if one == "torsionnet.solve.compiled" or one.partition(".")[0] == "numba"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [Refusing(), *sys.meta_path])
+    study = small_study(count=10**6)
+    assert study.method == "graph"
+    with pytest.raises(MissingExtraError, match=r"works with this numpy: Numba needs NumPy 2\.3 or less"):
+        import torsionnet.solve.compiled  # noqa: F401

@@ -9,6 +9,7 @@ import signal
 import time
 from pathlib import Path
 
+import campaigns
 import numpy as np
 import pytest
 from study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
@@ -128,7 +129,7 @@ class TestFolder:
         victim = chunk_files(folder)[0]
         good = victim.read_bytes()
         expected = run_study(small_study(), whole).to_data()
-        for place in random.Random(1).sample(range(len(good)), 20):
+        for place in random.Random(1).sample(range(len(good)), campaigns.examples(5, 20)):
             data = bytearray(good)
             data[place] ^= 1 << place % 8
             victim.write_bytes(bytes(data))

@@ -49,6 +49,17 @@ def test_estimates_are_those_of_scipy():
     assert found.total == pytest.approx(other.total_order.ravel(), rel=1e-9)
 
 
+def test_no_index_is_beyond_a_share():
+    """Of x_1 with hardly any of the others: indices of 1 and nearly 0, whose estimates scatter to both sides."""
+    found = [sobol_estimates(lambda x: x[:, 0] + 0.01 * x[:, 1], 3, 64, seed=seed) for seed in range(5)]
+    for name in ("first", "first_low", "first_high", "total", "total_low", "total_high"):
+        shares = np.array([getattr(one, name) for one in found])
+        assert ((shares >= 0) & (shares <= 1)).all(), name
+    assert all((one.first_low <= one.first).all() and (one.first <= one.first_high).all() for one in found)
+    truth = 1 / (1 + 0.01**2)
+    assert all(one.first_low[0] <= truth <= one.first_high[0] for one in found)
+
+
 def test_same_seed_same_bytes():
     one, same, other = (sobol_estimates(ishigami, 3, 128, seed=seed) for seed in (5, 5, 6))
     for name in ("first", "first_low", "first_high", "total", "total_low", "total_high"):

@@ -79,7 +79,7 @@ def some_question(made):
     return made.sensor(), rnd.choice(["T", *nodes]) if rnd.random() < 0.4 else made.sensor()
 
 
-EXAMPLES = settings(max_examples=campaigns.examples(6, 25), deadline=None, suppress_health_check=list(HealthCheck))
+EXAMPLES = settings(max_examples=campaigns.examples(4, 25), deadline=None, suppress_health_check=list(HealthCheck))
 
 
 def a_drivetrain_and_a_question(source, **options):

@@ -191,7 +191,7 @@ class TestSilicone:
         """A factor on the moduli is sought as a film's damping is; temperature, without derivatives, is refused."""
         rig = silicone(silicone=SILICONE, gap=GAP, temperature="60 degC", scale=0.3)
         found = rig.damper_design("theta", {"damper.scale": (0.01, 1.0)}, input="T", band=(10, 100))
-        best, f = found.values["damper.scale"], np.linspace(10, 100, 2000)
+        best, f = found.values["damper.scale"], np.linspace(10, 100, 200)
         levels = [
             silicone(silicone=SILICONE, gap=GAP, temperature="60 degC", scale=factor * best)
             .frequency_response("theta", "T", f)

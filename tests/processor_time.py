@@ -1,0 +1,81 @@
+"""Processor time of a run and of each test, with all processes that they start: shown at the end, and judged if asked."""
+
+import os
+
+import pytest
+
+LIMIT = "--processor-seconds"
+DEAREST = "--dearest"
+MOST_OF_ONE = 15.0
+"""Processor seconds that the call of a quick test may take where the whole run has a limit: three times the 5 s that are
+meant, as a busy machine makes of them."""
+
+
+def spent():
+    """Processor seconds of this process and of its children that have ended, with theirs."""
+    return sum(os.times()[:4])
+
+
+def add_options(parser):
+    group = parser.getgroup("processor time")
+    group.addoption(
+        LIMIT,
+        type=float,
+        metavar="SECONDS",
+        help=f"fail if the run takes more of the processor, or a test without the mark slow more than {MOST_OF_ONE:g} s",
+    )
+    group.addoption(DEAREST, type=int, default=0, metavar="N", help="list the N tests that took most of the processor")
+
+
+class ProcessorTime:
+    """Plugin: notes what each test takes, and judges the sum once all workers have ended."""
+
+    def __init__(self, config):
+        self.limit, self.shown = config.getoption(LIMIT), config.getoption(DEAREST)
+        self.of_test = {}
+        self.total = 0.0
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item):
+        began = spent()
+        try:
+            return (yield)
+        finally:
+            slow = item.get_closest_marker("slow") is not None
+            item.user_properties.append(("processor time", (spent() - began, slow)))
+
+    def pytest_runtest_logreport(self, report):
+        if report.when == "call":
+            self.of_test[report.nodeid] = dict(report.user_properties).get("processor time", (0.0, False))
+
+    @pytest.hookimpl(wrapper=True, trylast=True)
+    def pytest_sessionfinish(self, session):
+        result = yield  # here workers are ended
+        self.total = spent()
+        if self.faults() and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+        return result
+
+    def faults(self):
+        """A line for each limit that the run did not keep; none where it has no limit."""
+        if self.limit is None:
+            return []
+        above = sorted(
+            (name, taken) for name, (taken, slow) in self.of_test.items() if taken > MOST_OF_ONE and not slow
+        )
+        lines = [f"{name} took {taken:.1f} s, a quick test at most {MOST_OF_ONE:g} s" for name, taken in above]
+        if self.total > self.limit:
+            lines.append(f"the run took {self.total:.0f} s, at most {self.limit:g} s are allowed")
+        return lines
+
+    def pytest_terminal_summary(self, terminalreporter):
+        if not self.of_test:
+            return
+        write = terminalreporter.write_line
+        dearest = sorted(self.of_test.items(), key=lambda each: -each[1][0])
+        for name, (taken, slow) in dearest[: self.shown]:
+            write(f"{taken:7.2f} s {'slow  ' if slow else '      '}{name}")
+        name, (taken, _) = dearest[0]
+        write(f"processor time with all processes: {self.total:.0f} s; most for one test: {taken:.1f} s, {name}")
+        for line in self.faults():
+            write(f"processor time: {line}", red=True)

@@ -1,0 +1,78 @@
+"""Pictures and tables at their default call: what says nothing sets no limits."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet import plot
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.signals import Recording, Signal, spectrogram
+from torsionnet.solve.peaks import _standing_out
+
+RATE = 4000.0
+
+
+def tone(frequency, noise=0.0):
+    t = np.arange(20_000) / RATE
+    values = np.sin(2 * np.pi * frequency * t) + noise * np.random.default_rng(3).standard_normal(len(t))
+    return spectrogram(Recording((Signal("T", "torque", values),), RATE), "T")
+
+
+@pytest.mark.parametrize(
+    ("frequency", "noise", "least", "most"), [(40, 0, 40, 80), (40, 1e-3, 40, 80), (900, 0, 900, 1500)]
+)
+def test_a_spectrogram_ends_where_the_power_does(frequency, noise, least, most):
+    seen = tone(frequency, noise)
+    assert least < plot.spectrogram(seen).axes[0].get_ylim()[1] < most
+    assert plot.spectrogram(seen, highest=1900).axes[0].get_ylim()[1] > 1850
+
+
+def test_a_spectrogram_of_noise_or_of_nothing_is_shown_whole():
+    noise = np.random.default_rng(1).standard_normal(20_000)
+    for values in (noise, np.zeros(20_000)):
+        seen = spectrogram(Recording((Signal("T", "torque", values),), RATE), "T")
+        assert plot.spectrogram(seen).axes[0].get_ylim()[1] > 1950
+
+
+def estimate(coherent_up_to, usable_up_to=10.0):
+    """One mass on a spring up to a frequency, then noise whose phase turns on and on."""
+    f = np.linspace(0.5, 2000, 4000)
+    values = 1 / (1 - (f / 8) ** 2 + 0.2j * f / 8)
+    beyond = f > coherent_up_to
+    turns = np.arange(beyond.sum())
+    values[beyond] = (1.2 + np.sin(turns)) * 1e-3 * np.exp(-2.5j * turns)
+    coherence = np.where(beyond, 0.02, 0.99)
+    return FrequencyResponse(
+        f, values[:, None, None], (Channel("theta", "rad"),), (Channel("T", "N*m"),), "rig",
+        coherence=coherence[:, None, None], usable_up_to=usable_up_to,
+    )  # fmt: skip
+
+
+def test_what_is_not_coherent_turns_no_phase_and_takes_no_room():
+    magnitude, phase, _ = plot.bode(estimate(60.0)).axes
+    low, high = phase.get_ylim()
+    assert low >= -200
+    assert high <= 20
+    drawn = np.concatenate([line.get_ydata() for line in phase.lines])
+    assert np.nanmin(drawn) > -181
+    assert 60 < magnitude.get_xlim()[1] < 100
+
+
+def test_a_response_that_is_coherent_nowhere_is_shown_as_it_is():
+    assert plot.bode(estimate(0.1, usable_up_to=0.1)).axes[0].get_xlim()[1] == pytest.approx(2000)
+
+
+def test_a_model_is_drawn_over_all_its_frequencies():
+    response = tn.load("dmf_rig").frequency_response("theta_1", "T_T", np.geomspace(0.1, 1000, 60))
+    assert plot.bode(response).axes[0].get_xlim() == pytest.approx((0.1, 1000))
+
+
+def test_rounding_makes_no_peaks():
+    ripple = 1 + 1e-13 * np.random.default_rng(2).standard_normal(500)
+    assert _standing_out(ripple) == []
+    hill = ripple + np.exp(-(((np.arange(500) - 200) / 10) ** 2))
+    (peak,) = _standing_out(np.round(hill, 9))
+    assert abs(peak - 200) <= 1
+    slope = np.linspace(1, 2, 500) * ripple  # a ripple on a slope rises above nothing
+    assert _standing_out(slope) == []
+    assert _standing_out(np.array([1.0, np.inf, 1.0])) == [1]

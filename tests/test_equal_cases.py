@@ -1,0 +1,90 @@
+"""Cases that are equal but for rounding are no choice, and remarks are about what vibrates."""
+
+import json
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.plot import limit_check, order_response
+from torsionnet.report.document_tree import TableBlock
+from torsionnet.report.report import make_report
+from torsionnet.response.worst_response import ALIKE
+
+PRESSURES = 3e5 + 150e5 * np.exp(-np.linspace(0, 6, 36))
+ENGINE = {
+    "type": "reciprocating_engine", "speed_of": "crank", "cycle": 4, "cylinders": {1: "crank", 2: "crank"},
+    "firing_order": [1, 2], "bore": "300 mm", "stroke": "400 mm", "rod_length": "800 mm", "misfire": "each",
+    "gas": {"fired": PRESSURES.tolist(), "motored": (0.3 * PRESSURES).tolist(), "reference": "absolute", "crankcase": "1 bar"},
+}  # fmt: skip
+PLANT = {
+    "torsionnet": 1,
+    "name": "plant",
+    "elements": {
+        "throw": {"type": "inertia", "node": "crank", "inertia": 100},
+        "rubber": {"type": "spring", "nodes": ["crank", "screw"], "stiffness": "2 MN*m/rad", "damping": 2e3},
+        "wheel": {"type": "inertia", "node": "screw", "inertia": 400},
+    },
+    "speeds": {"of": "crank", "range": "500..600 rpm", "step": "20 rpm", "rated": "600 rpm"},
+    "load": {"absorbed_at": "screw", "power": "500 kW", "torque_exponent": 2, "driven_by": {"crank": 1}},
+    "excitations": {"engine": ENGINE},
+    "limits": {"rubber": {"rule": "coupling", "element": "rubber", "T_KN": "20 kN*m", "T_KW": "900 kN*m"}},
+}
+
+
+@pytest.fixture(scope="module")
+def plant():
+    """Two cylinders on one throw: whichever misfires, the shaft bears the same half a cycle later."""
+    return tn.loads(json.dumps(PLANT))
+
+
+def test_equal_cases_are_no_choice(plant):
+    run = plant.order_response("torque(rubber)")
+    alone = np.array([one.half_range[:, 0] for one in run.coherent])
+    assert alone[0] == pytest.approx(alone[1], rel=1e-9)
+    assert (run.chosen == 0).all()
+    assert set(run.cases()) == {ALIKE}
+    check = plant.check_limits()
+    assert not any("misfire of" in remark for one in check.verdicts for remark in one.remarks)
+    assert {one.case for one in plant.critical_speeds().crossings} == {""}
+
+
+def test_a_mean_torque_has_no_remark_on_a_misfire():
+    """With a flywheel between the cylinders they are unlike, and the criteria on vibration name one."""
+    data = json.loads(json.dumps(PLANT))
+    data["elements"] |= {
+        "link": {"type": "spring", "nodes": ["crank", "c2"], "stiffness": "5 MN*m/rad"},
+        "disc": {"type": "inertia", "node": "c2", "inertia": 50},
+    }
+    data["excitations"]["engine"]["cylinders"] = {"1": "crank", "2": "c2"}
+    check = tn.loads(json.dumps(data)).check_limits()
+    said = {one.criterion: any("misfire of" in remark for remark in one.remarks) for one in check.verdicts}
+    assert said == {"T_KN": False, "T_KW": True}
+
+
+def test_equal_torques_are_those_of_the_first_node_and_phases_have_a_unit():
+    engine = {**ENGINE, "cylinders": {1: "crank", 2: "screw"}, "misfire": []}
+    blades = {"type": "propeller", "node": "screw", "blades": 4, "torque": "8 kN*m", "rated": "600 rpm",
+              "blade_orders": {1: {"share": "8 %", "phase": "30 deg"}}}  # fmt: skip
+    rig = tn.Drivetrain(
+        "plant",
+        [tn.Inertia("throw", node="crank", inertia=100), tn.Inertia("wheel", node="screw", inertia=400),
+         tn.Spring("rubber", nodes=("crank", "screw"), stiffness=2e6)],
+        speeds={"of": "crank", "range": "500..600 rpm", "step": "20 rpm", "rated": "600 rpm"},
+        excitations={"engine": engine, "blades": blades},
+    )  # fmt: skip
+    (section,) = make_report(rig, sections=["excitations"], date=None).sections
+    tables = [block for block in section.blocks if isinstance(block, TableBlock)]
+    assert {row[-1] for row in tables[1].groups[0].rows} == {"crank (of 2 alike)"}
+    given = {row[0]: row[1] for row in tables[2].groups[0].rows}
+    assert given["blade orders"] == "1: share 0.08, phase 30 deg"
+
+
+def test_axes_of_large_torques_are_in_kilonewton_metres(plant):
+    panel = limit_check(plant.check_limits(), "rubber").axes[0]
+    assert panel.get_ylabel() == "[kN·m]"
+    assert panel.lines[-1].get_ydata().max() == pytest.approx(20)
+    run = plant.order_response("torque(rubber)")
+    axes = order_response(run).axes[0]
+    assert axes.get_ylabel() == "torque(rubber) [kN·m]"
+    assert axes.lines[0].get_ydata() == pytest.approx(run.half_range[:, 0] / 1e3)

@@ -1,0 +1,141 @@
+"""Records as recorders and their users write them: quoted numbers, units in other spellings, clocks without a unit."""
+
+import numpy as np
+import pytest
+
+from torsionnet.core.delimited.headings import plain_unit
+from torsionnet.core.errors import ModelError
+from torsionnet.core.units import parse_unit
+from torsionnet.io.recording_files import iter_blocks, read_recording
+
+
+def write(tmp_path, text, name="r.csv"):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+QUOTED = "".join(f'"0,{row:03d}","{row},5"\n' for row in range(30))
+
+
+class TestQuotedNumbers:
+    @pytest.mark.parametrize("heading", ["t,T [Nm]\n", '"t","T [Nm]"\n', '"t","T, left [Nm]"\n'])
+    def test_decimal_commas_between_commas(self, tmp_path, heading):
+        found = read_recording(write(tmp_path, heading + QUOTED))
+        assert found.sampling_rate == 1000.0
+        assert found.signals[0].values.tolist() == [row + 0.5 for row in range(30)]
+        assert "assumed: cells between commas, decimal comma" in found.notes
+
+    def test_whole_numbers_without_quotes_between_them(self, tmp_path):
+        rows = "".join(f'{row},"{row},5"\n' for row in range(30))
+        assert read_recording(write(tmp_path, "t [ms],T [Nm]\n" + rows))["T"].values[7] == 7.5
+
+    def test_without_a_heading_nothing_is_split(self, tmp_path):
+        found = read_recording(write(tmp_path, QUOTED), sampling_rate=10.0)
+        assert found.names == ("column_1", "column_2")
+        assert found["column_2"].values[1] == 1.5
+
+    @pytest.mark.parametrize(
+        ("row", "message"),
+        [
+            ('"0,030","x,5"\n', r'r.csv:32:10: error: "x,5" is not a number'),
+            ("0,030,30,5\n", "the row has 4 cells, the others have 2"),
+            ('"0,030","1.234,5"\n', '"1.234,5" is not a number'),
+        ],
+    )
+    def test_other_rows_are_refused(self, tmp_path, row, message):
+        with pytest.raises(ModelError, match=message):
+            read_recording(write(tmp_path, "t,T [Nm]\n" + QUOTED + row))
+
+    def test_quotes_that_begin_late(self, tmp_path):
+        """Beyond the lines that are looked at first."""
+        rows = "".join(f"{row},{row}\n" for row in range(500))
+        with pytest.raises(ModelError, match='"1,5" is not a number'):
+            read_recording(write(tmp_path, "t [ms],T [Nm]\n" + rows + '500,"1,5"\n'))
+
+    def test_both_as_commas_without_quotes(self, tmp_path):
+        path = write(tmp_path, "t,T [Nm]\n0,1,2,5\n0,2,2,6\n")
+        with pytest.raises(ModelError, match="decimal commas where nothing is quoted"):
+            read_recording(path, separator=",", decimal=",")
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("N-m", "N*m"), ("N.m", "N*m"), ("kN-m", "kN*m"), ("kN.m", "kN*m"), ("ft-lb", "lbf*ft"), ("lb-ft", "lbf*ft"),
+        ("ft.lbf", "lbf*ft"), ("FT-LBS", "lbf*ft"), ("in-lb", "lbf*in"), ("lbf-in", "lbf*in"), ("RPM", "rpm"),
+        ("Rpm", "rpm"), ("rad.s-1", "rad/s"), ("rad/sec", "rad/s"), ("rad/s2", "rad/s^2"), ("min-1", "rpm"),
+    ],
+)  # fmt: skip
+def test_units_in_other_spellings(tmp_path, written, meant):
+    assert parse_unit(plain_unit(written)).factor == parse_unit(meant).factor
+    for heading in (f"T [{written}]", f"T ({written})", f"T / {written}"):
+        (signal,) = read_recording(write(tmp_path, f"t [s],{heading}\n0,1\n0.1,2\n"))
+        assert (signal.name, signal.values[0]) == ("T", float(parse_unit(meant).factor))
+
+
+@pytest.mark.parametrize("unit", ["m/s", "lb", "lb-s", "N-", "kg-m2"])
+def test_other_units_tell_no_quantity(tmp_path, unit):
+    (signal,) = read_recording(write(tmp_path, f"t [s],x [{unit}]\n0,1\n0.1,2\n"))
+    assert signal.quantity == ""
+
+
+def clocked(tmp_path, step, count=100, name="t", unit=""):
+    heading = f"{name} [{unit}]" if unit else name
+    rows = "".join(f"{step * row:.10g},{np.sin(row):.6f}\n" for row in range(count))
+    return write(tmp_path, f"{heading},T [Nm]\n{rows}")
+
+
+class TestClockWithoutUnit:
+    @pytest.mark.parametrize(("step", "count"), [(1.0, 100), (0.1, 100), (1000.0, 100), (0.02, 200_000)])
+    def test_ms_are_doubted(self, tmp_path, step, count):
+        found = read_recording(clocked(tmp_path, step, count))
+        told = [note for note in found.notes if note.startswith("warning: t has no unit and was taken for s")]
+        assert len(told) == 1
+        assert told[0].endswith("if it is in ms, or counts ticks, give its unit")
+
+    @pytest.mark.parametrize("step", [1e-3, 0.02])
+    def test_s_are_not(self, tmp_path, step):
+        assert not any("warning" in note for note in read_recording(clocked(tmp_path, step)).notes)
+        assert not any("warning" in note for note in read_recording(clocked(tmp_path, 1.0, unit="s")).notes)
+
+    def test_its_unit_may_be_given(self, tmp_path):
+        found = read_recording(clocked(tmp_path, 1.0), units={"t": "ms"})
+        assert found.sampling_rate == 1000.0
+        assert not any("warning" in note for note in found.notes)
+        other = read_recording(clocked(tmp_path, 1.0, name="Abscissa"), units={"Abscissa": "msec"})
+        assert (other.names, other.sampling_rate) == (("T",), 1000.0)
+        with pytest.raises(ModelError, match='t was taken for the time stamps, and "Nm" is no unit of time'):
+            read_recording(clocked(tmp_path, 1.0), units={"t": "Nm"})
+
+    def test_in_blocks(self, tmp_path):
+        blocks = list(iter_blocks(clocked(tmp_path, 1.0), 0.05, units={"t": "ms"}))
+        assert [len(block) for block in blocks] == [50, 50]
+
+
+class TestTdms:
+    def waves(self, tmp_path, offsets, increments=(1e-3, 1e-3)):
+        nptdms = pytest.importorskip("nptdms")
+        path = tmp_path / "r.tdms"
+        with nptdms.TdmsWriter(str(path)) as writer:
+            writer.write_segment([
+                nptdms.ChannelObject(
+                    "g", name, np.arange(9.0),
+                    {"wf_increment": increments[number], "wf_start_offset": offsets[number], "unit_string": "N-m"},
+                )
+                for number, name in enumerate(("a", "b"))
+            ])  # fmt: skip
+        return read_recording(path)
+
+    def test_offset_is_honoured_and_told(self, tmp_path):
+        found = self.waves(tmp_path, (2.0, 2.0))
+        assert found.start == 2.0
+        assert "begins at 2 s, its wf_start_offset" in found.notes
+        assert not any("warning" in note for note in found.notes)
+
+    def test_offsets_and_intervals_that_differ_warn(self, tmp_path):
+        found = self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))
+        assert [note for note in found.notes if note.startswith("warning: ")] == [
+            "warning: channels have sampling intervals between 0.001 and 0.002 s; that of the first was taken for all",
+            "warning: channels have starts (wf_start_offset) between 0 and 0.5 s; that of the first was taken for all",
+        ]

@@ -1,0 +1,105 @@
+"""Nothing is made of a number in the data before it is checked: neither samples, nor windows, nor filters."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.io.recording_files import read_recording
+from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.decimation import decimate
+from torsionnet.signals.encoder import angle_from_pulses
+from torsionnet.signals.estimators import estimate
+from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.resampling import resampled
+from torsionnet.signals.resolution import resolution
+from torsionnet.signals.sample_counts import ALWAYS, TIMES, check_count, even_times
+from torsionnet.signals.spectrogram import spectrogram
+from torsionnet.signals.welch import Welch
+
+CLOCK = 80e6
+TICKS = np.round(np.arange(6001) * CLOCK / 1500)
+"""Of a counter, at 1500 pulses a second."""
+GAP = np.concatenate([np.arange(20.0), 1e12 + np.arange(20.0)])
+BLOCKS = np.concatenate([1e10 * block + np.arange(20.0) for block in range(6)])
+SLOW = Recording((Signal("phi", "angle", np.arange(4.0)),), 1e-13, times=np.array([0, 1e13, 2e13, 3.1e13]))
+NOISE = np.random.default_rng(1).normal(size=(2, 20_000))
+
+
+def fast(rate):
+    return Recording((Signal("T", "torque", NOISE[0]), Signal("phi", "angle", NOISE[1])), rate)
+
+
+CASES = {
+    "ticks as s": (lambda: angle_from_pulses(TICKS, 60, 10e3), "6001 pulses over 3.2e.08 s, .* give their unit"),
+    "a gap of ages": (
+        lambda: angle_from_pulses(GAP, 60, 1e-9),
+        "most would be missing ones: cut the record at its gaps",
+    ),
+    "gaps of ages": (lambda: repaired_pulses(BLOCKS, 60), "pulses are missing every 10000000000 pulses"),
+    "slow stamps": (lambda: resampled(SLOW, 1000.0), "4 samples over 3.1e.13 s, .* lower rate"),
+    "overlap": (lambda: spectrogram(fast(1e3), "T", Welch(seconds=10.0, overlap=0.99999)), "take less overlap"),
+    "a filter": (lambda: decimate(fast(1e3), 10**10), "20000 samples are too few to decimate"),
+    "windows": (lambda: estimate(fast(1e12), "phi", "T"), "too short for one window"),
+    "windows without end": (lambda: estimate(fast(1e15), "phi", "T", Welch(seconds=1e6)), "too short for one window"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_refused_before_memory_is_taken(case):
+    call, message = CASES[case]
+    tracemalloc.start()
+    try:
+        with pytest.raises(UsageError, match=message):
+            call()
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_what_is_legitimate_is_made():
+    """A run-up from 60 to 6000 rpm, whose first interval is 100 times its last, and a spline between few samples."""
+    times = np.cumsum(np.geomspace(1.0, 0.01, 3000))
+    angle, start = angle_from_pulses(times, 60, 100.0)
+    assert (len(angle), start) == (int((times[-1] - 1) * 100) + 1, 1.0)
+    check_count(ALWAYS, 4, "anything", "")
+    check_count(TIMES * ALWAYS, ALWAYS, "anything", "")
+    assert len(resampled(Recording(SLOW.signals, 1.0, times=SLOW.times / 1e13), 1000.0)) == 3101
+
+
+def test_times_end_where_a_rounding_error_would_lose_the_last():
+    assert even_times(0.0, 0.3, 10.0, 4, "samples").tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("rate", [1e300, np.inf, np.nan, -5.0])
+def test_a_rate_that_nothing_has_is_a_fault_of_the_file(tmp_path, rate):
+    np.savez(tmp_path / "r.npz", fs=rate, T=NOISE[0])
+    with pytest.raises(ModelError, match=r"the file says a sampling rate of .* at which nothing is sampled"):
+        read_recording(tmp_path / "r.npz", {"T": "torque"})
+    assert read_recording(tmp_path / "r.npz", {"T": "torque"}, sampling_rate=10.0).sampling_rate == 10.0
+
+
+def test_a_window_longer_than_any_record_is_none():
+    assert resolution(fast(1e15), "phi", "T", 1e6) is None
+
+
+class TestFiles:
+    def test_ticks(self, tmp_path):
+        np.savez(tmp_path / "ticks.npz", n1=TICKS)
+        with pytest.raises(ModelError, match=r"n1: error: 6001 pulses over 3.2e.08 s, sampled at 1 Hz, would become"):
+            read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
+
+    def test_few_ticks_are_doubted(self, tmp_path):
+        """Which fit into memory: two turns in 74 days."""
+        np.savez(tmp_path / "ticks.npz", n1=TICKS[:121])
+        found = read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
+        assert any(note.startswith("warning: n1: the times of pulses have no unit") for note in found.notes)
+        in_us = tmp_path / "us.npz"
+        np.savez(in_us, n1=TICKS[:121] / 80)
+        assert read_recording(in_us, pulses={"n1": 60}, units={"n1": "us"}).notes == ()
+
+    def test_pulses_of_two_shafts_at_other_times(self, tmp_path):
+        np.savez(tmp_path / "two.npz", n1=np.arange(100) / 1500, n2=9 + np.arange(90) / 1500)
+        with pytest.raises(ModelError, match=r"the pulses have no time in common: n1 from 0 to 0.066 s; n2 from 9 to"):
+            read_recording(tmp_path / "two.npz", pulses={"n1": 60, "n2": 60})
