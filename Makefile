@@ -6,6 +6,7 @@ ARGS ?=
 SECONDS ?= 600
 
 VENV := .venv
+OLDEST := .venv-oldest
 RUN := $(VENV)/bin/python
 PIP := $(RUN) -m pip --disable-pip-version-check
 BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
@@ -13,7 +14,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-all compare compare-parts structure hops mutation fuzz lint format types generate docs bench bench-short clean
+.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops mutation fuzz lint format types generate docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -28,13 +29,19 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 	$(RUN) -m torsionnet.demo.identification
 
 # Python that writes no bytecode compiles package and tests anew in every process that tests start.
-test test-all: export PYTHONDONTWRITEBYTECODE =
+test test-slow test-all test-oldest: export PYTHONDONTWRITEBYTECODE =
 
 test: $(VENV)/.group-test  ## tests and docstring examples, on all cores, without those of over a few seconds
 	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
 
+test-slow: $(VENV)/.group-test  ## what `make test` leaves out or tries with few examples
+	$(RUN) -m pytest -n auto --dist worksteal -m "slow or campaign" $(ARGS)
+
 test-all: $(VENV)/.group-test  ## all tests, also campaigns over many seeds
 	$(RUN) -m pytest -n auto --dist worksteal $(ARGS)
+
+test-oldest: $(OLDEST)/.installed  ## `make test` with the oldest packages that pyproject.toml allows, in .venv-oldest
+	$(OLDEST)/bin/python -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
 
 compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"
 	cd tests && ../$(RUN) -m oracle $(ARGS)
@@ -81,8 +88,8 @@ bench-short: $(VENV)/.group-test  ## the same with small sizes, to see that they
 	@set -e; for script in $(BENCHMARKS); do echo "== $$script"; $(RUN) -m "benchmarks.$$script" --short; done
 
 clean:  ## remove everything that make creates, .venv included
-	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
-	rm -f docs/generated/paper.md docs/generated/cases.md docs/generated/bench_numbers.md
+	rm -rf $(VENV) $(OLDEST) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
+	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/cases.md docs/generated/bench_numbers.md
 	rm -f docs/generated/signs_*.svg docs/generated/symbol_*.svg
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +
@@ -100,4 +107,14 @@ $(VENV)/.installed: pyproject.toml
 
 $(VENV)/.group-%: $(VENV)/.installed
 	$(PIP) install --quiet --group $*
+	@touch $@
+
+# pip cannot ask for the oldest versions; uv takes those of the packages that pyproject.toml names.
+$(OLDEST)/.installed: pyproject.toml
+	rm -rf $(OLDEST)
+	"$(PYTHON)" -m venv $(OLDEST)
+	$(OLDEST)/bin/python -m pip --disable-pip-version-check install --quiet uv
+	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct \
+	    -r pyproject.toml --extra all --group test
+	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --no-deps --editable .
 	@touch $@

@@ -61,12 +61,15 @@ CONDITIONS = {
 
 
 def marine():
-    """The marine plant of the library with eight conditions: they share the frequency responses."""
+    """The marine plant of the library with eight conditions, which share the frequency responses.
+
+    The propeller's damping is that of full power at all speeds; where it follows the speed nothing is shared.
+    """
     data = tn.load("marine_medium_speed").definition.to_data()
     data["configurations"] = {"firing": CONDITIONS}
     speeds = (np.linspace(300, 788, SPEEDS) * np.pi / 30).tolist()
     data["speeds"] = {"of": "fly", "list": speeds, "rated": "750 rpm"}
-    rig = tn.loads(json.dumps(data))
+    rig = tn.loads(json.dumps(data)).configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")
     outputs = ["T_crank", "T_cpl", "T_mesh", "T_int", "T_tail"]
     rig.configured("normal").order_response(outputs, speeds=[50.0])  # imports and plans
     start = time.process_time()

@@ -92,6 +92,16 @@ def elements_page() -> str:
     return "\n".join(element_section(kind, cls) for kind, cls in ELEMENT_TYPES.items())
 
 
+def element_index() -> str:
+    """A line for each registered type: its name and the first sentence of its description."""
+    lines = [f"| [{kind}](#{kind}) | {first_sentence(cls)} |" for kind, cls in sorted(ELEMENT_TYPES.items())]
+    return "\n".join(["| type | what it is |", "|---|---|", *lines, ""])
+
+
+def first_sentence(cls: type[Element]) -> str:
+    return (getdoc(cls) or "").partition("\n")[0].rstrip(".")
+
+
 def element_section(kind: str, cls: type[Element]) -> str:
     minimal = sample(cls, full=False)
     ports = list(minimal.ports)
@@ -178,7 +188,7 @@ def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
             data = {name: value for name, value in data.items() if name != "teeth"} | {"ratio": kind.symbol}
         elif isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
             trial = data | {declared.name: kind.symbol}
-            data = trial if constructible(cls, trial) else data
+            data = trial if constructible(cls, trial) and has_laws(cls, trial) else data
     return data
 
 
@@ -186,6 +196,15 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
     try:
         make_element(cls.kind, "part", data)
     except ModelError:
+        return False
+    return True
+
+
+def has_laws(cls: type[Element], data: dict[str, Any]) -> bool:
+    """Whether the laws can be written in symbols; which row of a table counts is told by a number."""
+    try:
+        described(make_element(cls.kind, "part", data))
+    except TypeError:
         return False
     return True
 
@@ -520,6 +539,7 @@ def symbol_pictures(folder: Path) -> None:
 
 PAGES = {
     "elements.md": elements_page,
+    "element_index.md": element_index,
     "element_classes.md": element_classes_page,
     "units.md": units_page,
     "damping.md": damping_page,
