@@ -5,6 +5,7 @@ from functools import cache
 
 import pytest
 from drawn_models import MODELS, inertia
+from library_cases import LARGE
 from models import EVERY_ELEMENT
 from validation.build import build, case_names, read_case
 
@@ -26,8 +27,8 @@ EXAMPLES = {
     **{kind: lambda kind=kind: alone(kind) for kind in EVERY_ELEMENT},
     **MODELS,
 }
-REPEATED = {*CASES[1:], *(f"random {seed}" for seed in range(2, 8))}
-"""Examples whose like is among the others: cases beside the library's models, random ones beside the first."""
+REPEATED = {*CASES[1:], *(f"random {seed}" for seed in range(2, 8)), *LARGE}
+"""Examples whose like is among the others: cases beside the library's models, random ones beside the first, plants."""
 SOME_EXAMPLES = [name for name in EXAMPLES if name not in REPEATED]
 each_example = pytest.mark.parametrize(
     "example", [pytest.param(name, marks=[pytest.mark.slow] * (name in REPEATED)) for name in EXAMPLES]

@@ -1,10 +1,9 @@
 """Coefficients of many variants against each variant made by itself."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from batches import batch_of, drawn, require_like_single_models
+from library_cases import library_cases
 from models import EVERY_ELEMENT, around
 
 import torsionnet as tn
@@ -12,7 +11,6 @@ from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.model.model import Model
 from torsionnet.solve.batch.batch_plan import batch_plan
 
-LIBRARY = sorted(path.stem for path in (Path(__file__).parents[1] / "library").glob("*.yaml"))
 SHEETS = {"mass_elastic"}
 """Types that are a short way of writing others."""
 PLAIN = {"differential", "lock", "rigid_coupling", "tabulated_spring"}
@@ -107,7 +105,7 @@ def test_the_elements_are_all_there():
     assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES)
 
 
-@pytest.mark.parametrize("name", LIBRARY)
+@pytest.mark.parametrize("name", library_cases())
 def test_library_models_as_in_single_models(name):
     rng = np.random.default_rng(len(name))
     model = tn.load(name)

@@ -1,11 +1,11 @@
 """Responses of batches against each variant by itself, solved densely in LAPACK or by its own model."""
 
 import tracemalloc
-from pathlib import Path
 
 import numpy as np
 import pytest
 from batches import batch_of
+from library_cases import library_cases
 from models import EVERY_ELEMENT, around
 
 import torsionnet as tn
@@ -16,7 +16,6 @@ from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
 from torsionnet.solve.transfer_request import remembered, usable
 
-LIBRARY = sorted(path.stem for path in (Path(__file__).parents[1] / "library").glob("*.yaml"))
 F = np.array([0.31, 2.2, 17.0, 91.0])
 methods = pytest.mark.parametrize("method", ["graph", "compiled"])
 
@@ -42,7 +41,7 @@ def together(batch, output, input, f, excitation=None, method="auto"):
 
 @pytest.mark.filterwarnings("ignore::torsionnet.TorsionnetWarning")
 @methods
-@pytest.mark.parametrize("name", LIBRARY)
+@pytest.mark.parametrize("name", library_cases())
 def test_library_models(name, method):
     rig, rng = tn.load(name), np.random.default_rng(3)
     inputs, outputs = usable(rig)

@@ -6,6 +6,7 @@ import campaigns
 import mpmath
 import numpy as np
 import pytest
+from library_cases import library_cases
 from random_drivetrains import draw
 
 import torsionnet as tn
@@ -66,7 +67,7 @@ def assert_all_as_single(batch, found):
         assert_as_single(found, place, natural_modes(batch.model(place))[0])
 
 
-@pytest.mark.parametrize("name", LIBRARY)
+@pytest.mark.parametrize("name", library_cases(LIBRARY))
 def test_library_models_as_each_variant_by_itself(name):
     model = tn.load(name)
     for choice in (model.configurations or (None,))[:: campaigns.examples(100, 1)]:

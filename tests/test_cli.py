@@ -778,6 +778,7 @@ def on_terminal(*arguments, env):
     return b"".join(chunks).decode("utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="pipes of a shell")
 @pytest.mark.parametrize("ending", ["| head -2", pytest.param(">&-", marks=pytest.mark.slow)])
 def test_files_are_written_though_nobody_reads_what_is_printed(tmp_path, ending):

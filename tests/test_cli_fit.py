@@ -174,6 +174,7 @@ def test_sensitivity_of_every_configuration(tmp_path):
     assert 'did you mean "c_O"' in run("sensitivity", "amt_rig", "--parameter", "c_0", code=2).stderr
 
 
+@pytest.mark.slow
 def test_fit_against_the_set_point_and_without(folder):
     """The shaft's torque is measured with noise; ``reference`` and ``estimator`` act, or are refused."""
     text = FIT.replace("output: phi, input: T_set, model_input: T", "output: phi, input: M")
@@ -194,6 +195,7 @@ def test_fit_against_the_set_point_and_without(folder):
     assert "Hv is not for the fit of a record" in run("fit", "v.yaml", code=2).stderr
 
 
+@pytest.mark.slow
 def test_fit_of_a_model_that_does_not_fit_says_so(folder):
     (folder / "wrong.yaml").write_text(RIG.replace("inertia: 0.1", "inertia: 0.14"))
     (folder / "wrong_fit.yaml").write_text(FIT.replace("rig.yaml", "wrong.yaml"))

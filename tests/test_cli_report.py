@@ -123,6 +123,7 @@ class TestCommand:
         assert "wrote: r.md" in result.stderr
         assert "test and model, configuration V" in (folder / "r.md").read_text(encoding="utf-8")
 
+    @pytest.mark.slow
     def test_record_and_fit(self, folder, record):
         response = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [1, 2, 4, 8, 12, 16])
         tn.identify(tn.load("dmf_rig"), tn.Measurement(response, "theta_1", "T_T"), ["c_2"]).to_yaml("fit.yaml")

@@ -233,6 +233,7 @@ def test_rigid_rotation_against_a_damper_is_a_real_pole():
     assert modes.eigenvalues[1].real == pytest.approx(-drag / J, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_matched_damper_swallows_all_modes_and_that_is_said():
     matched = held(tn.Damper("c", nodes=("b", "ground"), damping=float(np.sqrt(K * J))))
     with pytest.warns(TorsionnetWarning, match="could not be followed"):
@@ -368,6 +369,7 @@ def parametric(**changes):
     )
 
 
+@pytest.mark.slow
 def test_derivatives_of_poles():
     slopes = mode_sensitivities(parametric(), ["D", "L", "G", "rho", "eta"])
     for place, (name, value) in enumerate(zip(slopes.parameters, slopes.values, strict=True)):

@@ -87,6 +87,7 @@ class TestTunedMass:
         own = np.sqrt(found.values["k_film"] / (mu * J))
         return own / OMEGA, found.values["c"] / (2 * mu * J * own)
 
+    @pytest.mark.slow
     def test_exact_minimax(self, mu, found):
         """O. Nishihara and T. Asami, J. Vib. Acoust. 124 (2002) 576: closed forms of both values."""
         root = np.sqrt(4 + 3 * mu)

@@ -37,20 +37,12 @@ LONG = {
     "studies",
     "identify_parameters",
     "identify_modes",
+    "limits",
     "report",
     "trust_a_fit",
     "from_test_to_response",
-    "plot_fit_gears",
-    "plot_damping_choice",
-    "plot_marine_turbine",
-    "plot_modes_without_a_model",
-    "plot_ratio_sweep",
-    "plot_study_damper",
-    "plot_study_tolerances",
-    "plot_study_yield",
-    "plot_tdms_to_response",
 }
-"""Pages and examples with long records, reports or sweeps: their programs and commands run where slow tests do."""
+"""Pages whose programs have long records, reports or sweeps: they run where slow tests do, as do all commands and examples."""
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHOWN = re.compile(r"generated/(\w+\.svg)")
 FILE_NAME = re.compile(r"# (\w+\.(?:yaml|csv))\n")
@@ -177,6 +169,7 @@ class TestGeneratedPages:
         read = rig.frequency_response(["at_sun", "at_ring", "at_carrier"], "T", [0]).values.ravel()
         assert read == pytest.approx([1, -2.5, 3.5], rel=1e-12)
 
+    @pytest.mark.slow
     def test_pictures_are_the_same_each_time(self, generate, pictures, tmp_path):
         generate.sign_pictures(tmp_path)
         generate.symbol_pictures(tmp_path)
@@ -265,7 +258,7 @@ def test_programs_on_pages_run(path, workplace, capsys):
 
 
 @pytest.mark.parametrize(
-    "path", [path for path in [*PAGES, *EXAMPLES] if path.stem in LONG], ids=lambda path: path.stem
+    "path", [*(path for path in PAGES if path.stem in LONG), *EXAMPLES], ids=lambda path: path.stem
 )
 def test_long_programs_use_names_that_there_are(path):
     """A quick look at what runs only with slow tests: every name of torsionnet in it exists."""
@@ -287,7 +280,8 @@ def commands(page):
     return [line for line in lines if line.startswith("torsionnet ")]
 
 
-@each(path for path in PAGES if commands(path))
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in PAGES if commands(path)], ids=lambda path: path.stem)
 def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
     lay_out(path, workplace)
     for line in commands(path):
@@ -296,8 +290,8 @@ def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
         assert code in (0, incomplete), (line, capsys.readouterr())
 
 
-@pytest.mark.parametrize("path", [path for path in PAGES if path.stem in LONG], ids=lambda path: path.stem)
-def test_long_commands_have_options_that_there_are(path, capsys):
+@pytest.mark.parametrize("path", [path for path in PAGES if commands(path)], ids=lambda path: path.stem)
+def test_commands_have_options_that_there_are(path, capsys):
     """A quick look here, too."""
     for line in commands(path):
         _, command, *rest = shlex.split(line)
@@ -373,7 +367,8 @@ def test_there_is_a_gallery():
     assert len(EXAMPLES) >= 6
 
 
-@each(EXAMPLES)
+@pytest.mark.slow
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_example_draws(path, workplace, capsys):
     import matplotlib.pyplot as plt
     from matplotlib.figure import Figure

@@ -266,6 +266,7 @@ class TestValidity:
 
 
 class TestLarge:
+    @pytest.mark.slow
     def test_no_large_matrix(self, large):
         (table,) = of(TableBlock, blocks(large, "equations"))
         assert (len(rows(table)), table.more) == (200, 39)

@@ -216,6 +216,7 @@ class TestCompiled:
         assert headings_alone(text) == []
         assert compiled(tmp_path, "r")[1] == text
 
+    @pytest.mark.slow
     def test_one_run_does_for_long_tables_and_many_configurations(self, tmp_path, engine):
         (tmp_path / "r.tex").write_text(
             re.sub(r"\\drawing\{[^}]*\}", "", latex_document(engine, "f")), encoding="utf-8"

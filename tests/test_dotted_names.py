@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
+from library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.core.entries.renaming import Renaming
@@ -16,8 +17,6 @@ from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, flat_text
 from torsionnet.model.parts.use import Use
 from torsionnet.model.parts.using import part_of
-
-LIBRARY = list(tn.library_models())
 
 
 def in_a_part(definition):
@@ -52,7 +51,7 @@ def dotted(model):
     return tn.Drivetrain.from_definition(flat)
 
 
-@pytest.mark.parametrize("name", LIBRARY)
+@pytest.mark.parametrize("name", library_cases())
 def test_a_model_as_a_part_answers_as_alone(name):
     plain = tn.load(name)
     rig = dotted(plain)
@@ -70,7 +69,7 @@ def test_a_model_as_a_part_answers_as_alone(name):
         np.testing.assert_array_equal(other.modes().eigenvalues, one.modes().eigenvalues)
 
 
-@pytest.mark.parametrize("name", LIBRARY)
+@pytest.mark.parametrize("name", library_cases())
 def test_a_model_as_a_part_is_written_and_read(name):
     definition = dotted(tn.load(name)).definition
     for text in (dump(definition), flat_text(definition)):

@@ -6,6 +6,7 @@ import shlex
 import numpy as np
 import pytest
 import running_fan
+from library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.cli import main
@@ -145,6 +146,7 @@ class TestRefusals:
 
 
 class TestOutputs:
+    @pytest.mark.slow
     def test_stress_of_a_shaft_is_shown_in_newtons_per_square_millimetre(self):
         session = open_session("marine_medium_speed")
         groups = {one["label"]: one["entries"] for one in session.describe()["choices"]["outputs"]}
@@ -175,7 +177,7 @@ class TestOutputs:
         assert groups["torques in elements"] == ["torque(shaft)"]
         assert session.describe()["runs"] is True
 
-    @pytest.mark.parametrize("name", sorted(tn.library_models()))
+    @pytest.mark.parametrize("name", library_cases())
     def test_every_library_model_opens_over_speed_or_looks_as_before(self, name):
         session = open_session(name)
         about = session.describe()

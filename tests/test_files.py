@@ -19,6 +19,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from library_cases import library_cases
 from models import EVERY_ELEMENT
 
 from torsionnet.core import atomic
@@ -208,7 +209,7 @@ def test_every_element_type_survives_a_round_trip(tmp_path):
     assert yaml.safe_load(text)["name"] == "no"
 
 
-@pytest.mark.parametrize("name", library_models())
+@pytest.mark.parametrize("name", library_cases())
 def test_library_models_survive_a_round_trip(name):
     rig = load(name)
     assert loads(dump(rig.definition)) == rig

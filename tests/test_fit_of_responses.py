@@ -87,6 +87,7 @@ def test_windows_under_a_stationary_input_are_put_upon_the_model():
     assert np.abs(windowed - measured).max() < 0.04 * np.abs(measured).max()
 
 
+@pytest.mark.slow
 def test_a_response_that_has_its_record_is_fitted_like_the_record(record):
     """Both against the set-point: the same lines, the same prediction, the same noise."""
     model, names = tn.load("dmf_rig"), ("theta_1", "T_T")
@@ -172,6 +173,7 @@ def test_magnitudes_alone_find_the_parameters(tmp_path):
     assert fit.comparisons[0].misfit < 1e-6
 
 
+@pytest.mark.slow
 def test_a_phase_that_is_wrong_does_not_matter_to_magnitudes():
     rig = tn.load("dmf_rig")
     exact = rig.frequency_response("theta_1", "T_T", LINES)

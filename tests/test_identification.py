@@ -183,6 +183,7 @@ def test_same_estimator_route_has_no_leakage_bias(zeta, plain):
     assert simple / true - 1 > plain
 
 
+@pytest.mark.slow
 def test_a_record_that_begins_in_motion_needs_settling():
     rig, bench = one_mass(0.03)
     record = bench.run().with_signals(Signal("T", "torque", bench.delivered.torque))

@@ -157,6 +157,7 @@ def test_states_beyond_numbers_are_told():
     assert re.search("beyond numbers|no matrix exponential", host.messages[-1][1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", LATEST_FIRST)
 def test_equal_models_give_equal_bytes_and_others_do_not(tmp_path, version):
     for name, value in (("a", 460), ("b", 460), ("c", 461)):

@@ -116,6 +116,7 @@ class TestReading:
         rig = from_tors(file_of(("box", disk("a"), *wheels)))
         assert rig.ratio_between("a", "w") == pytest.approx(-1.6)
 
+    @pytest.mark.slow
     def test_long_chain(self):
         elements = [part for i in range(2000) for part in (disk(f"d{i}"), shaft(f"s{i}"))]
         assert len(from_tors(file_of(("line", *elements, disk("end")))).nodes) == 2001

@@ -273,6 +273,7 @@ def test_with_the_delay_found_along_the_model_fits(rig):
     assert low < 0.8 < high
 
 
+@pytest.mark.slow
 def test_several_wrong_things_have_no_single_explanation(rig):
     true = rig.configured(I_2=0.2, c_2=9, c_B=2.0)
     late = bench(true, angle=replace(FINE, delay=4e-3)).run()
@@ -291,6 +292,7 @@ def test_only_the_gear_that_does_not_fit_is_named():
     assert fit.verdicts[0].startswith("the model does not fit IV: ")
 
 
+@pytest.mark.slow
 def test_responses_without_coherence_are_judged_by_their_neighbours(rig):
     f, rng = np.linspace(0.5, 25, 60), np.random.default_rng(1)
     for inertia, fits in ((0.152, True), (0.2, False)):
@@ -304,6 +306,7 @@ def test_responses_without_coherence_are_judged_by_their_neighbours(rig):
                 assert fit.lack_of_fit.explanations[0].values["I_2"] == pytest.approx(0.2, rel=0.02)
 
 
+@pytest.mark.slow
 def test_viscous_model_of_a_hysteretic_response(rig):
     response = estimate(bench(hysteretic(0.4)).run(), "theta_1", "T_T", settings=SETTINGS, reference="T_M_set")
     fit = tn.identify(rig, tn.Measurement(response, "theta_1", "T_T", band=BAND), ["c_2", "k_2"])

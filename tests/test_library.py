@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from library_cases import library_cases
 from validation.build import read_case
 
 import torsionnet as tn
@@ -37,7 +38,7 @@ def test_every_model_is_checked_against_something():
     assert set(MODELS) == set(CASES) | IN_TEST_PAPER | RUNNING
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", library_cases())
 def test_is_sound_in_every_configuration(name):
     model = tn.load(name)
     for variant in (model, *map(model.configured, model.configurations)):
@@ -70,7 +71,7 @@ def test_reads_back_what_it_writes(name):
     assert tn.loads(model.to_yaml()) == model
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", library_cases())
 def test_every_input_reaches_every_sensor(name):
     model = tn.load(name)
     response = model.frequency_response(list(model.sensors), list(model.inputs), [0.7, 13.0])

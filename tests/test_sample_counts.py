@@ -91,12 +91,12 @@ class TestFiles:
             read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
 
     def test_few_ticks_are_doubted(self, tmp_path):
-        """Which fit into memory: two turns in 74 days."""
-        np.savez(tmp_path / "ticks.npz", n1=TICKS[:121])
+        """Which fit into memory: an eighth of a turn in five days."""
+        np.savez(tmp_path / "ticks.npz", n1=TICKS[:9])
         found = read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
         assert any(note.startswith("warning: n1: the times of pulses have no unit") for note in found.notes)
         in_us = tmp_path / "us.npz"
-        np.savez(in_us, n1=TICKS[:121] / 80)
+        np.savez(in_us, n1=TICKS[:9] / 80)
         assert read_recording(in_us, pulses={"n1": 60}, units={"n1": "us"}).notes == ()
 
     def test_pulses_of_two_shafts_at_other_times(self, tmp_path):

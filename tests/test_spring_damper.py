@@ -52,6 +52,7 @@ def test_undimensioned_damping_and_stiffness_over_frequency():
     np.testing.assert_allclose(soft, motion(F, SPRINGS / 2 * factor * (1 + 1j * eta)), rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_the_best_springs_are_found_with_the_law_over_frequency():
     """A parameter that acts through curves has derivatives: the design is that of a scan."""
     rig = damped(

@@ -57,6 +57,7 @@ def test_bounds_that_hold_the_worst_case():
     assert (below.at_lower, below.at_upper) == ((1,), (0, 2))
 
 
+@pytest.mark.slow
 def test_corners_of_many_parameters():
     """More corners (2^40) than can be tried: bound by bound."""
     signs = np.where(np.arange(40) % 3, 1.0, -2.0)

@@ -109,6 +109,7 @@ def test_sobol_indices_refuse_correlation():
 
 
 class TestFailureProbability:
+    @pytest.mark.slow
     @pytest.mark.parametrize(("method", "count", "accuracy"), [("importance", 100_000, 0.05), ("subset", 200, 0.7)])
     def test_one_in_a_million(self, method, count, accuracy):
         beta = -norm.ppf(1e-6)
@@ -126,6 +127,7 @@ class TestFailureProbability:
         assert one.probability == pytest.approx(2 * norm.sf(4), rel=0.05)
         assert not one.doubts
 
+    @pytest.mark.slow
     def test_correlated_parameters(self):
         """J and k with ln J and ln k correlated: the variance of ln f is less by what they have in common."""
         coefficient = 0.6
@@ -139,6 +141,7 @@ class TestFailureProbability:
         assert answered(one).events["as given"].probability == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.slow
 def test_worst_case_is_in_the_corners():
     vary = {name: {"type": "uniform", "low": "-10 %", "high": "+10 %"} for name in ("J", "k")}
     found = answered(study(vary, answers={"a": {"type": "worst_case", "quantity": "f", "tried": 2000}}))

@@ -184,6 +184,7 @@ class TestSameResult:
 
 
 class TestFolder:
+    @pytest.mark.slow
     def test_damaged_records_are_calculated_again(self, few, tmp_path):
         folder = tmp_path / "study"
         answers_as_text(study_of_answers(FEW), folder)
@@ -195,6 +196,7 @@ class TestFolder:
             file.write_bytes(spoilt)
             assert answers_as_text(study_of_answers(FEW), folder) == few
 
+    @pytest.mark.slow
     def test_a_record_that_is_spoilt_while_the_study_runs(self, few, tmp_path, monkeypatch):
         folder = tmp_path / "study"
         answers_as_text(study_of_answers(FEW), folder)
@@ -268,6 +270,7 @@ class TestKilled:
             time.sleep(0.05)
         assert not processes_of_session(program.pid)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=pytest.mark.slow)])
     def test_at_several_moments(self, few, tmp_path, processes):
         """What was written stays, and each run goes on from there."""

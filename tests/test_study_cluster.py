@@ -233,6 +233,7 @@ class TestWorkers:
         assert "cannot be used: Read-only file system" in trouble_with(str(token), "word")
 
 
+@pytest.mark.slow
 def test_no_workers_yet_is_said_while_it_waits(tmp_path, monkeypatch):
     """A scheduler whose workers join at the third look, and what comes after their versions does not matter."""
     monkeypatch.setattr(awaiting_workers, "LOOK_EVERY", 0.0)

@@ -194,6 +194,7 @@ def damped(**more):
 PEAK = {"peak": {"type": "peak", "output": "a", "input": "a", "band": ["5 Hz", "80 Hz"]}}
 
 
+@pytest.mark.slow
 def test_houdaille_damper():
     """J. P. Den Hartog: 1 + 2/mu, at c/(2 J_ring omega_1) = 1/sqrt(2 (1 + mu) (2 + mu))."""
     answer = {"type": "optimum", "design": {"c": ["10 N*m*s/rad", "500 N*m*s/rad"]}, "minimise": "peak"}
@@ -292,6 +293,7 @@ class TestDamperOverConditions:
         ring = -MU * J * omega**2 + law
         return np.abs(ring / ((stiffness - J * omega**2 + law) * ring - law**2)).max(axis=0)
 
+    @pytest.mark.slow
     def test_worst_of_both(self, film):
         films = np.linspace(20, 400, 761)
         worst = np.maximum(self.level(K, films), self.level(STIFF * K, films))

@@ -78,6 +78,7 @@ def test_limits_cut_a_front():
     assert found.values[:, 1].max() <= 1 + 1e-8
 
 
+@pytest.mark.slow
 def test_three_objectives():
     """Distances from three corners of a right triangle: the front is the triangle itself."""
     corners = {"o": (0, 0), "p": (1, 0), "q": (0, 1)}

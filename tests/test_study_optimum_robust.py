@@ -80,6 +80,7 @@ def test_a_percentile_holds_a_limit():
         assert low < share < high
 
 
+@pytest.mark.slow
 def test_fewest_rejects():
     """Between 1 and 2 in the square: the middle of 1 and sqrt(2) is best."""
     goals = DesignGoals(limits={"f": QuantityLimit(above=1.0, below=2.0)})

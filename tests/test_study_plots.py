@@ -163,6 +163,7 @@ ANSWERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("parameters", "cases"),
     [(1, 1), (2, 3), *(pytest.param(*wide, marks=pytest.mark.slow) for wide in ((2, 18), (12, 1)))],

@@ -122,6 +122,7 @@ class TestFolder:
         run_study(small_study(), folder)
         assert contents(folder) == contents(whole)
 
+    @pytest.mark.slow
     def test_any_flipped_bit_is_seen(self, whole, tmp_path):
         """Wherever it is, the chunk counts as damaged, or says the same as before."""
         folder = tmp_path / "study"
@@ -218,6 +219,7 @@ class TestLock:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="asks the system for its processes")
 class TestKilled:
+    @pytest.mark.slow
     @pytest.mark.parametrize(("processes", "threads"), [(1, 1), pytest.param(2, 1, marks=pytest.mark.slow)])
     def test_client(self, whole, tmp_path, processes, threads):
         folder = tmp_path / "study"
@@ -282,6 +284,7 @@ def test_lock_where_files_have_one_name_only(tmp_path, monkeypatch):
     assert not (tmp_path / LOCK).exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="there are no such masks")
 def test_ctrl_c_is_for_this_process_even_while_others_start():
     assert dict(ProcessExecutor(1).map(deaf, [0])) == {0: True}

@@ -207,6 +207,7 @@ class TestSameBytes:
         assert len(contents(tmp_path / "whole")) == 2 * -(-3 * DRAWS // CHUNK) + 1
         return tmp_path / "whole"
 
+    @pytest.mark.slow
     def test_threads(self, folder, tmp_path):
         run_study(study(), tmp_path / "other", executor=ThreadExecutor(2))
         assert contents(tmp_path / "other") == contents(folder)
@@ -216,6 +217,7 @@ class TestSameBytes:
         run_study(study(), tmp_path / "other", executor=ProcessExecutor(2))
         assert contents(tmp_path / "other") == contents(folder)
 
+    @pytest.mark.slow
     def test_resumed_after_chunks_were_lost(self, folder, tmp_path):
         other = tmp_path / "other"
         shutil.copytree(folder, other)
@@ -240,6 +242,7 @@ class TestSameBytes:
                 run_study(changed, folder)
         assert contents(folder) == before
 
+    @pytest.mark.slow
     def test_answers_and_the_order_of_limits_may_change(self, folder):
         turned = dict(reversed(LIMITS.items()))
         answers = {"one": {"type": "yield", "limits": ["zeta"], "confidence": 0.9}}
@@ -388,6 +391,7 @@ class TestLimitsOnCurves:
         words = {one.limit for one in found(whole.study, "all", whole).shares}
         assert "largest H above 0.00022 rad/(N*m) or smallest H below 7e-05 rad/(N*m)" in words
 
+    @pytest.mark.slow
     def test_a_limit_of_a_curve_may_come_later_where_all_is_kept(self, tmp_path):
         run_study(study(limits={}, answers={}), tmp_path)
         one = study(limits={"H": LIMITS["H"]}, answers={"y": {"type": "yield"}})
