@@ -110,7 +110,7 @@ class TestExactly:
             assert_exact(drawn)
 
     @EXAMPLES
-    @given(st.randoms(use_true_random=False), st.integers(3, campaigns.examples(5, 6)), st.integers(1, 2))
+    @given(st.randoms(use_true_random=False), st.integers(3, campaigns.examples(4, 6)), st.integers(1, 2))
     def test_laws_over_several_coordinates(self, source, count, wide):
         drawn = Draw(source, count)
         drawn.tree(connected=0.7)
