@@ -51,7 +51,7 @@ def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stret
         if level in rest or levels[level] > 1 or lengths[run] <= LONGER * others[max(0, len(others) - 1 - OTHERS)]:
             continue
         sides = values[firsts[before.start] : first + 1], values[last + 1 : int(firsts[after][-1]) + 1]
-        if _moves(sides, step) and (_is_rough(sides) or _jumps(sides, values[last + 1] - level)):
+        if _moves(sides, step) and (is_rough(sides) or _jumps(sides, values[last + 1] - level)):
             found.append((first, last))
     return found
 
@@ -60,7 +60,7 @@ def _moves(sides: tuple[FloatArray, FloatArray], step: float) -> bool:
     return bool(np.ptp(np.concatenate(sides)) >= LEAST_RANGE * step)
 
 
-def _is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
+def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
     """Whether there is noise or steps in a signal, at least in how it turns."""
     least = ROUND_OFF * max(float(np.ptp(side)) for side in sides)
     changes, turns, thirds = (sum(float(np.abs(np.diff(side, n)).sum()) for side in sides) for n in (1, 2, 3))
