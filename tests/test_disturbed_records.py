@@ -143,7 +143,9 @@ PERIOD = np.random.default_rng(5).normal(size=5000)
 
 class TestRepeatedBlocks:
     @pytest.mark.parametrize("name", MOVING)
-    @pytest.mark.parametrize(("source", "first", "count"), [(5000, 5200, 200), (2000, 14_000, 150), (18_000, 18_500, 500)])
+    @pytest.mark.parametrize(
+        ("source", "first", "count"), [(5000, 5200, 200), (2000, 14_000, 150), (18_000, 18_500, 500)]
+    )
     def test_are_found_where_they_are(self, name, source, first, count):
         values = MOVING[name].copy()
         assert repeated_blocks(values, RATE, step_of(values)) == []

@@ -32,6 +32,7 @@ class NumberRows:
     """Reads numbers from the lines of ``stream``; faults and counts grow while it does.
 
     ``other_width`` and ``no_number`` word the refusal of a row of so many cells instead of so many, and of a cell.
+    Columns ``unread`` hold no numbers and are NaN; a row may lack those of them that end it.
     """
 
     stream: Iterable[str]
@@ -43,15 +44,20 @@ class NumberRows:
     own: bool = False
     other_width: Callable[[int, int], str] = _other_width
     no_number: Callable[[str], str] = _no_number
+    unread: frozenset[int] = frozenset()
     faults: list[Fault] = field(default_factory=list)
     read: int = 0
     filled: FloatArray = field(init=False)
     empty: FloatArray = field(init=False)
 
     _above: list[str] = field(default_factory=list)
+    _columns: list[int] = field(init=False)
+    _least: int = field(init=False)
 
     def __post_init__(self) -> None:
         self.filled, self.empty = np.zeros(self.width), np.zeros(self.width)
+        self._columns = [column for column in range(self.width) if column not in self.unread]
+        self._least = self._columns[-1] + 1 if self._columns else self.width
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         """Blocks of ``count`` rows, or everything; raises :class:`ModelError` with all faults of a block."""
@@ -85,10 +91,16 @@ class NumberRows:
             return self._one_by_one(lines)
         text = [line.replace(",", ".") for line in lines] if self.dialect.decimal == "," else lines
         separator = None if self.dialect.separator == " " else self.dialect.separator
+        if self.unread and not all(self._least <= len(line.split(separator)) <= self.width for line in lines):
+            return self._one_by_one(lines)
         try:
-            values = np.loadtxt(text, delimiter=separator, comments=None, ndmin=2)
+            columns = self._columns if self.unread else None
+            values = np.loadtxt(text, delimiter=separator, comments=None, ndmin=2, usecols=columns)
         except ValueError:
             return self._one_by_one(lines)
+        if self.unread and values.shape == (len(lines), len(self._columns)):
+            values, read = np.full((len(lines), self.width), np.nan), values
+            values[:, self._columns] = read
         if values.shape != (len(lines), self.width):
             return self._one_by_one(lines)
         self.filled[:] = self.read + len(values)
@@ -99,7 +111,7 @@ class NumberRows:
         for number, line in enumerate(lines, self.line):
             if line.strip():
                 cells = self.dialect.cells(line)
-                short = "" if line.endswith("\n") else early_end(cells, [], self.names)
+                short = "" if line.endswith("\n") else early_end(cells[: self._least], [], self.names[: self._least])
                 if short:
                     self._fault(short, number, line, 0, len(line))
                 else:
@@ -108,16 +120,22 @@ class NumberRows:
 
     def _check_end(self, lines: list[str]) -> None:
         """The last line of the file, which no end of a line follows."""
-        above = [self.dialect.cells(line) for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
-        text = early_end(self.dialect.cells(lines[-1]), above, self.names, own=self.own)
+        above = [self.dialect.cells(line)[: self._least] for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
+        last = self.dialect.cells(lines[-1])
+        text = early_end(
+            last if len(last) > self.width else last[: self._least], above, self.names[: self._least], own=self.own
+        )
         if text:
             self._fault(text, self.line + len(lines) - 1, lines[-1], 0, len(lines[-1]))
 
     def _row(self, cells: list[str], line: str, number: int, count: int) -> list[float]:
-        if len(cells) != self.width:
+        if not self._least <= len(cells) <= self.width:
             self._fault(self.other_width(len(cells), self.width), number, line, 0, len(line))
             return [np.nan] * self.width
-        return [self._value(cells, column, line, number, count) for column in range(self.width)]
+        row = [np.nan] * self.width
+        for column in self._columns:
+            row[column] = self._value(cells, column, line, number, count)
+        return row
 
     def _value(self, cells: list[str], column: int, line: str, number: int, count: int) -> float:
         cell = cells[column]

@@ -12,7 +12,7 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.number_range import LARGEST
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
-from torsionnet.io.records.clock import Clock, clock_of, doubt, rate_fault, time_faults
+from torsionnet.io.records.clock import Clock, clock_of, doubt, interval_fault, rate_fault, time_faults
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
@@ -95,6 +95,8 @@ def _clock(
     with np.errstate(over="ignore"):
         times = stamps[0] * _seconds(source)
     faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
+    if not faults and not wanted.sampling_rate:
+        faults = interval_fault(times, source)
     if not faults and rate is None and len(times) == 1:
         faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
     if faults:

@@ -13,6 +13,8 @@ from torsionnet.response.recording import FloatArray
 
 UNIFORM = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
 SAME_RATE = 1e-3
+SAME_STEP = 5e-3
+"""Of an interval that may have been written with few digits."""
 LATEST = 1e15
 """Seconds; thirty million years, in whatever unit a clock counted."""
 
@@ -92,3 +94,16 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
     if abs(given / mean - 1) < SAME_RATE:
         return []
     return [Fault(f"the time stamps say {mean:.6g} Hz, sampling_rate={given:g} was given; leave it out to use them")]
+
+
+def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
+    """Fault of an interval said besides the time stamps that is not theirs."""
+    stated = source.stated
+    if stated is None or source.time is None or len(stamps) < 2:
+        return []
+    span, count = float(stamps[-1] - stamps[0]), len(stamps) - 1
+    if abs(span - count * stated.seconds) <= max(SAME_STEP * span, stated.seconds / 2):
+        return []
+    text = f"{stated.name} says {stated.seconds:g} s between samples, {source.time.name} goes in steps of "
+    text += f"{span / count:.6g} s; correct the wrong one, or give sampling_rate= in Hz if {source.time.name} is right"
+    return [Fault(text, position=stated.position)]

@@ -11,22 +11,28 @@ from pathlib import Path
 from torsionnet.core.delimited.dialect import Dialect, data_start, encoding_of, sniffed
 from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
-from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.io.formats.text.labview_header import is_labview
+from torsionnet.io.formats.text.labview_text import labview_source
+from torsionnet.io.formats.text.lengths import check_lengths, count_empty
 from torsionnet.io.formats.text.writing import description_in, write_columns
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.response.recording import FloatArray, Recording
 
-_EMPTY = " empty cells are NaN"
 SAMPLE = 400
+READ_ONLY = ".lvm"
 
 
 @contextlib.contextmanager
 def opened(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
-    """A text file; ``separator`` and ``decimal`` are found out where they are not given."""
+    """A text file; ``separator`` and ``decimal`` are found out, or said by a header, where they are not given."""
     encoding = encoding_of(path)
     with path.open(encoding=encoding, newline=None) as file:
         lines = list(islice(file, SAMPLE))
+        if is_labview(lines):
+            yield labview_source(file, path.name, path.stem, lines, separator, decimal)
+            return
         comments = [line for line in lines if line.startswith(("#", "%"))]
         skipped = next((at for at, line in enumerate(lines) if not line.startswith(("#", "%")) and line.strip()), 0)
         body = lines[skipped:]
@@ -92,10 +98,8 @@ def _source(
         rows = NumberRows(file, path.name, dialect, width, first + 1, heading.names, own)
         for block in rows.blocks(columns, count):
             if not count:
-                _check_lengths(rows, [channels[column] for column in columns], path.name)
-            empty = int(rows.empty[list(columns)].sum())
-            if empty:
-                discovered[:] = [*(note for note in discovered if not note.endswith(_EMPTY)), f"{empty}{_EMPTY}"]
+                check_lengths(rows, [channels[column] for column in columns], path.name)
+            count_empty(rows, columns, discovered)
             yield block
 
     return Source(
@@ -107,15 +111,11 @@ def _source(
     )
 
 
-def _check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
-    lengths = {channel.name: int(rows.filled[channel.column]) for channel in channels}
-    if len(set(lengths.values())) > 1:
-        sizes = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise ModelError([Fault(f"channels of different lengths: {sizes} values")], file)
-
-
 def write(recording: Recording, path: Path) -> None:
     """A CSV file: a description of the recording, headings with units, a column of time, all digits."""
+    if path.suffix.lower() == READ_ONLY:
+        text = f'"{path.name}": {READ_ONLY} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv'
+        raise UsageError(text)
     checked_names(recording)
     keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
     units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
