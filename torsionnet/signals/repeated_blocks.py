@@ -149,7 +149,7 @@ def _tells_enough(values: FloatArray, block: RepeatedBlock) -> bool:
         return False
     shares = np.unique(steps, return_counts=True)[1] / len(steps)
     told = -float(np.sum(shares * np.log2(shares))) * len(steps)
-    return told > 2 * np.log2(len(values)) + BITS
+    return bool(told > 2 * np.log2(len(values)) + BITS)
 
 
 def _is_single(values: FloatArray, block: RepeatedBlock, reach: int) -> bool:

@@ -3,59 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.delimited.headings import split_heading
 from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.io.formats.text.labview_lines import (
+    COMMENT,
+    END,
+    FIRST_LINE,
+    OF_SEGMENTS,
+    SPECIAL,
+    SPECIAL_END,
+    X_VALUE,
+    HeadedLines,
+    refused,
+)
 
-FIRST_LINE, END, X_VALUE, COMMENT = "LabVIEW Measurement", "***End_of_Header***", "X_Value", "Comment"
-SPECIAL, SPECIAL_END = "***Start_Special***", "***End_Special***"
-OF_SEGMENTS = frozenset({"Channels", "Samples", "Y_Unit_Label", "Y_Dimension", "X_Dimension", "X0", "Delta_X"})
-"""What the header of a segment has for every channel, besides Date and Time."""
-SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
-
-
-@dataclass
-class HeadedLines:
-    """Lines of a file with their numbers, of which one may be given back."""
-
-    lines: Iterator[str]
-    number: int = 0
-    _back: list[str] = field(default_factory=list)
-
-    def take(self) -> str:
-        """The next line, empty at the end of the file."""
-        line = self._back.pop() if self._back else next(self.lines, "")
-        self.number += bool(line)
-        return line
-
-    def give_back(self, line: str) -> None:
-        self._back.append(line)
-        self.number -= 1
-
-    def data(self) -> Iterator[str]:
-        """Lines up to the next header, blank ones only where more numbers follow."""
-        blank = 0
-        while line := self.take():
-            if line.startswith(SPECIAL):
-                while line and not line.startswith(SPECIAL_END):
-                    blank, line = blank + 1, self.take()
-                blank += bool(line)
-            elif not line.strip():
-                blank += 1
-            elif line.startswith("***") or (line[0].isalpha() and re.split(r"[\t,;]", line)[0].strip() in _KEYS):
-                self.give_back(line)
-                return
-            else:
-                yield from ["\n"] * blank
-                blank = 0
-                yield line
-
-
-_KEYS = OF_SEGMENTS | {"Date", "Time", X_VALUE}
 
 
 @dataclass(frozen=True)
@@ -86,39 +52,6 @@ class Segment:
         return [known.get(at, X_VALUE if at in self.times else COMMENT) for at in range(self.width)]
 
 
-def is_labview(lines: Sequence[str]) -> bool:
-    """Whether a text begins as LabVIEW's measurement files do, or has a header of their entries."""
-    keys = {re.split(r"[\t,;]", line.lstrip("\ufeff"), maxsplit=1)[0].strip() for line in lines}
-    return bool(lines) and (lines[0].startswith(FIRST_LINE) or END in keys or {"Delta_X", X_VALUE} <= keys)
-
-
-def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: str | None) -> Dialect:
-    """Separator and decimal sign that a header says; ``separator`` and ``decimal`` stand against it."""
-    said: dict[str, tuple[int, str]] = {}
-    between = "\t"
-    for number, line in enumerate(lines, 1):
-        found = re.match(r"(Separator|Decimal_Separator|Delta_X|X_Value)([\t,;])\s*([^\t\r\n]*)", line)
-        if found:
-            between = found[2] if found[1] != "Decimal_Separator" else between
-            said.setdefault(found[1], (number, found[3].strip(" ,;") or found[3].strip()))
-    number, word = said.get("Separator", (1, ""))
-    known = SEPARATORS.get(word.casefold())
-    if word and known is None and separator is None:
-        raise _refused(f'Separator is "{word}"; expected Tab, Comma or Semicolon', file, number)
-    sign = decimal or said.get("Decimal_Separator", (0, "."))[1] or ","
-    if sign not in (".", ","):
-        raise _refused(f'Decimal_Separator is "{sign}"; expected . or ,', file, said["Decimal_Separator"][0])
-    chosen = separator or known or between
-    if chosen == sign:
-        raise _refused("cells are separated by the decimal sign: Separator and Decimal_Separator are one", file, number)
-    return Dialect(chosen, sign)
-
-
-def _refused(text: str, file: str, line: int, source: str = "", column: int = 1) -> ModelError:
-    position = Position(file, line, column, column + 1, source.rstrip()[:200].replace("\t", " "))
-    return ModelError([Fault(text, position=position)], file)
-
-
 @dataclass(frozen=True)
 class _Entry:
     line: int
@@ -147,18 +80,18 @@ def next_segment(lines: HeadedLines, file: str, dialect: Dialect, *, is_first: b
             whole = True
         elif key == X_VALUE:
             if whole and ends < 2:
-                raise _refused(_no_end(ends), file, lines.number, line)
+                raise refused(_no_end(ends), file, lines.number, line)
             return _segment(file, dialect, entries, _Entry(lines.number, [key, *cells], line))
         elif key in OF_SEGMENTS and whole and not ends:
-            raise _refused(_no_end(0), file, lines.number, line)
+            raise refused(_no_end(0), file, lines.number, line)
         elif dialect.is_data(line):
-            raise _refused(f"numbers begin without a row of names above them that begins with {X_VALUE}", file,
+            raise refused(f"numbers begin without a row of names above them that begins with {X_VALUE}", file,
                            lines.number, line)  # fmt: skip
         elif key:
             entries[key] = _Entry(lines.number, cells, line)
     if is_first or entries:
         text = f"the file ends within its header: no row of names follows that begins with {X_VALUE}"
-        raise _refused(text, file, max(lines.number, 1))
+        raise refused(text, file, max(lines.number, 1))
     return None
 
 

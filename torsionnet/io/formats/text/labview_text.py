@@ -11,7 +11,8 @@ import numpy as np
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.io.formats.text.labview_header import COMMENT, X_VALUE, HeadedLines, Segment, dialect_of, next_segment
+from torsionnet.io.formats.text.labview_header import Segment, next_segment
+from torsionnet.io.formats.text.labview_lines import COMMENT, X_VALUE, HeadedLines, dialect_of
 from torsionnet.io.formats.text.lengths import check_lengths, count_empty
 from torsionnet.io.records.source import FileChannel, Source, StatedInterval
 from torsionnet.response.recording import FloatArray
