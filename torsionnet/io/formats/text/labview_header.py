@@ -21,6 +21,7 @@ from torsionnet.io.formats.text.labview_lines import (
     refused,
 )
 
+LATEST = 1e15
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -166,10 +167,13 @@ def _numbers(
     found = []
     for at, cell in enumerate(entry.cells if entry else (), 1):
         assert entry is not None
-        if cell and _NUMBER.fullmatch(cell):
-            found.append((at, float(cell.replace(",", "."))))
+        value = float(cell.replace(",", ".")) if _NUMBER.fullmatch(cell) else float("nan")
+        if abs(value) <= LATEST:
+            found.append((at, value))
         elif cell:
-            faults.append(Fault(f'{key}: "{cell}" is not a number', position=entry.place(file, dialect.separator, at)))
+            faults.append(
+                Fault(f'{key}: "{cell}" is no number of a record', position=entry.place(file, dialect.separator, at))
+            )
     return found
 
 
