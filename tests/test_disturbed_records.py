@@ -1,5 +1,6 @@
 """Spikes, frozen stretches and clipped sines in records: found where they were put, and nowhere else."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,8 @@ from torsionnet.signals import (
     SteppedSine,
     check_recording,
 )
+from torsionnet.signals.repeated_blocks import repeated_blocks
+from torsionnet.signals.resolution import step_of
 from torsionnet.signals.spikes import spikes
 from torsionnet.signals.standstill import frozen
 
@@ -78,9 +81,20 @@ class TestFrozen:
             values[begin : begin + 200] = values[begin]
             assert frozen(values, RATE) == [(begin, begin + 199)]
         (text,) = messages(values)
-        assert (
-            text == "stands still where it moves before and after: from 17.993 to 18.192 s; samples may have been lost"
-        )
+        assert text.startswith("stands still where it moves before and after: from 17.993 to 18.192 s; samples may")
+        assert text.endswith("have been lost: cut it out, or record again")
+
+    @pytest.mark.parametrize("rate", [100.0, 200.0, 2000.0])
+    def test_of_0_15_s_at_any_rate(self, rate):
+        count = int(0.15 * rate)
+        values = np.random.default_rng(1).normal(size=2000)
+        values[700 : 700 + count] = values[700]
+        assert frozen(values, rate) == [(700, 699 + count)]
+
+    def test_one_soon_after_the_other(self):
+        values = torque()
+        values[3000:3150], values[3155:3305] = values[3000], values[3155]
+        assert frozen(values, RATE) == [(3000, 3149), (3155, 3304)]
 
     @pytest.mark.parametrize("lines", [500, 5000])
     def test_of_a_fast_encoder(self, lines):
@@ -110,6 +124,93 @@ class TestFrozen:
     )
     def test_not_what_rests_or_is_slow(self, values):
         assert frozen(values, RATE, 1.0 if np.all(values == np.rint(values)) else 0.0) == []
+
+
+def quantised(values, step=0.05):
+    return step * np.round(values / step)
+
+
+MOVING = {
+    "torque": torque(),
+    "12 bits": quantised(torque()),
+    "speed": 100 + 0.5 * np.random.default_rng(4).normal(size=len(TIME)),
+    "swinging encoder": quantised(0.3 * torque(0.02), 2 * np.pi / 5000),
+    "without noise": 20 * np.sin(2 * np.pi * (1 + TIME) * TIME),
+}
+SLOW = np.round(40 * np.sin(2 * np.pi * (0.2 + 0.01 * TIME) * TIME))
+PERIOD = np.random.default_rng(5).normal(size=5000)
+
+
+class TestRepeatedBlocks:
+    @pytest.mark.parametrize("name", MOVING)
+    @pytest.mark.parametrize(
+        ("source", "first", "count"), [(5000, 5200, 200), (2000, 14_000, 150), (18_000, 18_500, 500)]
+    )
+    def test_are_found_where_they_are(self, name, source, first, count):
+        values = MOVING[name].copy()
+        assert repeated_blocks(values, RATE, step_of(values)) == []
+        values[first : first + count] = values[source : source + count]
+        (found,) = repeated_blocks(values, RATE, step_of(values))
+        # Beside the copy a coarse signal may go on alike for some samples.
+        assert found.first - found.source == first - source
+        assert first - 5 <= found.first <= first
+        assert first + count <= found.first + found.count <= first + count + 5
+
+    def test_are_told_with_both_times(self):
+        values = torque()
+        values[14_000:14_200] = values[2000:2200]
+        (text,) = messages(values)
+        assert text == (
+            "repeats itself exactly: from 14 to 14.199 s as from 2 to 2.199 s; "
+            "a buffer was recorded twice: cut it out, or record again"
+        )
+
+    def test_several(self):
+        values = torque()
+        for first in (3000, 9000, 12_000):
+            values[first : first + 200] = values[first - 200 : first]
+        assert [block.first for block in repeated_blocks(values, RATE)] == [3000, 9000, 12_000]
+
+    def test_shorter_ones_are_no_buffers(self):
+        values = torque()
+        values[14_000:14_140] = values[2000:2140]
+        assert repeated_blocks(values, RATE) == []
+
+    @pytest.mark.parametrize(
+        "values",
+        [
+            np.sin(2 * np.pi * (np.arange(20_000) % 100) / 100),
+            quantised(20 * np.sin(2 * np.pi * 5 * TIME)),
+            quantised(20 * np.sin(2 * np.pi * 4.7 * TIME) + 0.01 * np.random.default_rng(6).normal(size=len(TIME))),
+            np.tile(PERIOD, 4),
+            np.concatenate([np.zeros(3000), PERIOD, PERIOD, np.zeros(7000)]),
+            np.concatenate([np.zeros(5000), torque()[5000:15_000], np.zeros(5000)]),
+            np.full(20_000, 7.0),
+            SLOW,
+            np.repeat(np.random.default_rng(7).integers(0, 2, 2000), 10),
+            np.floor(np.arange(20_000) / 37.3) % 1000,
+            np.round(0.4 * np.random.default_rng(8).normal(size=20_000)),
+            np.where(np.sin(2 * np.pi * 3.3 * TIME) > 0, 5.0, -5.0),
+        ],
+    )
+    def test_not_what_is_periodic_or_rests_or_is_coarse(self, values):
+        values = np.asarray(values, dtype=float)
+        assert repeated_blocks(values, RATE, step_of(values)) == []
+
+    def test_a_step_of_a_computed_sine_held_for_two_periods(self):
+        """It goes on smoothly: the same sine once more, and no buffer."""
+        period = np.sin(2 * np.pi * np.arange(500) / 500)
+        chirp = 2 * np.sin(2 * np.pi * (3 + 0.2 * TIME[:8000]) * TIME[:8000])
+        values = np.concatenate([chirp, period, period, chirp])
+        assert repeated_blocks(values, RATE) == []
+
+    def test_soon_done(self):
+        values = np.random.default_rng(9).normal(size=1_000_000)
+        values[600_000:600_400] = values[200_000:200_400]
+        begin = time.process_time()
+        (found,) = repeated_blocks(values, RATE)
+        assert found.source == 200_000
+        assert time.process_time() - begin < 0.5  # 0.05 s and what else the machine does
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.7, 0.9])

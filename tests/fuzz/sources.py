@@ -125,6 +125,23 @@ def tors() -> tuple[str, ...]:
     return (json.dumps(THRUSTER), *(json.dumps(to_tors(tn.load(name))) for name in ("geared_branch", "oil_engine")))
 
 
+LABVIEW = b"""LabVIEW Measurement\t
+Separator\tTab
+Decimal_Separator\t.
+***End_of_Header***\t
+Channels\t2
+Samples\t2\t2
+Time\t10:12:13.001\t10:12:13.001
+Y_Unit_Label\tNm\tdeg
+X0\t0.0\t0.0
+Delta_X\t0.001\t0.001
+***End_of_Header***\t\t
+X_Value\tM\tphi\tComment
+\t1.0\t2.0
+\t1.5\t2.5
+"""
+
+
 @cache
 def records(folder: Path, ending: str) -> tuple[bytes, ...]:
     """Records of one format, with several forms where it has them."""
@@ -142,6 +159,8 @@ def records(folder: Path, ending: str) -> tuple[bytes, ...]:
         found += [
             b"t [s];M [Nm]\n0,0;1,0\n0,1;2,5\n0,2;2,5\n",
             b"# rig\nzeit\tphi / deg\n0.00\t1.5\n0.01\t2.5\n0.02\t2.6\n",
+            b"time;M [Nm]\n03.05.2024 23:59:59,99;1,0\n04.05.2024 00:00:00,00;2,5\n04.05.2024 00:00:00,01;2,5\n",
+            LABVIEW,
         ]
     return tuple(found)
 

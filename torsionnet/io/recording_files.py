@@ -30,7 +30,7 @@ def read_recording(
     Parameters
     ----------
     path : str or path
-        A file ending in .csv, .txt, .tsv, .npz or .mat, or with an extra in .tdms, .uff, .h5, .parquet or .mf4.
+        A file ending in .csv, .txt, .tsv, .lvm, .npz or .mat, or with an extra in .tdms, .uff, .h5, .parquet or .mf4.
     quantities : mapping, optional
         Quantity of channels whose unit does not tell it: ``{"M1": "torque"}``.
     names : sequence or mapping, optional

@@ -11,6 +11,7 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
 from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.repeated_blocks import repeated_blocks
 from torsionnet.signals.resolution import step_of
 from torsionnet.signals.spikes import spikes
 from torsionnet.signals.standstill import frozen
@@ -156,7 +157,7 @@ def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterat
 
 
 def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
-    """Spikes and stretches that stand still."""
+    """Spikes, stretches that stand still, and blocks that come twice."""
     step = step_of(signal.values)
     found = spikes(signal.values, step)
     if len(found):
@@ -167,7 +168,16 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
     if still:
         where = _listed([_stretch(first, last, recording) for first, last in still])
         text = f"stands still where it moves before and after: {where}"
-        yield Fault(f"{text}; samples may have been lost", (), "warning")
+        yield Fault(f"{text}; samples may have been lost: cut it out, or record again", (), "warning")
+    again = repeated_blocks(signal.values, recording.sampling_rate, step)
+    if again:
+        where = _listed([
+            f"{_stretch(block.first, block.first + block.count - 1, recording)} as "
+            f"{_stretch(block.source, block.source + block.count - 1, recording)}"
+            for block in again
+        ])  # fmt: skip
+        text = f"repeats itself exactly: {where}"
+        yield Fault(f"{text}; a buffer was recorded twice: cut it out, or record again", (), "warning")
 
 
 def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:

@@ -10,8 +10,12 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.faults_in_values import Stretches
 
 LEAST_SAMPLES, LEAST_TIME = 20, 0.05
+ALWAYS_SEEN, FEWEST = 0.15, 8
+"""s; so long a stretch counts at low sampling rates too, where it is of so many samples at least."""
 LONGER, AROUND = 10.0, 20
-"""So many times as long as each of so many runs of equal values on either side; a quantised peak is under five."""
+"""So many times as long as each of so many runs of equal values on either side; a quantised peak is under seven."""
+OTHERS = 2
+"""Of the runs around, which may be frozen stretches as well."""
 LEAST_RANGE = 5.0
 """Steps of a sensor that the signal moves by around the stretch."""
 JUMP = 5.0
@@ -34,7 +38,7 @@ def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stret
     changes = np.flatnonzero(np.diff(values) != 0)
     firsts = np.concatenate([[0], changes + 1])
     lengths = np.diff(np.concatenate([firsts, [len(values)]]))
-    least = max(LEAST_SAMPLES, LEAST_TIME * sampling_rate)
+    least = max(LEAST_TIME * sampling_rate, min(LEAST_SAMPLES, ALWAYS_SEEN * sampling_rate), FEWEST)
     long = [int(run) for run in np.flatnonzero(lengths >= least) if 0 < run < len(lengths) - 1]
     levels = Counter(float(values[firsts[run]]) for run in long)
     rest = {0.0, float(values[0])}
@@ -43,11 +47,11 @@ def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stret
         first, last = int(firsts[run]), int(firsts[run] + lengths[run]) - 1
         level = float(values[first])
         before, after = slice(max(0, run - AROUND), run), slice(run + 1, run + 1 + AROUND)
-        others = np.concatenate([lengths[before], lengths[after]])
-        if level in rest or levels[level] > 1 or lengths[run] <= LONGER * others.max():
+        others = np.sort(np.concatenate([lengths[before], lengths[after]]))
+        if level in rest or levels[level] > 1 or lengths[run] <= LONGER * others[max(0, len(others) - 1 - OTHERS)]:
             continue
         sides = values[firsts[before.start] : first + 1], values[last + 1 : int(firsts[after][-1]) + 1]
-        if _moves(sides, step) and (_is_rough(sides) or _jumps(sides, values[last + 1] - level)):
+        if _moves(sides, step) and (is_rough(sides) or _jumps(sides, values[last + 1] - level)):
             found.append((first, last))
     return found
 
@@ -56,7 +60,7 @@ def _moves(sides: tuple[FloatArray, FloatArray], step: float) -> bool:
     return bool(np.ptp(np.concatenate(sides)) >= LEAST_RANGE * step)
 
 
-def _is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
+def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
     """Whether there is noise or steps in a signal, at least in how it turns."""
     least = ROUND_OFF * max(float(np.ptp(side)) for side in sides)
     changes, turns, thirds = (sum(float(np.abs(np.diff(side, n)).sum()) for side in sides) for n in (1, 2, 3))

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
+from torsionnet.core.delimited.stamp_forms import is_date, is_stamp
+
 SEPARATORS = (";", "\t", ",", " ")
 _NAMES = {";": "semicolon", "\t": "tab", ",": "comma", " ": "white space"}
 _NUMBER = r"[+-]?(?:(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eEdD][+-]?\d+)?|inf(?:inity)?|nan)"
@@ -21,10 +23,11 @@ _NUMBERS = {
 
 @dataclass(frozen=True)
 class Dialect:
-    """Separator of cells (a blank stands for any white space) and sign of decimals."""
+    """Separator of cells (a blank stands for any white space), sign of decimals, whether rows may hold time stamps."""
 
     separator: str
     decimal: str = "."
+    stamps: bool = False
 
     def cells(self, line: str) -> list[str]:
         """The cells of a line without blanks and quotes around them."""
@@ -41,9 +44,12 @@ class Dialect:
         return _NUMBERS[self.decimal].fullmatch(cell) is not None
 
     def is_data(self, line: str) -> bool:
-        """Whether a line has numbers, and nothing but numbers and empty cells."""
+        """Whether a line has numbers, and nothing but numbers, time stamps where there may be any, and empty cells."""
         filled = [cell for cell in self.cells(line) if cell]
-        return bool(filled) and all(map(self.is_number, filled))
+        others = [cell for cell in filled if not self.is_number(cell)]
+        return len(others) < len(filled) and (
+            not others or (self.stamps and all(is_stamp(cell) or is_date(cell) for cell in others))
+        )
 
     def number(self, cell: str) -> float:
         """Value of a cell that is a number; D is Fortran's sign of an exponent.
@@ -59,7 +65,9 @@ class Dialect:
         )
 
 
-def sniffed(lines: Sequence[str], separator: str | None = None, decimal: str | None = None) -> Dialect:
+def sniffed(
+    lines: Sequence[str], separator: str | None = None, decimal: str | None = None, *, stamps: bool = False
+) -> Dialect:
     """The dialect in which most lines are rows of numbers like their heading; what is given is kept.
 
     >>> str(sniffed(["t;M", "0,1;2,5", "0,2;2,6"]))
@@ -74,7 +82,7 @@ def sniffed(lines: Sequence[str], separator: str | None = None, decimal: str | N
     """
     quoted = any('"' in line for line in lines)  # "0,5","1,2" holds two numbers
     candidates = [
-        Dialect(between, sign)
+        Dialect(between, sign, stamps)
         for between, sign in product([separator] if separator else SEPARATORS, [decimal] if decimal else ".,")
         if between != sign or quoted
     ]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.delimited.early_end import ENOUGH, early_end
+from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import Fault, ModelError, Position
 
 FloatArray = NDArray[np.float64]
@@ -32,6 +33,8 @@ class NumberRows:
     """Reads numbers from the lines of ``stream``; faults and counts grow while it does.
 
     ``other_width`` and ``no_number`` word the refusal of a row of so many cells instead of so many, and of a cell.
+    Columns ``unread`` hold no numbers and are NaN; a row may lack those of them that end it. Those of ``stamped`` hold
+    time stamps, the date in the first of two: the first becomes seconds since the first stamp, the second is NaN.
     """
 
     stream: Iterable[str]
@@ -43,15 +46,23 @@ class NumberRows:
     own: bool = False
     other_width: Callable[[int, int], str] = _other_width
     no_number: Callable[[str], str] = _no_number
+    unread: frozenset[int] = frozenset()
+    stamped: tuple[int, ...] = ()
+    stamps: StampReader = field(default_factory=StampReader)
     faults: list[Fault] = field(default_factory=list)
     read: int = 0
     filled: FloatArray = field(init=False)
     empty: FloatArray = field(init=False)
 
     _above: list[str] = field(default_factory=list)
+    _columns: list[int] = field(init=False)
+    _least: int = field(init=False)
 
     def __post_init__(self) -> None:
         self.filled, self.empty = np.zeros(self.width), np.zeros(self.width)
+        used = [column for column in range(self.width) if column not in self.unread]
+        self._columns = [column for column in used if column not in self.stamped]
+        self._least = used[-1] + 1 if used else self.width
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         """Blocks of ``count`` rows, or everything; raises :class:`ModelError` with all faults of a block."""
@@ -85,10 +96,19 @@ class NumberRows:
             return self._one_by_one(lines)
         text = [line.replace(",", ".") for line in lines] if self.dialect.decimal == "," else lines
         separator = None if self.dialect.separator == " " else self.dialect.separator
+        apart = bool(self.unread or self.stamped)
+        parts = [line.split(separator) for line in lines] if apart else []
+        if not all(self._least <= len(cells) <= self.width for cells in parts):
+            return self._one_by_one(lines)
         try:
-            values = np.loadtxt(text, delimiter=separator, comments=None, ndmin=2)
+            columns = self._columns if apart else None
+            values = np.loadtxt(text, delimiter=separator, comments=None, ndmin=2, usecols=columns)
         except ValueError:
             return self._one_by_one(lines)
+        if apart and values.shape == (len(lines), len(self._columns)):
+            values, read = np.full((len(lines), self.width), np.nan), values
+            values[:, self._columns] = read
+            self._read_stamps(values, parts, range(self.line, self.line + len(lines)), lines)
         if values.shape != (len(lines), self.width):
             return self._one_by_one(lines)
         self.filled[:] = self.read + len(values)
@@ -96,28 +116,57 @@ class NumberRows:
 
     def _one_by_one(self, lines: list[str]) -> FloatArray:
         rows: list[list[float]] = []
+        read: list[tuple[list[str], int, str]] = []
         for number, line in enumerate(lines, self.line):
             if line.strip():
                 cells = self.dialect.cells(line)
-                short = "" if line.endswith("\n") else early_end(cells, [], self.names)
+                short = "" if line.endswith("\n") else early_end(cells[: self._least], [], self.names[: self._least])
                 if short:
                     self._fault(short, number, line, 0, len(line))
                 else:
                     rows.append(self._row(cells, line.rstrip("\r\n"), number, self.read + len(rows) + 1))
-        return np.array(rows).reshape(-1, self.width)
+                    read.append((cells, number, line))
+        values = np.array(rows).reshape(-1, self.width)
+        if self.stamped and read:
+            self._read_stamps(values, *map(list, zip(*read, strict=True)))
+        return values
+
+    def _read_stamps(
+        self, values: FloatArray, rows: Sequence[list[str]], numbers: Sequence[int], lines: Sequence[str]
+    ) -> None:
+        if not self.stamped:
+            return
+        last = self.stamped[-1]
+        if len(self.stamped) == 1:
+            texts = [cells[last].strip().strip('"') if last < len(cells) else "" for cells in rows]
+        else:
+            texts = [" ".join(cells[at].strip().strip('"') for at in self.stamped if at < len(cells)) for cells in rows]
+        values[:, self.stamped[0]], wrong = self.stamps.seconds(texts)
+        for row, text in wrong:
+            line = lines[row].rstrip("\r\n")
+            at = max(line.find(rows[row][self.stamped[0]].strip()), 0)
+            self._fault(text, numbers[row], line, at, max(len(texts[row]), 1))
 
     def _check_end(self, lines: list[str]) -> None:
         """The last line of the file, which no end of a line follows."""
-        above = [self.dialect.cells(line) for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
-        text = early_end(self.dialect.cells(lines[-1]), above, self.names, own=self.own)
+        above = [self.dialect.cells(line)[: self._least] for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
+        last = self.dialect.cells(lines[-1])
+        text = early_end(
+            last if len(last) > self.width else last[: self._least], above, self.names[: self._least], own=self.own
+        )
         if text:
             self._fault(text, self.line + len(lines) - 1, lines[-1], 0, len(lines[-1]))
 
     def _row(self, cells: list[str], line: str, number: int, count: int) -> list[float]:
-        if len(cells) != self.width:
+        if not self._least <= len(cells) <= self.width:
             self._fault(self.other_width(len(cells), self.width), number, line, 0, len(line))
             return [np.nan] * self.width
-        return [self._value(cells, column, line, number, count) for column in range(self.width)]
+        row = [np.nan] * self.width
+        for column in self.stamped:
+            self.filled[column] = count if cells[column] else self.filled[column]
+        for column in self._columns:
+            row[column] = self._value(cells, column, line, number, count)
+        return row
 
     def _value(self, cells: list[str], column: int, line: str, number: int, count: int) -> float:
         cell = cells[column]

@@ -46,7 +46,7 @@ class Format:
 
 
 FORMATS = (
-    Format("text", (".csv", ".txt", ".tsv", ".asc", ".dat"), record_text.opened, record_text.write),
+    Format("text", (".csv", ".txt", ".tsv", ".asc", ".dat", ".lvm"), record_text.opened, record_text.write),
     Format("CSV", (".csv",), read_response=response_text.read, write_response=response_text.write),
     Format("NPZ", (".npz",), npz.opened, npz.write, npz.read_response, npz.write_response),
     Format("MAT", (".mat",), mat.opened, mat.write, mat.read_response, mat.write_response),

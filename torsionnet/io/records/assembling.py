@@ -12,7 +12,16 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.number_range import LARGEST
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
-from torsionnet.io.records.clock import Clock, clock_of, doubt, rate_fault, time_faults
+from torsionnet.io.records.clock import (
+    Clock,
+    clock_of,
+    coarse_clock,
+    doubt,
+    interval_fault,
+    is_coarse,
+    rate_fault,
+    time_faults,
+)
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
@@ -52,13 +61,13 @@ def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None 
     faults += length_faults(source, choices) + _rate_faults(source, wanted)
     if faults:
         raise ModelError(faults, file)
-    rate, done = wanted.sampling_rate or source.rate, 0
+    rate, done, begin = wanted.sampling_rate or source.rate, 0, 0.0
     count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
     columns = [choice.channel.column for choice in choices]
     stamps_of = [source.time.column] if source.time else []
     for block in source.blocks([*columns, *stamps_of], count):
-        clock = _clock(source, wanted, block[len(columns) :], rate, done, file)
-        rate = rate or clock.rate
+        clock = _clock(source, wanted, block[len(columns) :], rate, done, file, begin)
+        rate, begin = rate or clock.rate, begin if done else clock.start
         yield _recording(source, choices, block, clock, file)
         done += len(block[0])
     if not done:
@@ -87,14 +96,24 @@ def _seconds(source: Source) -> float:
 
 
 def _clock(
-    source: Source, wanted: Wanted, stamps: Sequence[FloatArray], rate: float | None, done: int, file: str
+    source: Source, wanted: Wanted, stamps: Sequence[FloatArray], rate: float | None, done: int, file: str, begin: float
 ) -> Clock:
+    """The clock of a block before which so many samples were read, from the time ``begin`` on."""
     if not stamps:
         assert rate is not None
         return Clock(rate, source.start + done / rate)
     with np.errstate(over="ignore"):
         times = stamps[0] * _seconds(source)
+    if wanted.sampling_rate and is_coarse(times):
+        start = begin + done / wanted.sampling_rate if done else float(times[0])
+        found = coarse_clock(times, wanted.sampling_rate, start)
+        if isinstance(found, Fault):
+            raise ModelError([found], file)
+        source.discovered.append("warning: the time stamps are coarser than the sampling: the rate given was taken")
+        return found
     faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
+    if not faults and not wanted.sampling_rate:
+        faults = interval_fault(times, source)
     if not faults and rate is None and len(times) == 1:
         faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
     if faults:

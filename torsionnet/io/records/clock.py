@@ -13,6 +13,10 @@ from torsionnet.response.recording import FloatArray
 
 UNIFORM = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
 SAME_RATE = 1e-3
+SAME_STEP = 5e-3
+"""Of an interval that may have been written with few digits."""
+FEWEST_EQUAL, EQUAL = 3, 0.01
+"""So many stamps equal to the one before, and such a share of all, are no slip of the recorder."""
 LATEST = 1e15
 """Seconds; thirty million years, in whatever unit a clock counted."""
 
@@ -39,10 +43,34 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
     texts |= {int(row): f"{column} has the time {stamps[row]:g} s, beyond all time" for row in beyond[:1]}
     if texts:
         return [_fault(text, source, first + row) for row, text in texts.items()]
+    if is_coarse(stamps):
+        return [_fault(_coarse_text(stamps, column), source, first + int(np.argmax(np.diff(stamps) == 0)) + 1)]
     for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
         text = f"the time stamp {stamps[row + 1]:.9g} s follows {stamps[row]:.9g} s in {column}: time has to increase"
         texts[int(row) + 1] = text
     return [_fault(text, source, first + row) for row, text in texts.items()]
+
+
+def is_coarse(stamps: FloatArray) -> bool:
+    """Whether stamps do not fall and many are equal: written in coarser steps than samples were taken."""
+    steps = np.diff(stamps)
+    return bool(np.all(steps >= 0) and np.count_nonzero(steps == 0) >= max(FEWEST_EQUAL, EQUAL * len(steps)))
+
+
+def _coarse_text(stamps: FloatArray, column: str) -> str:
+    steps = np.diff(stamps)
+    written = f"they are written in steps of {steps[steps > 0].min():.3g} s, " if steps.any() else ""
+    text = f"{np.count_nonzero(steps == 0)} of {len(stamps)} time stamps in {column} equal the one before: {written}"
+    return f"{text}too coarse for the sampling; export them with more decimals, or give sampling_rate= in Hz"
+
+
+def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault:
+    """The clock of coarse stamps between which a rate is given, or why the two do not agree."""
+    steps = np.diff(stamps)
+    off = stamps - np.arange(len(stamps)) / rate
+    if np.ptp(off) <= (1 + UNIFORM) * float(steps.max()):
+        return Clock(rate, begin)
+    return Fault(f"the time stamps are not those of samples at {rate:g} Hz, which sampling_rate= gives")
 
 
 def _fault(text: str, source: Source, row: int) -> Fault:
@@ -92,3 +120,16 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
     if abs(given / mean - 1) < SAME_RATE:
         return []
     return [Fault(f"the time stamps say {mean:.6g} Hz, sampling_rate={given:g} was given; leave it out to use them")]
+
+
+def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
+    """Fault of an interval said besides the time stamps that is not theirs."""
+    stated = source.stated
+    if stated is None or source.time is None or len(stamps) < 2:
+        return []
+    span, count = float(stamps[-1] - stamps[0]), len(stamps) - 1
+    if abs(span - count * stated.seconds) <= max(SAME_STEP * span, stated.seconds / 2):
+        return []
+    text = f"{stated.name} says {stated.seconds:g} s between samples, {source.time.name} goes in steps of "
+    text += f"{span / count:.6g} s; correct the wrong one, or give sampling_rate= in Hz if {source.time.name} is right"
+    return [Fault(text, position=stated.position)]

@@ -31,6 +31,15 @@ class FileChannel:
 
 
 @dataclass(frozen=True)
+class StatedInterval:
+    """The time between samples, s, that an entry of a file says besides its time stamps."""
+
+    name: str
+    seconds: float
+    position: Position
+
+
+@dataclass(frozen=True)
 class Source:
     """An open file.
 
@@ -48,6 +57,7 @@ class Source:
     notes: tuple[str, ...] = ()
     discovered: list[str] = field(default_factory=list)
     place: Callable[[int], Position | None] = lambda _row: None
+    stated: StatedInterval | None = None
 
     def with_time_found(self) -> Source:
         """With the channel of time stamps, known by its name or unit, set apart from the others."""

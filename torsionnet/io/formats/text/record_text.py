@@ -5,42 +5,51 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 from torsionnet.core.delimited.dialect import Dialect, data_start, encoding_of, sniffed
 from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
-from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.core.delimited.stamp_forms import stamp_columns
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.io.formats.text.labview_lines import is_labview
+from torsionnet.io.formats.text.labview_text import labview_source
+from torsionnet.io.formats.text.lengths import check_lengths, count_empty
 from torsionnet.io.formats.text.writing import description_in, write_columns
-from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.response.recording import FloatArray, Recording
 
-_EMPTY = " empty cells are NaN"
 SAMPLE = 400
+READ_ONLY = ".lvm"
 
 
 @contextlib.contextmanager
 def opened(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
-    """A text file; ``separator`` and ``decimal`` are found out where they are not given."""
+    """A text file; ``separator`` and ``decimal`` are found out, or said by a header, where they are not given."""
     encoding = encoding_of(path)
     with path.open(encoding=encoding, newline=None) as file:
         lines = list(islice(file, SAMPLE))
+        if is_labview(lines):
+            yield labview_source(file, path.name, path.stem, lines, separator, decimal)
+            return
         comments = [line for line in lines if line.startswith(("#", "%"))]
         skipped = next((at for at, line in enumerate(lines) if not line.startswith(("#", "%")) and line.strip()), 0)
         body = lines[skipped:]
-        dialect = sniffed(body if len(body) < SAMPLE - skipped else body[:-1], separator, decimal)
+        dialect = sniffed(body if len(body) < SAMPLE - skipped else body[:-1], separator, decimal, stamps=True)
         first = data_start(dialect, body)
         if first == len(body):
             raise ModelError([_no_data(path, lines)], path.name)
-        width = len(dialect.cells(body[first]))
-        heading = headings(dialect, body[:first], width)
+        row = dialect.cells(body[first])
+        stamped = stamp_columns(row)
+        heading = _headings(dialect, body[:first], len(row), stamped)
         file.seek(0)
         for _ in range(skipped + first):
             file.readline()
         described = description_in(comments, KEY)
-        source = _source(path, file, dialect, heading, skipped + first, lines, own=described is not None)
+        source = _source(path, file, dialect, heading, skipped + first, lines, stamped, own=described is not None)
         notes = _notes(dialect, encoding, first - heading.lines, heading)
         yield with_stored(source, described) if described is not None else _with_notes(source, notes)
 
@@ -49,6 +58,17 @@ def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
     found = source.with_time_found()
     source.discovered[:0] = notes
     return found
+
+
+def _headings(dialect: Dialect, above: Sequence[str], width: int, stamped: Sequence[tuple[int, ...]]) -> Headings:
+    """Headings, of which one may stand over a date and a time that white space separates."""
+    found = headings(dialect, above, width)
+    pair = next((columns for columns in stamped if len(columns) > 1), None)
+    shorter = headings(dialect, above, width - 1) if pair and not found.lines else found
+    if pair is None or shorter.lines == found.lines:
+        return found
+    names, units = ([*parts[: pair[1]], "", *parts[pair[1] :]] for parts in (shorter.names, shorter.units))
+    return replace(shorter, names=tuple(names), units=tuple(units))
 
 
 def _notes(dialect: Dialect, encoding: str, preamble: int, heading: Headings) -> tuple[str, ...]:
@@ -74,6 +94,7 @@ def _source(
     heading: Headings,
     first: int,
     lines: Sequence[str],
+    stamped: Sequence[tuple[int, ...]],
     *,
     own: bool,
 ) -> Source:
@@ -86,36 +107,58 @@ def _source(
     ]
     if len(channels) > 1 and all(not dialect.cells(line)[-1] for line in lines[first:] if line.strip()):
         channels.pop()  # every row ends with a separator
+    channels, clock, notes = _with_clock(channels, stamped)
+    unread = frozenset(column for columns in stamped for column in columns if columns != clock)
+
+    known = {channel.column: channel for channel in channels}
 
     def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         file.seek(start)
-        rows = NumberRows(file, path.name, dialect, width, first + 1, heading.names, own)
+        rows = NumberRows(file, path.name, dialect, width, first + 1, heading.names, own, unread=unread, stamped=clock)
         for block in rows.blocks(columns, count):
             if not count:
-                _check_lengths(rows, [channels[column] for column in columns], path.name)
-            empty = int(rows.empty[list(columns)].sum())
-            if empty:
-                discovered[:] = [*(note for note in discovered if not note.endswith(_EMPTY)), f"{empty}{_EMPTY}"]
+                check_lengths(rows, [known[column] for column in columns], path.name)
+            count_empty(rows, columns, discovered)
+            if clock and rows.stamps.first and not rows.faults:
+                told = f"time counts from the first stamp, {rows.stamps.first}"
+                discovered[:] = [*(note for note in discovered if note != told), told]
             yield block
 
     return Source(
         tuple(channels),
         blocks,
         title=path.stem,
+        notes=notes,
         discovered=discovered,
         place=lambda row: Position(path.name, first + 1 + row, 1, 1),
     )
 
 
-def _check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
-    lengths = {channel.name: int(rows.filled[channel.column]) for channel in channels}
-    if len(set(lengths.values())) > 1:
-        sizes = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise ModelError([Fault(f"channels of different lengths: {sizes} values")], file)
+def _with_clock(
+    channels: Sequence[FileChannel], stamped: Sequence[tuple[int, ...]]
+) -> tuple[list[FileChannel], tuple[int, ...], tuple[str, ...]]:
+    """Channels of which the first column of time stamps is one, unless a column of numbers holds the time.
+
+    Also which columns these stamps are in, and what is told of others.
+    """
+    every = {column for columns in stamped for column in columns}
+    numbers = [channel for channel in channels if channel.column not in every]
+    clock = stamped[0] if stamped and not any(is_time(channel) for channel in numbers) else ()
+    names = {channel.column: channel.name for channel in channels}
+    left = [" ".join(names[column] for column in columns) for columns in stamped if columns != clock]
+    notes = tuple(f'"{name}" holds dates and times of day, and was left out' for name in left)
+    if clock:
+        name = " ".join(filter(None, (names[column] for column in clock)))
+        time = replace(next(one for one in channels if one.column == clock[0]), name=name, unit="s")
+        numbers = sorted([*numbers, time], key=lambda channel: channel.column)
+    return numbers, clock, notes
 
 
 def write(recording: Recording, path: Path) -> None:
     """A CSV file: a description of the recording, headings with units, a column of time, all digits."""
+    if path.suffix.lower() == READ_ONLY:
+        text = f'"{path.name}": {READ_ONLY} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv'
+        raise UsageError(text)
     checked_names(recording)
     keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
     units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]

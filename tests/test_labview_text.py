@@ -1,0 +1,206 @@
+"""Text files of LabVIEW: rates, names and segments from their headers, and what is said of faulty ones."""
+
+import numpy as np
+import pytest
+from test_cli import run
+
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
+
+FILE = (
+    "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+    "Multi_Headings\tYes\nX_Columns\tNo\nTime_Pref\tRelative\nOperator\tbench\n"
+    "Date\t2024/05/03\nTime\t10:12:13.001\n***End_of_Header***\t\n\t\n"
+)
+COUNT = 40
+T, PHI = np.round(np.sin(np.arange(COUNT)), 6), np.round(np.cos(np.arange(COUNT)), 6)
+
+
+def segment(first=0, last=COUNT, x0=0.0, clock="10:12:13.001", interval="0.001", **changed):
+    entries = {
+        "Channels": ["2"],
+        "Samples": [str(last - first)] * 2,
+        "Date": ["2024/05/03"] * 2,
+        "Time": [clock] * 2,
+        "Y_Unit_Label": ["kNm", "deg"],
+        "X_Dimension": ["Time"] * 2,
+        "X0": [f"{x0:.6E}"] * 2,
+        "Delta_X": [interval] * 2,
+    } | changed
+    head = "".join("\t".join([key, *cells]) + "\t\n" for key, cells in entries.items() if cells)
+    rows = "".join(f"\t{T[at]:.6f}\t{PHI[at]:.6f}\n" for at in range(first, last))
+    return f"{head}***End_of_Header***\t\t\t\nX_Value\tTorque\tAngle\tComment\n{rows}"
+
+
+def write(tmp_path, text, name="r.lvm"):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def with_times(text, step=0.001, start=0.0):
+    """The same with a column of times."""
+    lines, row = text.splitlines(keepends=True), 0
+    for at, line in enumerate(lines):
+        if line.startswith("\t") and line.strip():
+            lines[at] = f"{start + row * step:.6f}{line}"
+            row += 1
+    return "".join(lines).replace("X_Columns\tNo", "X_Columns\tOne")
+
+
+class TestSound:
+    def test_rate_names_and_units_from_the_header(self, tmp_path):
+        found = read_recording(write(tmp_path, FILE + segment(x0=2.0)))
+        assert (found.names, found.sampling_rate, found.start) == (("Torque", "Angle"), 1000.0, 2.0)
+        np.testing.assert_array_equal(found["Torque"].values, 1000 * T)
+        assert found["Angle"].values == pytest.approx(np.radians(PHI))
+        assert found.times is None
+        assert "LabVIEW header: cells between tabs, decimal point" in found.notes
+        assert "begins at 2024/05/03 10:12:13.001, as the header says" in found.notes
+        assert not any("warning" in note or "empty" in note for note in found.notes)
+
+    @pytest.mark.parametrize("ending", ["", "\tstart\n"])
+    def test_comments_are_passed_over_and_told_where_there_are_any(self, tmp_path, ending):
+        text = FILE + segment()
+        at = text.index("\n", text.index("Comment\n") + 8)
+        found = read_recording(write(tmp_path, text[:at] + ending.rstrip("\n") + text[at:]))
+        assert len(found) == COUNT
+        assert ("the column of comments was passed over" in found.notes) == bool(ending)
+
+    def test_decimal_commas(self, tmp_path):
+        text = (FILE + segment(interval="0,001")).replace("Decimal_Separator\t.", "Decimal_Separator\t,")
+        head, data = text.split("Comment\n")
+        found = read_recording(write(tmp_path, f"{head}Comment\n{data.replace('.', ',')}"))
+        np.testing.assert_array_equal(found["Torque"].values, 1000 * T)
+        assert found.sampling_rate == 1000.0
+
+    def test_commas_between_cells(self, tmp_path):
+        text = (FILE + segment()).replace("\t", ",").replace("Separator,Tab", "Separator,Comma")
+        assert read_recording(write(tmp_path, text))["Torque"].values[5] == 1000 * T[5]
+
+    def test_a_column_of_times_that_agrees(self, tmp_path):
+        found = read_recording(write(tmp_path, with_times(FILE + segment(), start=1.0)))
+        assert (found.names, found.sampling_rate, found.start) == (("Torque", "Angle"), 1000.0, 1.0)
+
+    def test_a_column_of_times_for_every_channel(self, tmp_path):
+        text = FILE + segment()
+        text = text.replace("X_Value\tTorque\tAngle", "X_Value\tTorque\tX_Value\tAngle")
+        head, data = text.split("Comment\n")
+        rows = [line.split("\t") for line in data.splitlines()]
+        times = [f"{0.001 * at:.3f}" for at in range(COUNT)]
+        lines = [f"{time}\t{row[1]}\t{time}\t{row[2]}\n" for time, row in zip(times, rows, strict=True)]
+        found = read_recording(write(tmp_path, f"{head}Comment\n{''.join(lines)}"))
+        assert (found.names, found.sampling_rate) == (("Torque", "Angle"), 1000.0)
+        lines[7] = lines[7].replace("\t0.007", "\t0.0072")
+        with pytest.raises(ModelError, match=r"r.lvm:23:1: error: Angle has other times than Torque: X_Value differs"):
+            read_recording(write(tmp_path, f"{head}Comment\n{''.join(lines)}"))
+
+    def test_an_export_without_the_first_line(self, tmp_path):
+        for head in ("Delta_X\t0.001\n", "Channels\t2\nDelta_X\t0.001\t0.001\n***End_of_Header***\n"):
+            rows = "".join(f"\t{T[at]}\t{PHI[at]}\n" for at in range(COUNT))
+            found = read_recording(write(tmp_path, f"{head}X_Value\tM [Nm]\tphi [deg]\n{rows}", "r.txt"))
+            assert (found.names, found.sampling_rate) == (("M", "phi"), 1000.0)
+            np.testing.assert_array_equal(found["M"].values, T)
+
+    def test_special_blocks_are_passed_over(self, tmp_path):
+        text = FILE + segment()
+        at = text.rindex("\n", 0, len(text) - 60) + 1
+        special = "***Start_Special***\nNotes\t1.0\n***End_Special***\n"
+        assert len(read_recording(write(tmp_path, text[:at] + special + text[at:]))) == COUNT
+        at = text.index("Channels")
+        assert len(read_recording(write(tmp_path, text[:at] + special + text[at:]))) == COUNT
+
+    def test_another_ending_does_not_matter(self, tmp_path):
+        assert read_recording(write(tmp_path, FILE + segment(), "r.txt")).sampling_rate == 1000.0
+
+    def test_is_not_written(self, tmp_path):
+        record = read_recording(write(tmp_path, FILE + segment()))
+        with pytest.raises(UsageError, match=r".lvm files of LabVIEW are read only; write .tdms"):
+            write_recording(record, tmp_path / "new.lvm")
+
+
+class TestSegments:
+    @pytest.mark.parametrize(
+        "second",
+        [segment(20, COUNT, x0=0.02), segment(20, COUNT, clock="10:12:13.021")],
+        ids=["X0 goes on", "the time of day goes on"],
+    )
+    def test_are_joined(self, tmp_path, second):
+        path = write(tmp_path, f"{FILE}{segment(0, 20)}\t\n{second}")
+        found = read_recording(path)
+        np.testing.assert_array_equal(found["Torque"].values, 1000 * T)
+        assert "2 segments that follow each other were joined" in found.notes
+        blocks = list(iter_blocks(path, 0.015))
+        assert [len(block) for block in blocks] == [15, 15, 10]
+        assert [block.start for block in blocks] == pytest.approx([0, 0.015, 0.03])
+
+    @pytest.mark.parametrize(
+        ("second", "message"),
+        [
+            (segment(20, COUNT), r"r.lvm:54:1: error: segment 2 begins at X0 = 0 s, .* from line 23 on, end at 0.02 s"),
+            (segment(20, COUNT, x0=0.0195), "segment 2 begins at X0 = 0.0195 s"),
+            (segment(20, COUNT, clock="10:12:14.021"), "segment 2 begins at X0 = 0 s"),
+            (segment(20, COUNT, x0=0.02, interval="0.002"), "segment 2 has other channels, units or Delta_X"),
+            (segment(20, COUNT, x0=0.02, Y_Unit_Label=["Nm", "deg"]), "than segment 1 in line 23"),
+        ],
+    )
+    def test_that_do_not_go_on_are_refused(self, tmp_path, second, message):
+        with pytest.raises(ModelError, match=message):
+            read_recording(write(tmp_path, f"{FILE}{segment(0, 20)}\t\n{second}"))
+
+
+WHOLE = FILE + segment()
+HOSTILE = {
+    "no end of the file's header": (WHOLE.replace("***End_of_Header***\t\n", "", 1), r":13:1: error: \*\*\*End_of_Header\*\*\* is missing above this line: the header of the file"),
+    "no end of the channels' header": (WHOLE.replace("***End_of_Header***\t\t\t\n", ""), r":22:1: error: .*: the header of the channels ends"),
+    "no end at all": (WHOLE.replace("***End_of_Header***", ""), r"End_of_Header\*\*\* is missing above"),
+    "a header alone": (FILE, r"r.lvm:13:1: error: the file ends within its header"),
+    "no row of names": (WHOLE.replace("X_Value\tTorque\tAngle\tComment\n", ""), r"r.lvm:23:1: error: numbers begin without a row of names"),
+    "Delta_X of 0": (FILE + segment(interval="0"), r"r.lvm:21:9: error: Delta_X is 0 s; the time between two samples is positive"),
+    "Delta_X below 0": (FILE + segment(interval="-0.001"), r"r.lvm:21:9: error: Delta_X is -0.001 s"),
+    "Delta_X as text": (FILE + segment(interval="fast"), r'r.lvm:21:9: error: Delta_X: "fast" is no number of a record'),
+    "Delta_X of nan": (FILE + segment(interval="NaN"), r'Delta_X: "NaN" is no number'),
+    "no Delta_X": (FILE + segment(Delta_X=[]), "nothing in the file tells the sampling rate"),
+    "two Delta_X": (FILE + segment(Delta_X=["0.001", "0.002"]), r"r.lvm:21:15: error: channels have Delta_X of 0.001 and 0.002 s"),
+    "two X0": (FILE + segment(X0=["0", "0.5"]), "channels have X0 of 0 and 0.5 s: they were not sampled together"),
+    "Channels": (FILE + segment(Channels=["3"]), r"r.lvm:23:1: error: the row of names has 2 channels, Channels in line 14 says 3"),
+    "Channels as text": (FILE + segment(Channels=["two"]), 'Channels: "two" is no number'),
+    "Samples beyond all": (FILE + segment(Samples=["1e999"]), 'Samples: "1e999" is no number of a record'),
+    "columns too many": (WHOLE + "\t1\t2\t\t5\n", r"r.lvm:64:1: error: the row has 5 cells, the others have 4"),
+    "columns too few": (WHOLE + "\t1\n", r"r.lvm:64:1: error: the row has 2 cells"),
+    "early end": (WHOLE[: WHOLE.rindex("\n", 0, -1) + 1], r"the file ends early: Samples says 40 rows, there are 39"),
+    "early end in a row": (WHOLE[:-12], r"r.lvm:63:1: error: the file ends early: the last row lacks Angle"),
+    "a spectrum": (FILE + segment(X_Dimension=["Frequency"] * 2), "the values stand over Frequency, not over time"),
+    "a word": (WHOLE.replace("\t0.000000\t", "\tx\t"), r'r.lvm:24:2: error: "x" is not a number'),
+    "commas": (WHOLE.replace("0.841471", "0,841471"), r'"0,841471" is not a number; Decimal_Separator is "."'),
+    "a separator": (WHOLE.replace("Separator\tTab", "Separator\tBlank"), r'r.lvm:4:1: error: Separator is "Blank"; expected Tab'),
+    "a decimal sign": (WHOLE.replace("Separator\t.", "Separator\t;"), 'Decimal_Separator is ";"; expected'),
+    "X_Value against Delta_X": (with_times(WHOLE, 0.002), r"r.lvm:21:9: error: Delta_X says 0.001 s between samples, X_Value goes in steps of 0.002 s; correct"),
+    "X_Value falls back": (with_times(WHOLE).replace("0.030000\t", "0.020000\t"), r"r.lvm:54:1: error: the time stamp 0.02 s follows 0.029 s in X_Value"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HOSTILE)
+def test_faulty_files_are_refused_with_their_place(tmp_path, case):
+    text, message = HOSTILE[case]
+    with pytest.raises(ModelError, match=message):
+        read_recording(write(tmp_path, text))
+
+
+def test_the_rate_may_be_said_against_delta_x(tmp_path):
+    path = write(tmp_path, with_times(WHOLE, 0.002))
+    assert read_recording(path, sampling_rate=500.0).sampling_rate == 500.0
+
+
+def test_exit_code_and_place_on_the_command_line(tmp_path):
+    path = write(tmp_path, FILE + segment(interval="0"))
+    result = run("estimate", path, "--input", "Torque", "--output", "Angle", code=1)
+    assert "r.lvm:21:9: error: Delta_X is 0 s" in result.stderr
+
+
+def test_any_cut_is_a_message_or_a_record(tmp_path):
+    path = tmp_path / "r.lvm"
+    for end in range(0, len(WHOLE), 37):
+        path.write_text(WHOLE[:end])
+        with pytest.raises(ModelError):
+            read_recording(path)

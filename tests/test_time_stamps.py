@@ -1,0 +1,212 @@
+"""Dates and times of day as the time stamps of text files: seconds from the first, or a message with its place."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+from test_cli import run
+
+from torsionnet.core.delimited.time_stamps import StampReader
+from torsionnet.core.errors import ModelError
+from torsionnet.io.recording_files import iter_blocks, read_recording
+
+COUNT = 3000
+BEGIN = datetime.fromisoformat("2024-05-03T10:12:13.001")
+VALUES = np.round(np.sin(np.arange(COUNT)), 4)
+FORMS = {
+    "ISO": "%Y-%m-%dT%H:%M:%S.%f",
+    "ISO with a blank": "%Y-%m-%d %H:%M:%S.%f",
+    "ISO in UTC": "%Y-%m-%dT%H:%M:%S.%fZ",
+    "with an offset": "%Y-%m-%d %H:%M:%S.%f+02:00",
+    "slashes": "%Y/%m/%d %H:%M:%S.%f",
+    "German": "%d.%m.%Y %H:%M:%S,%f",
+    "either": "%d/%m/%Y %H:%M:%S.%f",
+    "American": "%m/%d/%Y %I:%M:%S.%f %p",
+    "clock": "%H:%M:%S.%f",
+}
+
+
+def texts(form, begin=BEGIN, step=0.001, count=COUNT):
+    return [(begin + timedelta(microseconds=round(1e6 * step * at))).strftime(form) for at in range(count)]
+
+
+def write(tmp_path, stamps, separator=";", heading="time{0}T [Nm]{0}phi [deg]", decimal="."):
+    lines = [heading.format(separator)] if heading else []
+    for stamp, value in zip(stamps, np.resize(VALUES, len(stamps)), strict=True):
+        lines.append(separator.join([stamp, f"{value:.4f}".replace(".", decimal), "1"]))
+    path = tmp_path / "r.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+class TestForms:
+    @pytest.mark.parametrize("form", FORMS)
+    @pytest.mark.parametrize("separator", [";", "\t"])
+    def test_seconds_from_the_first_stamp(self, tmp_path, form, separator):
+        stamps = texts(FORMS[form])
+        found = read_recording(write(tmp_path, stamps, separator))
+        assert (found.names, found.sampling_rate, found.start, len(found)) == (("T", "phi"), 1000.0, 0.0, COUNT)
+        assert found.times is None
+        np.testing.assert_array_equal(found["T"].values, VALUES)
+        assert f"time counts from the first stamp, {stamps[0]}" in found.notes
+        assert '"time" was taken for the time stamps' in found.notes
+        assert not any("warning" in note for note in found.notes)
+
+    @pytest.mark.parametrize("form", ["ISO", "ISO with a blank", "clock"])
+    @pytest.mark.parametrize("heading", ["", "time,T [Nm],phi [deg]"])
+    def test_between_commas_with_and_without_a_heading(self, tmp_path, form, heading):
+        found = read_recording(write(tmp_path, texts(FORMS[form]), ",", heading))
+        assert found.sampling_rate == 1000.0
+        np.testing.assert_array_equal(found.signals[0].values, VALUES)
+
+    def test_decimal_commas_beside_them(self, tmp_path):
+        found = read_recording(write(tmp_path, texts(FORMS["German"]), decimal=","))
+        np.testing.assert_array_equal(found["T"].values, VALUES)
+
+    @pytest.mark.parametrize("heading", ["date{0}time{0}T[Nm]{0}phi[deg]", "time{0}T[Nm]{0}phi[deg]"])
+    def test_date_and_time_between_white_space(self, tmp_path, heading):
+        found = read_recording(write(tmp_path, texts("%Y-%m-%d %H:%M:%S.%f"), " ", heading))
+        assert (found.names, found.sampling_rate) == (("T", "phi"), 1000.0)
+        assert "time counts from the first stamp, 2024-05-03 10:12:13.001000" in found.notes
+
+    def test_date_and_time_in_columns_of_their_own(self, tmp_path):
+        stamps = [stamp.replace(" ", ";") for stamp in texts(FORMS["ISO with a blank"])]
+        found = read_recording(write(tmp_path, stamps, heading="Datum;Uhrzeit;T [Nm];phi [deg]"))
+        assert (found.names, found.sampling_rate) == (("T", "phi"), 1000.0)
+        assert '"Datum Uhrzeit" was taken for the time stamps' in found.notes
+
+    def test_in_quotes(self, tmp_path):
+        stamps = [f'"{stamp}"' for stamp in texts(FORMS["German"], count=200)]
+        assert read_recording(write(tmp_path, stamps, ",")).sampling_rate == 1000.0
+
+    def test_fractions_that_are_left_out_where_they_are_zero(self, tmp_path):
+        stamps = [(BEGIN + timedelta(milliseconds=at)).isoformat() for at in range(COUNT)]
+        assert any("." not in stamp for stamp in stamps)
+        assert read_recording(write(tmp_path, stamps)).sampling_rate == 1000.0
+
+    def test_uneven_ones_are_kept(self, tmp_path):
+        steps = np.cumsum(np.random.default_rng(1).integers(500, 1500, 100))
+        stamps = [(BEGIN + timedelta(microseconds=int(at))).isoformat(timespec="microseconds") for at in steps]
+        found = read_recording(write(tmp_path, stamps))
+        assert found.times == pytest.approx((steps - steps[0]) * 1e-6, abs=1e-12)
+
+    def test_in_blocks(self, tmp_path):
+        blocks = list(iter_blocks(write(tmp_path, texts(FORMS["ISO"])), 1.0))
+        assert [len(block) for block in blocks] == [1000, 1000, 1000]
+        assert [block.start for block in blocks] == pytest.approx([0, 1, 2])
+
+    def test_a_column_of_numbers_for_the_time_is_finer(self, tmp_path):
+        rows = "".join(f"2024-05-03 10:12:{13 + at // 100};{at / 100};{at}\n" for at in range(300))
+        path = tmp_path / "r.csv"
+        path.write_text("stamp;t [s];T [Nm]\n" + rows)
+        found = read_recording(path)
+        assert (found.names, found.sampling_rate) == (("T",), 100.0)
+        assert '"stamp" holds dates and times of day, and was left out' in found.notes
+
+
+class TestMidnight:
+    NIGHT = datetime.fromisoformat("2024-02-28T23:59:59")
+
+    @pytest.mark.parametrize("form", ["clock", "ISO", "German", "with an offset"])
+    @pytest.mark.parametrize("seconds", [None, 0.7])
+    def test_is_passed(self, tmp_path, form, seconds):
+        path = write(tmp_path, texts(FORMS[form], self.NIGHT))
+        records = [read_recording(path)] if seconds is None else list(iter_blocks(path, seconds))
+        assert {record.sampling_rate for record in records} == {1000.0}
+        assert np.concatenate([record.time for record in records]) == pytest.approx(np.arange(COUNT) / 1000)
+
+    def test_by_clocks_read_one_by_one(self):
+        reader = StampReader()
+        first, none = reader.seconds(["11:59:59.5 PM", "12:00:00 AM"])
+        second, _ = reader.seconds(["12:00:00.5 AM", "1:00:00 AM"])
+        assert (first.tolist(), second.tolist(), none) == ([0, 0.5], [1, 3600.5], [])
+
+    def test_summer_time_ends(self):
+        """Both are one second after the other in UTC."""
+        found, _ = StampReader().seconds(["2024-10-27T02:59:59.5+02:00", "2024-10-27T02:00:00.5+01:00"])
+        assert found.tolist() == [0, 1]
+
+    def test_day_or_month_first_where_a_number_tells(self, tmp_path):
+        for form in ("%d/%m/%Y %H:%M:%S.%f", "%m/%d/%Y %H:%M:%S.%f"):
+            path = write(tmp_path, texts(form, datetime.fromisoformat("2024-05-30T23:59:59")))
+            assert read_recording(path).sampling_rate == 1000.0
+
+    def test_day_or_month_first_where_none_tells(self, tmp_path):
+        path = write(tmp_path, texts(FORMS["either"], datetime.fromisoformat("2024-05-03T23:59:59")))
+        with pytest.raises(ModelError, match=r"r.csv:1002:1: error: the date changes from 03/05/2024 to 04/05/2024"):
+            read_recording(path)
+
+
+def other(at, text):
+    stamps = texts(FORMS["ISO"], count=50)
+    stamps[at] = text
+    return stamps
+
+
+FAULTS = {
+    "another form": (other(20, "03.05.2024 10:12:13,021"), r'r.csv:22:1: error: "03.05.2024 10:12:13,021" is written otherwise than the time stamps above it, like "2024-05-03T10:12:13.001000"; write all alike'),
+    "a blank for T": (other(20, "2024-05-03 10:12:13.021"), r"r.csv:22:1: error: .* is written otherwise"),
+    "a zone": (other(20, "2024-05-03T10:12:13.021Z"), "is written otherwise"),
+    "a comma": (other(20, "2024-05-03T10:12:13,021"), "is written otherwise"),
+    "a clock": (other(20, "10:12:13.021"), "is written otherwise"),
+    "no such time": (other(20, "2024-05-03T10:72:13.021"), r'r.csv:22:1: error: "2024-05-03T10:72:13.021" is no time stamp like'),
+    "no such day": (other(20, "2024-02-30T10:12:13.021"), r'r.csv:22:1: error: "2024-02-30" is no date'),
+    "a number": (other(20, "0.021"), r'r.csv:22:1: error: "0.021" is no time stamp like'),
+    "none": (other(20, ""), r"r.csv:22:1: error: sample 21 has no time stamp in time"),
+    "back": (other(20, "2024-05-03T10:12:13.003"), "time has to increase"),
+    "whole seconds": (texts("%d.%m.%Y %H:%M:%S"), r"r.csv:3:1: error: 2996 of 3000 time stamps in time equal the one before: they are written in steps of 1 s, too coarse for the sampling; export them with more decimals, or give sampling_rate="),
+    "one second": (texts("%H:%M:%S", count=500), r"499 of 500 time stamps in time equal the one before: too coarse"),
+    "ms at 3 kHz": ([stamp[:-3] for stamp in texts(FORMS["ISO"], step=1 / 3000)], "in steps of 0.001 s, too coarse"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", FAULTS)
+def test_faults_have_their_place(tmp_path, case):
+    stamps, message = FAULTS[case]
+    with pytest.raises(ModelError, match=message):
+        read_recording(write(tmp_path, stamps))
+
+
+def test_far_down_in_the_file(tmp_path):
+    """Beyond what is looked at first, and beyond the first rows that are parsed at once."""
+    stamps = texts(FORMS["ISO"], count=21_000)
+    stamps[20_500] = "03.05.2024 10:12:34,001"
+    with pytest.raises(ModelError, match=r"r.csv:20502:1: error: .* is written otherwise"):
+        read_recording(write(tmp_path, stamps))
+
+
+class TestCoarse:
+    def test_a_rate_given_that_agrees_is_taken(self, tmp_path):
+        path = write(tmp_path, texts("%d.%m.%Y %H:%M:%S"))
+        found = read_recording(path, sampling_rate=1000.0)
+        assert (found.sampling_rate, found.start, found.times) == (1000.0, 0.0, None)
+        assert "warning: the time stamps are coarser than the sampling: the rate given was taken" in found.notes
+        assert [block.start for block in iter_blocks(path, 1.0, sampling_rate=1000.0)] == pytest.approx([0, 1, 2])
+        with pytest.raises(ModelError, match="the time stamps are not those of samples at 100 Hz"):
+            read_recording(path, sampling_rate=100.0)
+
+    def test_numbers_too(self, tmp_path):
+        path = write(tmp_path, [f"{at / 1000:.2f}" for at in range(COUNT)])
+        with pytest.raises(ModelError, match=r"r.csv:3:1: .* in steps of 0.01 s, too coarse for the sampling"):
+            read_recording(path)
+
+    def test_one_sample_twice_is_another_fault(self, tmp_path):
+        stamps = texts(FORMS["ISO"], count=300)
+        stamps[100] = stamps[99]
+        with pytest.raises(ModelError, match=r"r.csv:102:1: error: the time stamp 0.099 s follows 0.099 s in time"):
+            read_recording(write(tmp_path, stamps))
+
+    def test_exit_code(self, tmp_path):
+        path = write(tmp_path, texts("%H:%M:%S"))
+        result = run("estimate", path, "--input", "T", "--output", "phi", code=1)
+        assert "r.csv:3:1: error: 2996 of 3000 time stamps" in result.stderr
+
+
+@pytest.mark.parametrize("form", [form for form in FORMS if form != "American"])
+def test_quickly_and_one_by_one_the_same(form):
+    stamps = texts(FORMS[form], count=200)
+    quick, slow = StampReader(), StampReader()
+    quick.seconds(stamps[:1]), slow.seconds(stamps[:1])
+    assert quick._alike(stamps) is not None
+    one_by_one = np.concatenate([slow.seconds([stamp, ""])[0][:1] for stamp in stamps])
+    np.testing.assert_array_equal(quick.seconds(stamps)[0], one_by_one)

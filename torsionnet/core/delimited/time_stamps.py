@@ -1,0 +1,150 @@
+"""Times of day, with or without a date, in columns of text: seconds from the first one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.delimited.stamp_forms import (
+    DAY,
+    NANO,
+    STAMP,
+    date_of,
+    form_of,
+    nanoseconds,
+    no_date,
+    order_of,
+    ordinal,
+    zone_of,
+)
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass
+class StampReader:
+    """Reads stamps in order, all of one form; what is wrong with one is said once, in ``faults`` by its index."""
+
+    first: str = ""
+    _form: tuple[str, ...] = ()
+    _mark: str = ""
+    _begun: bool = False
+    _begin: int = 0
+    _last: int = 0
+    _days: int = 0
+    _first_date: str = ""
+    _dates: dict[str, int] = field(default_factory=dict)
+
+    def seconds(self, texts: Sequence[str]) -> tuple[FloatArray, list[tuple[int, str]]]:
+        """Seconds since the first stamp of all, NaN where there is none, and what is wrong with which stamp."""
+        if texts and not self.first and (begins := STAMP.fullmatch(texts[0])):
+            self._unlike(texts[0], begins)
+            self._learn_date(date_of(begins), texts[:1])
+        quick = self._alike(texts)
+        faults: list[tuple[int, str]] = []
+        if quick is not None:
+            clocks, known = quick, np.ones(len(texts), dtype=bool)
+        else:
+            clocks, known = np.zeros(len(texts), dtype=np.int64), np.zeros(len(texts), dtype=bool)
+            matches = [STAMP.fullmatch(text) for text in texts]
+            for at, (text, found) in enumerate(zip(texts, matches, strict=True)):
+                wrong = self._unlike(text, found) if text else ""
+                if wrong:
+                    faults.append((at, wrong))
+                elif found:
+                    unknown = date_of(found) not in self._dates and self._learn_date(date_of(found), texts[at:])
+                    if unknown:  # no date below it can be counted either
+                        faults.append((at, unknown))
+                        break
+                    clocks[at], known[at] = nanoseconds(found) + self._dates.get(date_of(found), 0) * DAY, True
+        if faults:
+            return np.full(len(texts), np.nan), faults
+        return self._counted(clocks, known), []
+
+    def _counted(self, clocks: NDArray[np.int64], known: NDArray[np.bool_]) -> FloatArray:
+        values = clocks[known]
+        if self._form and not self._form[0]:  # a clock without a date passes midnight
+            before = np.concatenate([[self._last] if self._begun else values[:1], values[:-1]])[: len(values)]
+            days = self._days + np.cumsum(values - before < -DAY // 2)
+            self._last = int(values[-1]) if len(values) else self._last
+            self._days = int(days[-1]) if len(days) else self._days
+            values = values + days * DAY
+        if len(values) and not self._begun:
+            self._begin, self._begun = int(values[0]), True
+        found = np.full(len(clocks), np.nan)
+        found[known] = (values - self._begin) / NANO
+        return found
+
+    def _unlike(self, text: str, found: re.Match[str] | None) -> str:
+        """What is wrong with the form of a stamp; the first one says how all are written."""
+        if found is None:
+            return f'"{text}" is no time stamp' + (f' like "{self.first}"' if self.first else "")
+        form, mark = form_of(found), found["mark"] or ""
+        if not self.first:
+            self.first, self._form = text, form
+        self._mark = self._mark or mark
+        if form != self._form or (mark and mark != self._mark):
+            return f'"{text}" is written otherwise than the time stamps above it, like "{self.first}"; write all alike'
+        return ""
+
+    def _learn_date(self, text: str, left: Sequence[str]) -> str:
+        """What is wrong with a date, or else its days from the first date are known from now on."""
+        if not text:
+            return ""
+        order = self._form[0]
+        if not self._first_date:
+            if order != "either" and ordinal(text, order) is None:
+                return no_date(text)
+            self._first_date, self._dates[text] = text, 0
+            return ""
+        if order == "either":
+            later = {date_of(found) for found in map(STAMP.fullmatch, left) if found}
+            orders = {order for one in (*self._dates, *later) if (order := order_of(one))}
+            if len(orders) != 1:
+                what = "whether day or month comes first is not said" if not orders else "day and month change places"
+                return f"the date changes from {self._first_date} to {text}: {what}; write dates as 2024-05-03"
+            (order,) = orders
+        days, begun = ordinal(text, order), ordinal(self._first_date, order)
+        if days is None or begun is None:
+            return no_date(text)
+        self._dates[text] = days - begun
+        return ""
+
+    def _alike(self, texts: Sequence[str]) -> NDArray[np.int64] | None:
+        """Nanoseconds of stamps that differ in nothing but the digits of their times, like the first of them."""
+        found = STAMP.fullmatch(texts[0]) if texts else None
+        date_text = date_of(found) if found else ""
+        if found is None or found["half"] or (date_text and date_text not in self._dates):
+            return None
+        if form_of(found) != self._form or (found["mark"] or self._mark) != self._mark or not texts[0].isascii():
+            return None
+        try:
+            rows = np.array(texts, dtype=f"S{len(texts[0]) + 1}")
+        except UnicodeEncodeError:
+            return None
+        signs = rows.view(np.uint8).reshape(len(texts), -1)
+        template, fixed = signs[0], np.ones(signs.shape[1], dtype=bool)
+        groups = [found.span(name) for name in ("hours", "minutes", "seconds", "part")]
+        for begin, end in groups:
+            fixed[begin:end] = False
+        digits = signs[:, ~fixed]
+        if (signs[:, fixed] != template[fixed]).any() or (digits < 48).any() or (digits > 57).any():
+            return None
+        hours, minutes, seconds, part = (_whole(signs[:, begin:end]) for begin, end in groups)
+        if (hours > 23).any() or (minutes > 59).any() or (seconds > 60).any():
+            return None
+        length = groups[3][1] - groups[3][0]
+        if length > 9:
+            return None
+        whole = (hours * 60 + minutes) * 60 + seconds - zone_of(found["zone"])
+        nano = whole * NANO + part * 10 ** (9 - length)
+        return np.asarray(nano + self._dates.get(date_text, 0) * DAY, dtype=np.int64)
+
+
+def _whole(digits: NDArray[np.uint8]) -> NDArray[np.int64]:
+    powers = 10 ** np.arange(digits.shape[1] - 1, -1, -1, dtype=np.int64)
+    return np.asarray((digits.astype(np.int64) - 48) @ powers, dtype=np.int64)

@@ -1,0 +1,186 @@
+"""Blocks of samples that repeat earlier ones exactly, as a buffer that was recorded twice does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.standstill import is_rough
+
+LEAST_TIME, LEAST_SAMPLES = 0.15, 24
+CHANGES, LEVELS = 20, 5
+"""A block has so many changes and different values at least; fewer come again by chance."""
+BITS = 20.0
+"""So much more than what it takes to say where in the record a block is, it has to tell."""
+MOST_REPEATED = 0.2
+"""Of the windows that move; what comes again more often is periodic, or a test that was run twice."""
+MOST_IN_A_ROW = 3
+MOST_ALIKE = 0.5
+"""Of the samples beside a block, as far apart; more are alike in a quantised signal that is nearly periodic."""
+REVERSALS = 0.1
+"""Of the changes of a sensor with steps: so often noise turns them, and a smooth motion does not."""
+KINK = 5.0
+"""So many times as sharp a turn as any in the block."""
+_BASE, _MIX = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9
+_TABLE_BITS = 20
+
+WholeArray = NDArray[np.uint64]
+
+
+@dataclass(frozen=True)
+class RepeatedBlock:
+    """A block of ``count`` samples that begins at ``first`` and equals the one that begins at ``source``."""
+
+    source: int
+    first: int
+    count: int
+
+
+def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0) -> list[RepeatedBlock]:
+    """Blocks of 0.15 s or longer that are exact copies of earlier ones, in order of time.
+
+    Not of a signal that is periodic or rests, nor of a computed one without noise that goes on smoothly at both ends of
+    the copy.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Finite.
+    sampling_rate : float
+        Hz.
+    step : float, optional
+        Of the sensor, in the unit of the values; 0 if it has none.
+
+    Examples
+    --------
+    >>> values = np.random.default_rng(1).normal(size=5000)
+    >>> values[3000:3200] = values[1000:1200]
+    >>> repeated_blocks(values, 1000.0)
+    [RepeatedBlock(source=1000, first=3000, count=200)]
+    """
+    least = max(LEAST_SAMPLES, int(np.ceil(LEAST_TIME * sampling_rate - 1e-9)))
+    if len(values) < 3 * least:
+        return []
+    plain = np.ascontiguousarray(values, dtype=np.float64) + 0.0  # -0.0 becomes 0.0
+    found = [
+        block
+        for block in _maximal(plain, least // 2)
+        if block.count >= least and least <= block.first - block.source and _tells_enough(plain, block)
+    ]
+    if sum(block.count for block in found) > MOST_REPEATED * len(plain):
+        return []
+    chosen: list[RepeatedBlock] = []
+    for block in sorted(found, key=lambda block: (block.first, block.source)):
+        is_new = not chosen or block.first >= chosen[-1].first + chosen[-1].count
+        if is_new and _is_single(plain, block, least) and _is_measured(plain, block, step):
+            chosen.append(block)
+    return chosen
+
+
+def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
+    """Pairs of equal stretches, as long as they are, that hold a window which begins at a multiple of its width."""
+    changes = np.concatenate([[0], np.cumsum(values[1:] != values[:-1])])
+    moves = changes[width - 1 :] - changes[: len(changes) - width + 1] >= CHANGES // 2
+    prints = _fingerprints(values, width)
+    anchors = np.arange(0, len(prints), width)
+    anchors = anchors[moves[anchors]]
+    table, places = np.zeros(1 << _TABLE_BITS, dtype=bool), prints >> np.uint64(64 - _TABLE_BITS)
+    table[places[anchors]] = True
+    seen = np.flatnonzero(table[places] & moves)
+    anchors = anchors[np.argsort(prints[anchors], kind="stable")]
+    if not len(anchors):
+        return
+    at = np.minimum(np.searchsorted(prints[anchors], prints[seen]), len(anchors) - 1)
+    alike = (prints[anchors[at]] == prints[seen]) & (anchors[at] != seen)
+    pairs = np.sort(np.stack([anchors[at][alike], seen[alike]]), axis=0)
+    if pairs.shape[1] * width > 2 * MOST_REPEATED * np.count_nonzero(moves) + width:
+        return
+    lags = pairs[1] - pairs[0]
+    reached: dict[int, int] = {}
+    for number in np.lexsort((pairs[0], lags)):
+        source, lag = int(pairs[0, number]), int(lags[number])
+        if source >= reached.get(lag, 0):
+            begin = source - _equal(values[:source][::-1], values[: source + lag][::-1])
+            end = source + _equal(values[source:], values[source + lag :])
+            reached[lag] = end
+            if end - begin >= width:
+                yield RepeatedBlock(begin, begin + lag, end - begin)
+
+
+def _fingerprints(values: FloatArray, width: int) -> WholeArray:
+    """A number for every window of so many samples, the same for windows that are equal."""
+    bits = values.view(np.uint64)
+    mixed = (bits ^ (bits >> np.uint64(29))) * np.uint64(_MIX)
+    mixed ^= mixed >> np.uint64(32)
+    sums = np.concatenate([np.zeros(1, np.uint64), np.cumsum(mixed * _powers(_BASE, len(mixed)), dtype=np.uint64)])
+    inverse = pow(_BASE, -1, 1 << 64)
+    hashed = (sums[width:] - sums[:-width]) * _powers(inverse, len(sums) - width)
+    hashed ^= hashed >> np.uint64(31)
+    return np.asarray(hashed * np.uint64(_MIX))
+
+
+def _powers(base: int, count: int) -> WholeArray:
+    """Of 0 and up, modulo 2 to the 64."""
+    factors = np.full(count, base, dtype=np.uint64)
+    factors[0] = 1
+    return np.cumprod(factors, dtype=np.uint64)
+
+
+def _equal(one: FloatArray, other: FloatArray) -> int:
+    """How many samples are equal from the beginning on."""
+    most, begin, size = min(len(one), len(other)), 0, 256
+    while begin < most:
+        unlike = np.flatnonzero(one[begin : min(begin + size, most)] != other[begin : min(begin + size, most)])
+        if len(unlike):
+            return begin + int(unlike[0])
+        begin, size = begin + size, 2 * size
+    return most
+
+
+def _tells_enough(values: FloatArray, block: RepeatedBlock) -> bool:
+    """Whether the block can hardly come twice by chance."""
+    stretch = values[block.first : block.first + block.count]
+    steps = np.diff(stretch)
+    if np.count_nonzero(steps) < CHANGES or len(np.unique(stretch)) < LEVELS:
+        return False
+    shares = np.unique(steps, return_counts=True)[1] / len(steps)
+    told = -float(np.sum(shares * np.log2(shares))) * len(steps)
+    return bool(told > 2 * np.log2(len(values)) + BITS)
+
+
+def _is_single(values: FloatArray, block: RepeatedBlock, reach: int) -> bool:
+    """Whether neither the block itself goes on repeating, nor what is beside it nearly does."""
+    lag, end = block.first - block.source, block.first + block.count
+    if block.count > MOST_IN_A_ROW * lag:
+        return False
+    before = slice(max(lag, block.first - reach), block.first)
+    after = slice(end, min(end + reach, len(values)))
+    shares = [
+        np.mean(values[side] == values[side.start - lag : side.stop - lag])
+        for side in (before, after)
+        if side.stop > side.start
+    ]
+    return bool(shares) and max(shares) < MOST_ALIKE
+
+
+def _is_measured(values: FloatArray, block: RepeatedBlock, step: float) -> bool:
+    """Whether there is noise in the block, which never comes twice, or a kink where it begins or ends.
+
+    One that follows its source goes on smoothly where it ends anyway, and where it begins if it is a second period.
+    """
+    end = block.first + block.count
+    stretch = values[block.first : end]
+    usual = float(np.abs(np.diff(stretch, 2)).max())
+    for seam in (block.first, *([end] if block.first > block.source + block.count else [])):
+        around = values[seam - 2 : seam + 2]
+        if 2 <= seam <= len(values) - 2 and float(np.abs(np.diff(around, 2)).max()) > KINK * usual:
+            return True
+    if not step:
+        return is_rough((stretch, stretch))
+    moved = np.diff(stretch)
+    signs = np.sign(moved[moved != 0])
+    return float(np.mean(signs[1:] != signs[:-1])) > REVERSALS
