@@ -3,9 +3,9 @@ How many ships keep their limits
 ================================
 
 A ship's plant is examined with the values in its drawings. Rubber, damper and propeller scatter around these; how many
-plants keep the limits of tail shaft, teeth and crankshaft with 5 % in reserve, with all cylinders firing, with one of
-them not firing, and without gas? The study is a file of the library, ``torsionnet study marine_yield``; every variant
-is a synthesis of all orders over all speeds.
+plants keep the limit of the crankshaft with 5 % and that of hammering teeth with 25 % in reserve, with one cylinder
+without injection or without gas? With all cylinders firing both are used less. The study is a file of the library,
+``torsionnet study marine_yield``; every variant is a synthesis of all orders over the speeds that matter to a limit.
 """
 
 import torsionnet as tn
@@ -19,7 +19,8 @@ figure = share.figure(plot, units=shown_units(study))
 print("\n".join(share.sentences))
 
 # %%
-# Twelve draws are few: the interval says so. What belongs to the largest value is a variant like any other,
+# Each limit has a condition of its own in which it is lost: the crankshaft without injection, the teeth without gas.
+# Twenty draws are few: the interval says so. What belongs to the largest value is a variant like any other,
 # and a model.
 
 names = list(study.space.names)

@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import re
 import signal
 import socket
 import sys
@@ -17,7 +18,7 @@ from cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, proce
 from cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.study.cluster import awaiting_workers, shared_folder, worker_versions
+from torsionnet.study.cluster import awaiting_workers, dask_executor, shared_folder, task_size, worker_versions
 from torsionnet.study.cluster.cluster_error import ClusterError
 from torsionnet.study.cluster.connecting import connected
 from torsionnet.study.cluster.dask_executor import TASKS_AHEAD, DaskExecutor
@@ -257,6 +258,36 @@ def test_no_workers_yet_is_said_while_it_waits(tmp_path, monkeypatch):
         next(DaskExecutor(Scheduler(), tmp_path, said.append).map(len, [()]))
     assert said[0].startswith("the scheduler has no workers yet; waiting")
     assert said[1] == "no workers yet for 0 s"
+
+
+def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch):
+    """All workers go while chunks are left; it is said as often as at the beginning, and others go on."""
+    from distributed import Client, LocalCluster
+
+    monkeypatch.setattr(awaiting_workers, "SAID_FIRST", 0.2)
+    monkeypatch.setattr(dask_executor, "LOOK_EVERY", 0.05)
+    monkeypatch.setattr(task_size, "TASK_SECONDS", 0.0)
+    asked = {"processes": False, "threads_per_worker": 1, "dashboard_address": None}
+    with LocalCluster(n_workers=1, **asked) as cluster, Client(cluster, set_as_default=False) as user:
+        said = []
+
+        def told(text):
+            said.append(text)
+            if len(said) == 3:
+                cluster.scale(1)
+
+        rescue = threading.Timer(20, cluster.scale, [1])  # without words nothing else would end the test
+        rescue.start()
+        work = NoiseWork(str(study_folder), 0.02)
+        for done, _ in enumerate(DaskExecutor(user, study_folder, told).map(work, range(40))):
+            if done == 5:
+                cluster.scale(0)
+                wait_for(lambda: not user.nthreads(), 10)
+        rescue.cancel()
+    assert is_whole(study_folder, 40)
+    assert len(said) >= 3
+    assert re.match(r"the scheduler has no workers now, \d+ chunks left; waiting for some to join", said[0])
+    assert re.match(r"no workers now for 0 s, \d+ chunks left", said[1])
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.study.optimum import final_check
 from torsionnet.study.optimum.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.optimum.design_problem import DesignProblem
 from torsionnet.study.optimum.optimise import optimise
@@ -237,6 +238,8 @@ class TestObjectives:
         found = optimise(DesignProblem(parameters, smallest("z"), wavy))
         assert found.merit == pytest.approx(-20, abs=1e-9)
         assert list(found.values.values()) == pytest.approx([0, 0], abs=1e-7)
+        assert found.converged  # although searches from elsewhere end in other valleys
+        assert not any("settle" in said for said in found.sentences)
 
     def test_limits_nobody_keeps(self):
         found = optimise(DesignProblem(SIDES, smallest("sum", product=QuantityLimit(above=200.0)), area))
@@ -245,12 +248,20 @@ class TestObjectives:
         said = "no design within the bounds was found that keeps all limits; this one exceeds product"
         assert said in found.sentences
 
-    def test_designs_without_a_value_are_avoided(self):
+    def test_designs_without_a_value_are_avoided(self, monkeypatch):
+        """Nearer and nearer to where values begin, which is said where the steps do not suffice."""
+
         def partly(values):
             return {"z": np.where(values["x"] > 1, values["x"], np.nan)}
 
-        found = optimise(DesignProblem((sought("x", 0.5, 0.1, 10),), smallest("z"), partly))
-        assert found.merit == pytest.approx(1, rel=1e-3)
+        problem = DesignProblem((sought("x", 0.5, 0.1, 10),), smallest("z"), partly)
+        found = optimise(problem)
+        assert found.merit == pytest.approx(1, rel=2e-6)
+        assert found.converged
+        monkeypatch.setattr(final_check, "ROUNDS", 1)
+        stopped = optimise(problem)
+        assert not stopped.converged
+        assert stopped.sentences[-1] == "the search did not settle: designs beside this one go on being better"
 
     def test_the_same_seed_gives_the_same_answer(self):
         one, two = (optimise(DesignProblem(SIDES, smallest("bump"), area), seed=3) for _ in range(2))

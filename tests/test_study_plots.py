@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 
 import torsionnet as tn
 from torsionnet import plot
@@ -66,6 +68,50 @@ class TestContourMap:
         first, second = plot.contour_map(found).axes[:2]
         assert first.get_xlim() == pytest.approx((10, 1000))
         assert second.get_xlim() == pytest.approx((20, 2000))
+
+
+LONG = (
+    "torsional_stiffness_of_the_intermediate_shaft_behind_the_gearbox",
+    "dampingOfTheElasticCouplingBetweenEngineAndGearbox",
+    "largest vibratory torque of the elastic coupling in all firing conditions",
+)
+
+
+@pytest.mark.parametrize(
+    ("cases", "limit"), [(1, 300.0), (2, 3.0), (5, 300.0), pytest.param(12, 3.0, marks=pytest.mark.slow)]
+)
+def test_labels_of_maps_stay_in_the_picture(cases, limit):
+    """Names that are sentences, with units, in one map and in many; a limit on the bar of colours and beyond it."""
+    labels = [f"firing=misfire_of_cylinder_{n}, temperature=warm" for n in range(cases)] if cases > 1 else [""]
+    maps = {case: ParameterMap(X, Y, np.where(rising() > 7, np.nan, rising())) for case in labels}
+    x, y, quantity = zip(LONG, ("N*m/rad", "N*m*s/rad", "N*m"), strict=True)
+    found = MapFound("map", x, y, quantity, "largest", maps, QuantityLimit(below=limit))
+    assert _misplaced(plot.contour_map(found, title="A title of so many words that it takes two lines " * 3)) == []
+
+
+def _misplaced(figure):
+    """Texts that are not within the picture, and pairs of them that lie over each other."""
+    FigureCanvasAgg(figure).draw()
+    texts = [one for one in figure.findobj(Text) if one.get_visible() and one.get_text().strip()]
+    # Ticks beyond the ends of an axis are not drawn; numbers on lines of a map may touch them.
+    outside = {
+        id(label)
+        for axes in figure.axes
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())
+        for label in (tick.label1, tick.label2)
+        if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+    }
+    on_lines = {id(one) for axes in figure.axes for one in axes.texts if not one.get_text().startswith("limit")}
+    boxes = [(one.get_text(), one.get_window_extent()) for one in texts if id(one) not in outside | on_lines]
+    edge = figure.bbox
+    found = [text for text, box in boxes if min(box.x0, box.y0) < 0 or box.x1 > edge.x1 or box.y1 > edge.y1]
+    return found + [
+        (text, other)
+        for place, (text, box) in enumerate(boxes)
+        for other, beside in boxes[place + 1 :]
+        if box.shrunk(0.95, 0.8).overlaps(beside.shrunk(0.95, 0.8))
+    ]
 
 
 class _Asked:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,11 +21,14 @@ from torsionnet.plot.study_axes import (
     ALIKE,
     BEYOND,
     axis_label,
+    broken,
     by_factors,
     ends_of,
     in_factors,
     is_wide,
     known,
+    label_with,
+    lines_of,
     panel_columns,
     say,
     titled,
@@ -40,10 +44,12 @@ LINES = 9
 COLOURS = 64
 WIDE = 100.0
 """Ratio of the largest to the smallest value from which colours and lines have equal factors."""
-HEIGHTS = {1: 3.6, 2: 2.9, 3: 2.3, 4: 1.9}
-"""Inches of a panel, by how many stand in a row."""
-BAR = 1.1
-"""Inches of the bar of colours with its label."""
+HEIGHTS = {1: 2.9, 2: 2.1, 3: 1.6, 4: 1.25}
+"""Inches of a panel without its labels, by how many stand in a row."""
+HEADING, TICKS, BAR, GAP = 0.5, 0.35, 0.75, 0.15
+"""Inches of the title of all, of the numbers along an axis, of the bar of colours with its numbers, between panels."""
+LINE = 0.155
+"""Inches of a line of a label."""
 
 
 def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
@@ -68,27 +74,59 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
     levels, norm = _levels(every)
     columns = panel_columns(len(found.maps))
     rows = math.ceil(len(found.maps) / columns)
-    figure = style.new_figure(style.WIDTH, 0.8 + rows * HEIGHTS[columns])
     share_x, share_y = (_alike(getattr(one, side) for one in found.maps.values()) for side in "xy")
+    labels = _Labels.within(found, units, columns, rows, apart=0.0 if share_y else TICKS)
+    figure = style.new_figure(style.WIDTH, labels.height)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y)
     panels = grid.ravel()[: len(found.maps)].tolist()
-    width = (style.WIDTH - BAR) / columns
     for axes, (case, one) in zip(panels, found.maps.items(), strict=True):
-        _panel(axes, _axes_of(found, one, units), scale * one.values.T, levels, norm)
+        _panel(axes, _axes_of(found, one, units), scale * one.values.T, levels, norm, labels.width)
         _limits(axes, found, _axes_of(found, one, units), scale * one.values.T, scale)
         if len(panels) > 1:
-            titled(axes, case, width - 0.3)
+            titled(axes, case, labels.width)
     for axes in grid.ravel()[len(panels) :]:
         axes.remove()
     for axes in grid[:, 0]:
-        axes.set_ylabel(axis_label(found.y[0], units.unit(*found.y), HEIGHTS[columns]))
+        axes.set_ylabel(labels.y)
     for axes in panels[-columns:]:
-        axes.set_xlabel(axis_label(found.x[0], units.unit(*found.x), width))
+        axes.set_xlabel(labels.x)
         axes.tick_params(labelbottom=True)
     if len(every):
-        _bar(figure, found, panels, ScalarMappable(norm, "viridis"), units)
+        _bar(figure, found, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
     style.heading(figure, found.title if title is None else title)
     return figure
+
+
+@dataclass(frozen=True)
+class _Labels:
+    """Labels of the axes and of the bar in lines that fit, the width of a panel, and the height of all, in inches."""
+
+    x: str
+    y: str
+    bar: str
+    width: float
+    height: float
+
+    @classmethod
+    def within(cls, found: MapFound, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
+        """For so many panels, whose numbers along y take the room ``apart`` where each has its own."""
+        high = HEIGHTS[columns]
+        y = axis_label(found.y[0], units.unit(*found.y), high)
+        bar = label_with(found.quantity[0], units.unit(*found.quantity), _besides(found), 0.8 * rows * high)
+        sides = TICKS + LINE * lines_of([y]) + BAR + LINE * lines_of([bar])
+        width = (style.WIDTH - sides) / columns - GAP - apart
+        x = axis_label(found.x[0], units.unit(*found.x), width)
+        titles = lines_of(broken(case, width) for case in found.maps) if len(found.maps) > 1 else 0
+        below = LINE * lines_of([x]) * (2 if len(found.maps) % columns else 1)
+        height = HEADING + rows * (high + TICKS + LINE * titles) + below
+        return cls(x, y, bar, width, height)
+
+
+def _besides(found: MapFound) -> str:
+    """What the bar of colours says besides the quantity."""
+    over = "" if found.others == "fixed" else f"{found.others} over the others"
+    blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else "blank where there is none"
+    return ", ".join(filter(None, (over, blank)))
 
 
 def _alike(points: Iterable[FloatArray]) -> bool:
@@ -114,10 +152,11 @@ def _panel(
     values: FloatArray,
     levels: FloatArray,
     norm: Normalize,
+    width: float,
 ) -> None:
     for side, points in zip("xy", at, strict=True):
         if in_factors(points):
-            by_factors(axes, side, points[0], points[-1])
+            by_factors(axes, side, points[0], points[-1], width)
         else:
             (axes.xaxis if side == "x" else axes.yaxis).set_major_formatter(
                 FuncFormatter(lambda at, _: style.plain(at))
@@ -153,7 +192,9 @@ def _limits(axes: Axes, found: MapFound, at: tuple[FloatArray, FloatArray], valu
             axes.contour(*at, values, levels=[scale * side], colors=BEYOND, linewidths=2.2)
 
 
-def _bar(figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMappable, units: ShownUnits) -> None:
+def _bar(
+    figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
+) -> None:
     unit, scale = units.unit(*found.quantity), units.scale(*found.quantity)
     bar: Colorbar = figure.colorbar(colours, ax=panels, shrink=0.9)
     low, high = bar.ax.get_ylim()
@@ -162,9 +203,7 @@ def _bar(figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMap
         bar.ax.minorticks_off()
     else:
         bar.ax.yaxis.set_major_locator(MaxNLocator(7))
-    which = "" if found.others == "fixed" else f", {found.others} over the others"
-    blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else ", blank where there is none"
-    bar.set_label(axis_label(found.quantity[0], unit) + which + blank, fontsize=style.FONT)
+    bar.set_label(label, fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
     sides = [] if found.limit is None else [found.limit.below, found.limit.above]
     for side in sides:
@@ -173,8 +212,8 @@ def _bar(figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMap
         if low < side * scale < high:
             bar.ax.axhline(side * scale, color=BEYOND, linewidth=2.2)
         else:
-            text = f"limit {on_screen(side * scale, 4)} {typeset_unit(unit)}".rstrip()
+            text = f"limit {on_screen(side * scale, 4)}\n{typeset_unit(unit)}".rstrip()
             place, ends = (1.02, "bottom") if side * scale >= high else (-0.02, "top")
             bar.ax.text(
-                0.5, place, text, transform=bar.ax.transAxes, ha="center", va=ends, fontsize=style.SMALL, color=BEYOND
+                0.0, place, text, transform=bar.ax.transAxes, ha="left", va=ends, fontsize=style.SMALL, color=BEYOND
             )

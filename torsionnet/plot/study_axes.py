@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike, NDArray
 
 import torsionnet.plot.style as style
@@ -31,6 +32,8 @@ ROLE = "sensor"
 BARS, ROW = 1.5, 0.26
 """Inches that bars take to the right of their names, and one below the other."""
 FEW_PANELS, MOST_BARS = 6, 100
+MARKS = "=.-/"
+"""Behind which a long word is broken before it is between two letters."""
 KEY = 0.45
 """Inches in front of a label and behind it in a legend."""
 
@@ -57,8 +60,30 @@ def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
     return f"{name}\n{behind}" if behind else name
 
 
+def label_with(name: str, unit: str, more: str, inches: float) -> str:
+    """A name with its unit and what is said of it besides, in as many lines as the room takes.
+
+    >>> label_with("theta", "rad", "largest over the others", 2.0).splitlines()[1:]
+    ['largest over the others']
+    """
+    label = axis_label(name, unit, inches)
+    if not more:
+        return label
+    whole = f"{name} {bracketed(typeset_unit(unit))}, {more}"
+    return f"{label}, {more}" if _width(whole) <= inches else f"{label}\n{broken(more, inches)}"
+
+
+def lines_of(texts: Iterable[str]) -> int:
+    """Lines that the longest of some labels has."""
+    return max((text.count("\n") + 1 for text in texts if text), default=0)
+
+
 def broken(text: str, inches: float) -> str:
-    """A text in lines of a width, as far as it has underscores, commas or spaces to break at."""
+    """A text in lines of a width: at underscores, commas and spaces, and anywhere where there are none of them.
+
+    >>> broken("torsional stiffness", 0.8).splitlines()
+    ['torsional', 'stiffness']
+    """
     if _width(text) <= inches:
         return _without_math(text)
     lines: list[str] = []
@@ -66,8 +91,19 @@ def broken(text: str, inches: float) -> str:
         if lines and _width(f"{lines[-1]} {word}") <= inches:
             lines[-1] += f" {word}"
         else:
-            lines += wrapped(word, ROLE, inches * INCH)
+            lines += [part for piece in wrapped(word, ROLE, inches * INCH) for part in _cut(piece, inches)]
     return _without_math("\n".join(lines))
+
+
+def _cut(word: str, inches: float) -> list[str]:
+    """A word without a place to break in parts of a width, behind one of its marks where it has any."""
+    parts = [""]
+    for letter in word:
+        if parts[-1] and _width(parts[-1] + letter) > inches:
+            place = max(parts[-1].rfind(mark) for mark in MARKS) + 1 or len(parts[-1])
+            parts[-1:] = [parts[-1][:place], parts[-1][place:]]
+        parts[-1] += letter
+    return parts
 
 
 def _without_math(text: str) -> str:
@@ -142,10 +178,14 @@ def in_factors(values: NDArray[np.float64]) -> bool:
     return bool(np.ptp(np.diff(np.log(values))) < EVEN * np.ptp(np.log(values)))
 
 
-def by_factors(axes: Axes, side: str, low: float, high: float) -> None:
-    """Make the axis ``"x"`` or ``"y"`` logarithmic, with ticks as they are read best."""
+def by_factors(axes: Axes, side: str, low: float, high: float, inches: float = math.inf) -> None:
+    """Make the axis ``"x"`` or ``"y"`` logarithmic, with ticks as they are read best and as many as it has room for."""
+    axis = axes.xaxis if side == "x" else axes.yaxis
     (axes.set_xscale if side == "x" else axes.set_yscale)("log")
-    style.log_ticks(axes.xaxis if side == "x" else axes.yaxis, low, high)
+    style.log_ticks(axis, low, high)
+    decades = math.log10(high / low) if 0 < low < high else 0.0
+    if side == "x" and decades > 1 and _width(style.plain(high)) > math.log10(2) / decades * inches:
+        axis.set_major_locator(LogLocator(numticks=max(2, int(inches / _width(style.plain(high))))))
 
 
 def panel_columns(count: int, most: int = 4) -> int:

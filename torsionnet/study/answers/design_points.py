@@ -19,6 +19,11 @@ ALIKE = 0.9
 """Cosine between the directions of two starts above which one is enough."""
 SAME_PLACE = 0.3
 """Distance between two design points below which they are one."""
+RAY = np.unique(
+    np.concatenate([np.linspace(0, 1.5, 61)[1:], *(1 + sign * 10.0 ** np.arange(-5, -1) for sign in (-1, 1))])
+)
+"""Shares of the way to where a search ended, at which failures are looked for: all along it, and close to its end,
+where a region of failures that is thinner than the steps along the way begins."""
 REACH = 3.0
 """Of a distance beyond the nearest: points that lie farther add hardly anything."""
 
@@ -94,18 +99,17 @@ def _shortened(
 
 def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int]:
     """Points moved along their rays to where the margin is lost; those whose rays never lose it are left out."""
-    shares = np.linspace(0, 1.5, 61)[1:]
-    rays = margin((shares[:, None, None] * points).reshape(-1, points.shape[1])).reshape(len(shares), len(points))
+    rays = margin((RAY[:, None, None] * points).reshape(-1, points.shape[1])).reshape(len(RAY), len(points))
     failed = ~(rays > 0)
     first = failed.argmax(axis=0)
-    high = shares[first]
-    low = high - shares[0]
+    high = RAY[first]
+    low = np.append(0.0, RAY)[first]
     for _ in range(20):
         middle = (low + high) / 2
         lost = ~(margin(middle[:, None] * points) > 0)
         low, high = np.where(lost, low, middle), np.where(lost, middle, high)
     found = (high[:, None] * points)[failed.any(axis=0)]
-    return found[np.linalg.norm(found, axis=1) <= FARTHEST], (len(shares) + 20) * len(points)
+    return found[np.linalg.norm(found, axis=1) <= FARTHEST], (len(RAY) + 20) * len(points)
 
 
 def points_apart(points: FloatArray) -> FloatArray:

@@ -1,14 +1,59 @@
-"""Waiting for workers of a cluster that has none yet, with words."""
+"""Waiting for workers of a cluster that has none yet, or none any more, with words."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 LOOK_EVERY, SAID_FIRST = 2.0, 10.0
 """Seconds after which it is asked again, and from one word to the next: twice as long each time."""
 
 Told = Callable[[str], None]
+
+
+@dataclass
+class Absence:
+    """Tells that a cluster has no workers: at once, and again from time to time for how long.
+
+    Attributes
+    ----------
+    told : callable
+    clock : callable
+        In seconds.
+
+    Examples
+    --------
+    >>> seconds = iter([0.0, 12.0])
+    >>> absence = Absence(print, clock=lambda: next(seconds))
+    >>> for threads in (4, 0, 0, 4):
+    ...     absence.seen(threads, left=3)
+    the scheduler has no workers now, 3 chunks left; waiting for some to join (dask worker ADDRESS)
+    no workers now for 12 s, 3 chunks left
+    """
+
+    told: Told
+    clock: Callable[[], float] = time.monotonic
+    _began: float | None = None
+    _every: float = 0.0
+
+    def seen(self, threads: int, left: int | None = None) -> None:
+        """How many threads there are now, and chunks left to calculate where some were calculated before."""
+        if threads:
+            self._began = None
+            return
+        when = "yet" if left is None else f"now, {_chunks(left)} left"
+        if self._began is None:
+            self._began, self._every = self.clock(), SAID_FIRST
+            self.told(f"the scheduler has no workers {when}; waiting for some to join (dask worker ADDRESS)")
+        elif (waited := self.clock() - self._began) >= self._every:
+            when = f"yet for {waited:.0f} s" if left is None else f"now for {waited:.0f} s, {_chunks(left)} left"
+            self.told(f"no workers {when}")
+            self._every *= 2
+
+
+def _chunks(count: int) -> str:
+    return "1 chunk" if count == 1 else f"{count} chunks"
 
 
 def await_workers(
@@ -35,14 +80,8 @@ def await_workers(
     the scheduler has no workers yet; waiting for some to join (dask worker ADDRESS)
     8
     """
-    began, said, every = clock(), False, SAID_FIRST
+    absence = Absence(told, clock)
     while not (found := threads()):
-        waited = clock() - began
-        if not said:
-            told("the scheduler has no workers yet; waiting for some to join (dask worker ADDRESS)")
-            said = True
-        elif waited >= every:
-            told(f"no workers yet for {waited:.0f} s")
-            every *= 2
+        absence.seen(found)
         sleep(LOOK_EVERY)
     return found

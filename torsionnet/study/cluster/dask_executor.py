@@ -12,7 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.core.errors import UsageError
-from torsionnet.study.cluster.awaiting_workers import Told, await_workers
+from torsionnet.study.cluster.awaiting_workers import Absence, Told, await_workers
 from torsionnet.study.cluster.chunk_task import DoneChunk, done_chunks
 from torsionnet.study.cluster.cluster_losses import let_go, scheduler_expected, workers_expected
 from torsionnet.study.cluster.shared_folder import check_folder
@@ -31,8 +31,8 @@ TASKS_AHEAD = 2
 TRIES = 2
 """Of a task again, whose file system failed for a moment."""
 
-LOOK_EVERY = 2.0
-"""Seconds after which it is asked which workers there are."""
+LOOK_EVERY, PAUSE = 2.0, 0.1
+"""Seconds after which it is asked which workers there are, and whether something is done."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class DaskExecutor:
     folder : Path
         Of the study.
     told : callable
-        Is told that there are no workers yet.
+        Is told that there are no workers yet, or none any more.
     """
 
     client: Client
@@ -71,7 +71,7 @@ class DaskExecutor:
         with scheduler_expected(self.client):
             await_workers(lambda: sum(self.client.nthreads().values()), self.told)
             needed = self._versions
-        running: _Running[S] = _Running(self.client, self.folder.name, needed)
+        running: _Running[S] = _Running(self.client, self.folder.name, needed, Absence(self.told))
         yield from running.results(work, deque(parts))
 
     @cached_property
@@ -85,10 +85,10 @@ class DaskExecutor:
 class _Running(Generic[S]):
     """The tasks that are with the scheduler."""
 
-    def __init__(self, client: Client, name: str, needed: Versions) -> None:
+    def __init__(self, client: Client, name: str, needed: Versions, absence: Absence) -> None:
         from distributed import as_completed
 
-        self.client, self.needed = client, needed
+        self.client, self.needed, self.absence = client, needed, absence
         self.key = f"{name}-{uuid.uuid4().hex}"
         self.tasks: dict[Future, tuple[S, ...]] = {}
         self.finished = as_completed(loop=client.loop)
@@ -100,6 +100,7 @@ class _Running(Generic[S]):
             while left or self.tasks:
                 with scheduler_expected(self.client):
                     self._submit(work, left)
+                    self._await(len(left))
                     done = self._next()
                 self.size.learn(one.seconds for _, one in done)
                 yield from ((part, one.result) for part, one in done)
@@ -123,8 +124,16 @@ class _Running(Generic[S]):
             self.threads, self.looked = sum(self.client.nthreads().values()), monotonic()
         return self.threads
 
+    def _await(self, later: int) -> None:
+        """Until something is done, with words where no worker is left that could."""
+        while not self.finished.has_ready():
+            with self.finished.thread_condition:
+                self.finished.thread_condition.wait(PAUSE)
+            if not self.finished.has_ready():
+                self.absence.seen(self._threads(), later + sum(map(len, self.tasks.values())))
+
     def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
-        """What has been done since this was asked before, waiting until something is."""
+        """What has been done since this was asked before, something at least."""
         ended = self.finished.next_batch(block=True)
         for task in ended:
             if task.status != "finished":

@@ -45,6 +45,7 @@ class DesignOptimum:
     history : (n, 2) array
         Designs calculated so far, and the best merit by then.
     converged : bool
+        Several searches came to this design, or nothing beside it is better.
     title : str
     """
 
@@ -144,9 +145,7 @@ class DesignOptimum:
             )
             said.append(f"not unique: equally good are {others}; this one is nearest to the values as given")
         if not self.converged:
-            said.append(
-                "the search did not settle: its best beginnings end at different merits; a better one may exist"
-            )
+            said.append("the search did not settle: designs beside this one go on being better")
         return said
 
     def _verification_said(self) -> list[str]:

@@ -12,6 +12,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.study.optimum.design_optimum import REACHED, DesignOptimum
 from torsionnet.study.optimum.design_problem import DesignProblem, Rank
+from torsionnet.study.optimum.final_check import as_good, checked
 from torsionnet.study.optimum.global_search import GENERATIONS, apart, evolved, samples
 from torsionnet.study.optimum.local_search import polished
 
@@ -19,8 +20,6 @@ BEGINNINGS, BESIDE = 5, 2
 """Places from which local searches begin for targets, and for an objective beside the best of a population."""
 DIFFERENT = 1e-3
 """Of the unit cube: designs that are farther apart are two."""
-EQUAL = 1e-6
-"""Relative difference of merits that are equally good."""
 FLAT = 1e-9
 """Of the largest singular value: a direction with less does not move the targets."""
 
@@ -87,11 +86,16 @@ def optimise(
             [*found, *_each_polished(problem, [evolved(problem, ordered, seed, note, generations)])], key=_by_rank
         )
     rank, best = found[0]
-    equal = [place for other, place in found if _as_good(problem, other, rank)]
+    equal = [place for other, place in found if as_good(problem, other, rank)]
+    settled = len(equal) > 1
+    if not settled:
+        best, settled = checked(problem, best, seed)
+        rank, equal = problem.ranks(problem.at(best))[0], [best]
     different = apart_by(equal, DIFFERENT)
     best = min(different, key=lambda place: float(np.linalg.norm(place - problem.start)))
     note(rank[1])
-    return _result(problem, best, [one for one in different if one is not best], found, history, single, title)
+    others = [one for one in different if one is not best]
+    return _result(problem, best, others, history, single, title, settled=settled)
 
 
 def _by_rank(found: tuple[Rank, FloatArray]) -> Rank:
@@ -113,22 +117,15 @@ def apart_by(places: list[FloatArray], distance: float) -> list[FloatArray]:
     return kept
 
 
-def _as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
-    if one[0] > best[0] * (1 + EQUAL):
-        return False
-    if problem.goals.targets:
-        return one[1] <= max(REACHED**2, best[1] * (1 + EQUAL))
-    return one[1] - best[1] <= EQUAL * abs(best[1])
-
-
 def _result(
     problem: DesignProblem,
     best: FloatArray,
     others: list[FloatArray],
-    found: list[tuple[Rank, FloatArray]],
     history: list[tuple[float, float]],
     single: Single | None,
     title: str,
+    *,
+    settled: bool,
 ) -> DesignOptimum:
     given = problem.at(problem.start)
     after = problem.at(best)
@@ -144,7 +141,7 @@ def _result(
         tuple(problem.values(one) for one in others),
         _free_directions(problem, best),
         np.array(history),
-        sum(_as_good(problem, rank, found[0][0]) for rank, _ in found) > 1,
+        settled,
         title,
     )
 

@@ -29,7 +29,7 @@ class Workers:
     announce : callable or None
         Is told where the dashboard of a cluster is.
     waiting : callable
-        Is told that a cluster has no workers yet, and for how long.
+        Is told that a cluster has no workers yet, or none any more, and for how long.
     """
 
     processes: int = 1
