@@ -59,7 +59,7 @@ def attempt(kind: Kind, path: Path, number: int = 0) -> Trial:
     if outcome != "failure" and seconds > kind.seconds and size < SMALL:
         outcome, signature = "failure", f"slow in {slow[0] if slow else 'a library'}"
     if outcome != "failure" and memory > MOST_MEMORY:
-        outcome, signature = "failure", "more than 1 GB"
+        outcome, signature = "failure", f"more than {MOST_MEMORY / 1e9:g} GB"
     return Trial(number, outcome, signature, seconds, memory, size)
 
 

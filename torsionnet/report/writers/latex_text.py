@@ -49,7 +49,11 @@ def _char(char: str) -> str:
 
 
 def inline(cell: Cell) -> str:
-    """A cell, caption or paragraph."""
+    r"""A cell, caption or paragraph; a long word may break behind its signs.
+
+    >>> print(inline("in water=dry,coupling=warm"))
+    in water=\allowbreak{}dry,\allowbreak{}coupling=\allowbreak{}warm
+    """
     return "".join(map(_part, inlines(cell)))
 
 
@@ -66,10 +70,14 @@ def breakable(part: Inline) -> str:
 
 def _syllables(word: str) -> list[str]:
     found = []
-    for piece in re.split(r"(?<=[=,/_+])", word):
+    for piece in _signed(word):
         size = PIECE if len(piece) > LONGEST_WORD else len(piece) or 1
         found += [piece[start : start + size] for start in range(0, len(piece), size)]
     return found
+
+
+def _signed(word: str) -> list[str]:
+    return re.split(r"(?<=[=,/_+])(?=.)", word)
 
 
 def _part(part: Inline) -> str:
@@ -85,7 +93,8 @@ def _part(part: Inline) -> str:
             return rf"\texttt{{{_BREAK.join(pieces)}}}"
         case NumberText():
             return number(part)
-    return escaped(part)
+    words = ([word] if len(word) <= LONGEST_WORD else _signed(word) for word in part.split(" "))
+    return " ".join(_BREAK.join(map(escaped, word)) for word in words)
 
 
 def number(value: NumberText, decimals: int = 0) -> str:
