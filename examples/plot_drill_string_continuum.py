@@ -10,6 +10,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
+from torsionnet import plot
+
+plt.style.use(plot.STYLE)
 
 PIPE = {"outer_diameter": "127 mm", "inner_diameter": "108.6 mm", "length": "3 km"}
 
@@ -24,13 +27,12 @@ def string(pipe):
 
 exact = string(tn.ContinuousShaft("pipe", nodes=("top", "bit"), **PIPE))
 frequencies = np.linspace(0.02, 3.4, 4000)
-figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
-for segments, color in ((5, "#D55E00"), (20, "#0072B2")):
+figure, axes = plt.subplots()
+for segments in (5, 20):
     model = string(tn.Shaft("pipe", nodes=("top", "bit"), segments=segments, **PIPE))
     response = model.frequency_response("velocity(bit)", "bit", frequencies)
-    axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), color=color, lw=1, label=f"{segments} segments")
+    axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), lw=1, label=f"{segments} segments")
 response = exact.frequency_response("velocity(bit)", "bit", frequencies)
-axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), "k--", lw=1, label="continuous")
+axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), lw=1, label="continuous")
 axes.set(xlabel="frequency [Hz]", ylabel="speed of the bit over its torque [rad/s/(N m)]")
-axes.grid(visible=True, color="#dddddd")
 axes.legend()

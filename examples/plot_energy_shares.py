@@ -10,6 +10,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
+from torsionnet import plot
+
+plt.style.use(plot.STYLE)
 
 modes = tn.load("amt_rig").configured("V").modes()
 print(modes.table())
@@ -18,13 +21,13 @@ print(modes.table())
 # Strain shares say which stiffness moves the frequency, dissipation shares which damper changes the damping ratio.
 names = [name for name, shares in modes.energy_shares(0).items() if any(shares)]
 height = np.arange(len(names))
-figure, panels = plt.subplots(1, len(modes), sharey=True, figsize=(8, 4), layout="constrained")
+figure, panels = plt.subplots(1, len(modes), sharey=True)
 for mode, panel in enumerate(panels):
     shares = modes.energy_shares(mode)
-    for offset, (kind, color) in enumerate((("kinetic", "#0072B2"), ("strain", "#D55E00"), ("dissipated", "#009E73"))):
+    for offset, kind in enumerate(("kinetic", "strain", "dissipated")):
         values = [100 * shares[name][offset] for name in names]
-        panel.barh(height + 0.27 * (offset - 1), values, height=0.25, label=kind, color=color)
-    panel.set_title(f"{modes.natural_frequencies[mode]:.2f} Hz, {modes.damping_ratios[mode]:.0%} damping", fontsize=10)
+        panel.barh(height + 0.27 * (offset - 1), values, height=0.25, label=kind)
+    panel.set_title(f"{modes.natural_frequencies[mode]:.2f} Hz, {modes.damping_ratios[mode]:.0%} damping")
     panel.set_xlabel("share [%]")
 panels[0].set_yticks(height, names)
 panels[0].invert_yaxis()

@@ -10,6 +10,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
+from torsionnet import plot
+
+plt.style.use(plot.STYLE)
 
 ORDER, RADIUS = 2, 0.080  # order to be taken; from the axis of the shaft to the pivots
 
@@ -43,7 +46,7 @@ tuned = tn.TunedDamper(
     "tuned", node="box", ring_inertia=4 * 0.25 * RADIUS**2, natural_frequency="50 Hz", damping_ratio=0.02
 )
 rpm = np.arange(800, 3001, 20)
-figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
+figure, axes = plt.subplots()
 for label, elements in (("nothing", []), ("tuned damper, 50 Hz", [tuned]), ("pendulums", [pendulums])):
     plant = drivetrain(elements)
     size = []
@@ -53,5 +56,4 @@ for label, elements in (("nothing", []), ("tuned damper, 50 Hz", [tuned]), ("pen
         size.append(abs(response.values.item()))
     axes.semilogy(rpm, size, label=label)
 axes.set(xlabel="speed [r/min]", ylabel="order 2 of the gearbox [rad/s$^2$/(N m)]")
-axes.grid(visible=True, color="#dddddd")
 axes.legend()

@@ -12,6 +12,8 @@ import numpy as np
 import torsionnet as tn
 from torsionnet import plot
 
+plt.style.use(plot.STYLE)
+
 gearset = tn.load("planetary_set")
 modes = gearset.modes()
 print(modes.table())
@@ -24,11 +26,11 @@ drawing = plot.schematic(gearset)
 # %%
 # Any combination of two shapes with one frequency is a shape as well; what does not depend on the choice is that sun
 # and carrier stand still in both.
-figure, panels = plt.subplots(1, len(modes), sharey=True, figsize=(9, 3), layout="constrained")
+figure, panels = plt.subplots(1, len(modes), sharey=True, figsize=(7.2, 3))
 moving = [node for node in gearset.nodes if np.abs(modes.shape_at(node)).max() > 1e-9]
 for mode, panel in enumerate(panels):
-    panel.bar(moving, [modes.shape_at(node)[mode].real for node in moving], color="#0072B2")
+    panel.bar(moving, [modes.shape_at(node)[mode].real for node in moving])
     panel.axhline(0, color="#444444", linewidth=0.8)
-    panel.set_title(f"{modes.natural_frequencies[mode]:.4f} Hz", fontsize=10)
+    panel.set_title(f"{modes.natural_frequencies[mode]:.4f} Hz")
     panel.tick_params(axis="x", rotation=90)
 panels[0].set_ylabel("relative angle [-]")

@@ -10,6 +10,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
+from torsionnet import plot
+
+plt.style.use(plot.STYLE)
 
 LENGTH, G, RHO = 1.2, 79.3e9, 7850
 exact = np.array([1, 3, 5]) * np.sqrt(G / RHO) / (4 * LENGTH)
@@ -21,7 +24,7 @@ def frequencies(segments, inertia):
     return tn.Drivetrain("shaft", [shaft, tn.Lock("clamp", node="a")]).modes().natural_frequencies[:3]
 
 
-figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
+figure, axes = plt.subplots()
 for inertia, style in (("consistent", "-o"), ("lumped", "--s")):
     errors = np.array([frequencies(int(count), inertia) / exact - 1 for count in counts])
     for mode, color in enumerate(("#0072B2", "#D55E00", "#009E73")):
@@ -32,5 +35,4 @@ axes.set_xscale("log")
 axes.set_yscale("symlog", linthresh=0.01)
 axes.set(xlabel="segments", ylabel="error of the frequency [%]", xticks=counts, xticklabels=counts)
 axes.minorticks_off()
-axes.grid(visible=True, color="#dddddd")
-axes.legend(fontsize=8)
+axes.legend()

@@ -12,6 +12,8 @@ import matplotlib.pyplot as plt
 import torsionnet as tn
 from torsionnet import plot
 
+plt.style.use(plot.STYLE)
+
 study = tn.load_study("inline_six_damper")
 result = tn.study.run_study(study)
 best = study.answers["damper"].found(study, result)
@@ -21,7 +23,7 @@ print("\n".join(best.sentences))
 # %%
 # The study also has the torque over a range of films, to see how narrow the valley is.
 
-figure, axes = plt.subplots(layout="constrained")
+figure, axes = plt.subplots()
 for configuration in study.configurations:
     film = result.parameters(configuration)["c_dmp"]
     axes.plot(film / 1e3, result.values("crankshaft", configuration) / 1e3, label=configuration)
@@ -29,4 +31,3 @@ axes.axvline(best.values["c_dmp"] / 1e3, color="black", linewidth=1, label="best
 axes.set_xlabel("c_dmp [kN m s/rad]")
 axes.set_ylabel("half range of T_crank [kN m]")
 axes.legend()
-axes.grid(alpha=0.3)

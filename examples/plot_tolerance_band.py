@@ -11,6 +11,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
+from torsionnet import plot
+
+plt.style.use(plot.STYLE)
 
 rig = tn.load("dmf_rig")
 f = np.geomspace(0.5, 30, 300)
@@ -23,13 +26,12 @@ nominal = rig.frequency_response("theta_1", "T_T", f)
 receptance = np.degrees(family.magnitude[:, :, 0, 0])
 low, high = np.percentile(receptance, [5, 95], axis=0)
 
-figure, axes = plt.subplots(layout="constrained")
+figure, axes = plt.subplots()
 axes.fill_between(f, low, high, alpha=0.3, label="90 % of 300 drivetrains")
 axes.loglog(f, np.degrees(nominal.magnitude[:, 0, 0]), label="nominal")
 axes.set_xlabel("frequency [Hz]")
 axes.set_ylabel(r"$|\theta_1 / T_T|$ [deg/(N m)]")
 axes.legend()
-axes.grid(which="both", alpha=0.3)
 
 # %%
 # Which parameter is behind it? The height of the peak scatters with the damping of the flywheel, its frequency with

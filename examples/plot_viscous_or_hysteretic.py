@@ -12,6 +12,8 @@ import numpy as np
 import torsionnet as tn
 from torsionnet import plot
 
+plt.style.use(plot.STYLE)
+
 rig = tn.load("dmf_rig")
 
 
@@ -37,12 +39,11 @@ figure = plot.bode(responses, conventions=deg, labels=list(models), title="DMF r
 
 # %%
 # On a linear scale of frequency the difference is plain: with hysteresis a lag remains down to 0 Hz.
-low, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
+low, axes = plt.subplots()
 for label, response in zip(models, responses, strict=True):
     axes.plot(frequencies, response.phase[:, 0, 0], label=label)
 axes.set(xlim=(0, 10), ylim=(-100, 5), xlabel="frequency [Hz]", ylabel="phase [deg]")
-axes.grid(visible=True, color="#dddddd")
-axes.legend(fontsize=8)
+axes.legend()
 
 # %%
 # The test of the rig has its peak at 8 Hz with -64 deg, and lags at low frequency as no viscous model does.

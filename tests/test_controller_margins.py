@@ -102,6 +102,19 @@ class TestMargins:
         assert drawn[inside] == pytest.approx(margins.loop[inside])
         assert plane.lines[3].get_xydata().tolist() == [[-1, 0]]
 
+    def test_nyquist_shows_phases_as_a_line_where_the_loop_matters(self):
+        margins = speed_loop().loop_margins()
+        _, size, phase = tn.plot.nyquist(margins).axes
+        (f, degrees), low, high = phase.lines[0].get_data(), *phase.get_xlim()
+        shown = (margins.frequencies >= low) & (margins.frequencies <= high)
+        assert 0 < shown.sum() < len(shown)
+        left_out = np.abs(margins.loop[~shown])
+        assert np.all((left_out > 100) | (left_out < 0.01))
+        assert degrees[~np.isnan(f)] == pytest.approx(np.degrees(np.angle(margins.loop[shown])))
+        assert np.nanmax(np.abs(np.diff(degrees))) <= 180
+        assert phase.lines[0].get_linestyle() == "-"
+        assert size.lines[0].get_xdata()[0] == low
+
     def test_names(self):
         plant = tn.Drivetrain("plain", shaft_loop(-1)[:-1])
         with pytest.raises(tn.UsageError, match="margins need an element that acts by itself"):

@@ -587,7 +587,9 @@ class TestWorstCase:
         run = self.rig(misfire="each").order_response("twist(crank3)")
         worst = int(run.half_range[:, 0].argmax())
         assert f"at {run.rpm[worst]:.6g} rpm: {run.cases()[worst]}" in run.table().to_text()
-        assert [row[-1] for row in run.long_table().rows[:: len(run.lines)]] == list(run.cases())
+        assert [row[-1] for row in run.long_table().rows[:: len(run.lines)]] == list(
+            run.cases()
+        )  # no line meets another
 
     def test_two_engines_misfire_together(self):
         """Every pair of cylinders is a case."""

@@ -80,5 +80,5 @@ def test_what_is_worse_is_left():
     test = measured(noise=0.01)
     values = test.data.values.copy()
     values[:4] *= 3
-    fit = tn.identify(string(635.0), replace(test, data=replace(test.data, values=values)), ["L"], loss="soft_l1")
+    fit = tn.identify(string(642.0), replace(test, data=replace(test.data, values=values)), ["L"], loss="soft_l1")
     assert fit.values["L"] == pytest.approx(TRUE, rel=0.01)

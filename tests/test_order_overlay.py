@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,6 +74,8 @@ class TestCommand:
         """Two excitations with one frequency, of shafts that turn differently, and several configurations in a file."""
         output = ["--output", "torque(shaft)", "--output", "f"]
         run("orders", "plant.yaml", "-c", "all", *output, "--csv", "all.csv")
+        sums = [row for row in Path("all.csv").read_text(encoding="utf-8").splitlines() if " + " in row]
+        assert len(sums) == len({tuple(row.split(",")[:2]) for row in sums}) > 10
         text = run("orders", "plant.yaml", "-c", "smooth", *output, "--measured", "all.csv").stdout
         assert [float(row.split()[6]) for row in re.findall(r"^ *6 .*", text, re.MULTILINE)] == pytest.approx(
             [0, 0], abs=1e-6

@@ -39,6 +39,7 @@ def test_pictures_under_the_name_of_reports(name):
 
 
 LATER = {
+    "STYLE",
     "contour_map",
     "damper_design",
     "damper_over_conditions",

@@ -1,11 +1,14 @@
 """Verdicts, utilisations, barred ranges and largest orders do not depend on the step of speeds."""
 
+import csv
+import json
 import math
 
 import numpy as np
 import pytest
 from dense_speeds import HIGH, LOW, RPM, Chain
 from ship_plant import SHIP
+from test_cli import run
 from test_limits import hump, m68, stressed
 
 import torsionnet as tn
@@ -272,6 +275,20 @@ class TestOrdersOfOneFrequency:
         assert rows["screw 4"] == pytest.approx(20, rel=1e-4)
         assert rows["engine 4 + screw 4"] == pytest.approx(together, rel=1e-4)
         assert not [name for name in rows if "engine 2 +" in name]
+
+    def test_they_are_written_apart_and_as_their_sum(self, tmp_path):
+        plant, written = tmp_path / "ship.yaml", tmp_path / "orders.csv"
+        plant.write_text(self.fan().to_yaml(), encoding="utf-8")
+        text = run("orders", str(plant), "--output", "torque(shaft)", "--csv", str(written), "--json").stdout
+        together = abs(30 - 20 * np.exp(2j * np.pi / 3))
+        (output,) = json.loads(text)[0]["outputs"]
+        (both,) = output["sums"]
+        assert (both["lines"], both["of_reference"]) == ("engine 4 + screw 4", 4)
+        assert np.hypot(both["real"], both["imag"]).max() == pytest.approx(together, rel=1e-4)
+        lines = csv.reader(written.read_text(encoding="utf-8").splitlines())
+        rows = [[float(cell) for cell in line[2:]] for line in lines if line[1:2] == ["engine 4 + screw 4"]]
+        assert {row[0] for row in rows} == {4}
+        assert [row[2:4] for row in rows] == [list(pair) for pair in zip(both["real"], both["imag"], strict=True)]
 
     def test_a_limit_on_each_order_is_on_the_sum(self):
         limit = {"rule": "curve", "output": "torque(shaft)", "value": "40 N*m", "measure": "each_order", "source": "x"}

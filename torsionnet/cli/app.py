@@ -82,7 +82,8 @@ class LazyGroup(click.Group):
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
     epilog="MODEL is a model file (.yaml, .yml, .json), the name of a library model, or - for standard input. "
     "Results go to stdout, messages to stderr. "
-    "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package, 5 a limit does not hold.",
+    "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package, 5 a limit does not hold, "
+    "6 a limit is not judged in all configurations.",
 )
 @click.version_option(__version__, prog_name="torsionnet")
 def app() -> None:

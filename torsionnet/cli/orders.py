@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from torsionnet.response.frequency_response import ComplexArray
     from torsionnet.response.order_comparison import MeasuredOrder
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.table import Table
@@ -134,6 +135,7 @@ def _compared(run: OrderResponse, tests: Tests, conventions: Any) -> Iterator[Ta
 
 
 def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str, Any]:
+    from torsionnet.response.order_sums import sums_of_lines
     from torsionnet.response.worst_response import WorstResponse
 
     return {
@@ -156,16 +158,28 @@ def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str
                         "order": line.order,
                         "fixed_Hz": line.fixed,
                         "of_reference": float(line.relative),
-                        "real": run.values[:, number, place].real.tolist(),
-                        "imag": run.values[:, number, place].imag.tolist(),
+                        **_complex(run.values[:, number, place]),
                     }
                     for number, line in enumerate(run.lines)
+                ],
+                "sums": [
+                    {
+                        "lines": one.name,
+                        "fixed_Hz": one.fixed,
+                        "of_reference": one.order,
+                        **_complex(run.values[:, list(one.places), place].sum(axis=1)),
+                    }
+                    for one in sums_of_lines(run.lines)
                 ],
                 **({"measured": _test_data(run, channel.name, tests)} if tests else {}),
             }
             for place, channel in enumerate(run.outputs)
         ],
     }
+
+
+def _complex(values: ComplexArray) -> dict[str, list[float]]:
+    return {"real": values.real.tolist(), "imag": values.imag.tolist()}
 
 
 def _over_angles(run: OrderResponse, place: int) -> dict[str, Any]:

@@ -276,6 +276,7 @@ OUTPUTS: dict[str, Schema] = {
                             imag=NUMBERS,
                         )
                     ),
+                    sums=listed(record(lines=TEXT, fixed_Hz=NUMBER, of_reference=NUMBER, real=NUMBERS, imag=NUMBERS)),
                 )
             ),
         )

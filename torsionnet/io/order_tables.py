@@ -16,6 +16,7 @@ from torsionnet.model.excitations.measured_columns import MeasuredLines, measure
 from torsionnet.model.excitations.order_table_file import read_order_table
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.order_comparison import MeasuredOrder
+from torsionnet.response.order_sums import is_sum_name
 
 FORM = "speed [rpm], order, amplitude [N*m]"
 UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
@@ -68,7 +69,9 @@ def _cells(path: Path) -> list[list[str]]:
 
 def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, configuration: str) -> MeasuredLines:
     """Real and imaginary parts of the output, lines of one frequency added, by orders of the reference shaft."""
-    heading, *chosen = rows
+    heading, *written = rows
+    excitation = heading.index("excitation")
+    chosen = [cells for cells in written if not is_sum_name(cells[excitation])]
     parts = {}
     for place, name in enumerate(heading):
         match = _OF_OUTPUT.fullmatch(name)

@@ -27,12 +27,14 @@ from torsionnet.plot.sobol_bars import sobol_indices
 from torsionnet.plot.stabilisation import stabilisation
 from torsionnet.plot.star_diagrams import star_diagrams
 from torsionnet.plot.study_tornado import study_tornado
+from torsionnet.plot.style import STYLE
 from torsionnet.plot.time_frequency import order_map, spectrogram, sweep_harmonics
 from torsionnet.plot.tornado import tornado
 from torsionnet.plot.waterfall import waterfall
 from torsionnet.plot.worst_variants import worst_variants
 
 __all__ = [
+    "STYLE",
     "bode",
     "circle",
     "coherence",

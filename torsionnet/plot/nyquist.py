@@ -12,8 +12,11 @@ from matplotlib.figure import Figure
 import torsionnet.plot.style as style
 
 if TYPE_CHECKING:
+    from torsionnet.response.frequency_response import FloatArray
     from torsionnet.response.loop_margins import LoopMargins
 
+FAINTEST = 0.01
+"""|L|, over the largest where that is below 1, from which on frequencies are shown; at its reciprocal they end."""
 WIDEST = 3.0
 """Magnitude up to which L is drawn to scale; beyond it is drawn on the rim."""
 
@@ -73,11 +76,14 @@ def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
     for axes in (size, phase):
         style.dress(axes)
         axes.set_xscale("log")
-    f = margins.frequencies
-    size.loglog(f, np.abs(margins.loop), color=style.PALETTE[0], linewidth=1.2)
+    shown = _that_matter(margins)
+    f, loop = margins.frequencies[shown], margins.loop[shown]
+    size.loglog(f, np.abs(loop), color=style.PALETTE[0], linewidth=1.2)
     size.axhline(1, color=style.INK, linewidth=0.6)
     size.set_ylabel("|L|")
-    phase.plot(f, np.degrees(np.angle(margins.loop)), ".", color=style.PALETTE[0], markersize=1.5)
+    phase.plot(*_broken(f, np.degrees(np.angle(loop))), color=style.PALETTE[0], linewidth=1.2)
+    if len(f) > 1:
+        phase.set_xlim(f[0], f[-1])
     phase.set_ylabel("phase of L [°]")
     phase.set_yticks([-180, -90, 0, 90, 180])
     phase.set_xlabel("frequency [Hz]")
@@ -85,3 +91,17 @@ def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
         if math.isfinite(margin.frequency):
             for axes in (size, phase):
                 axes.axvline(margin.frequency, color=color, linewidth=0.8)
+
+
+def _that_matter(margins: LoopMargins) -> slice:
+    """From the first to the last frequency at which the loop is neither almost open nor ruled by an integrator."""
+    sizes = np.abs(margins.loop)
+    low, high = FAINTEST * min(1.0, float(sizes.max(initial=0.0))), 1 / FAINTEST
+    places = np.flatnonzero((sizes >= low) & (sizes <= high))
+    return slice(int(places[0]), int(places[-1]) + 1) if len(places) > 1 else slice(None)
+
+
+def _broken(f: FloatArray, degrees: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A phase between -180 and 180 degrees, with a gap where it goes round."""
+    jumps = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
+    return np.insert(f, jumps, np.nan), np.insert(degrees, jumps, np.nan)

@@ -6,6 +6,7 @@ import math
 import textwrap
 from typing import Any
 
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
@@ -18,6 +19,17 @@ INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2
 """Inches: the text width of a page."""
+
+STYLE: dict[str, Any] = {
+    "figure.figsize": (WIDTH, 4.0), "figure.constrained_layout.use": True, "figure.facecolor": PAPER,
+    "axes.prop_cycle": cycler(color=PALETTE[: len(DASHES)], linestyle=DASHES), "lines.linewidth": 1.6,
+    "axes.grid": True, "grid.color": FAINT, "grid.linewidth": 0.7, "axes.axisbelow": True,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": MUTED,
+    "axes.labelsize": FONT, "axes.labelcolor": INK, "axes.titlesize": FONT, "axes.titlecolor": INK,
+    "xtick.labelsize": SMALL, "ytick.labelsize": SMALL, "xtick.color": MUTED, "ytick.color": MUTED,
+    "xtick.labelcolor": INK, "ytick.labelcolor": INK, "legend.frameon": False, "legend.fontsize": SMALL,
+}  # fmt: skip
+"""The look of the pictures as settings of matplotlib, for figures of one's own: ``plt.style.use(plot.STYLE)``."""
 
 FEW_DECADES = 2.5
 FEW_PHASES, MANY_PHASES = 270, 900

@@ -19,12 +19,13 @@ from torsionnet.response.engine_angles import settled
 from torsionnet.response.engine_blocks import engine_blocks, is_unsettled
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
-from torsionnet.response.order_sums import lines_of_one_frequency, sum_name, summed_sizes
+from torsionnet.response.order_sums import lines_of_one_frequency, sum_name, summed_sizes, sums_of_lines
 from torsionnet.response.synthesis import PER_PERIOD, common_cycle, extremes, synthesised
 from torsionnet.response.table import Column, Table
 
 MOST_POINTS = 4_000_000
 """Points of waveforms that are held at a time."""
+SUMS = "sums of lines of one frequency, with their phases, are what a test measures"
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
 
 
@@ -329,7 +330,7 @@ class OrderResponse:
         else:
             notes.append(self.no_cycle)
         if sums:
-            notes.append("sums of lines of one frequency, with their phases, are what a test measures")
+            notes.append(SUMS)
         if len(chosen) < len(self.lines):
             notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
         return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
@@ -341,19 +342,26 @@ class OrderResponse:
         return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
 
     def long_table(self) -> Table:
-        """Every amplitude: speed, excitation, order, then real and imaginary part of each output; SI."""
+        """Every amplitude: speed, excitation, order, then real and imaginary part of each output; SI.
+
+        Lines of one frequency, as of an engine and of the propeller on its shaft, stand apart and, below the others of
+        their speed, as their sum with its order by the reference.
+        """
         names = [(channel.name, part) for channel in self.outputs for part in ("real", "imag")]
         columns = [Column("speed", "rpm"), Column("excitation"), Column("order"), Column("frequency", "Hz")]
         columns += [Column(f"{name} {part}", self.outputs[place // 2].unit) for place, (name, part) in enumerate(names)]
+        sums = sums_of_lines(self.lines)
+        kinds = [(line.excitation, line.order, (place,)) for place, line in enumerate(self.lines)]
+        kinds += [(one.name, one.order, one.places) for one in sums]
         rows = []
         for number, speed in enumerate(self.speeds.tolist()):
-            for place, line in enumerate(self.lines):
-                cells = self.values[number, place]
+            for name, order, places in kinds:
+                cells, line = self.values[number, list(places)].sum(axis=0), self.lines[places[0]]
                 parts = [part for value in cells.tolist() for part in (value.real, value.imag)]
                 f = abs(speed * float(line.relative) / (2 * math.pi) + line.fixed)
-                rows.append((speed * RPM, line.excitation, line.order, f, *parts))
-        notes = (f"speeds of {self.reference}; {self._phases}",)
-        return Table(f"{self.title}: order response", tuple(columns), tuple(rows), notes)
+                rows.append((speed * RPM, name, order, f, *parts))
+        notes = [f"speeds of {self.reference}; {self._phases}", *([SUMS] if sums else [])]
+        return Table(f"{self.title}: order response", tuple(columns), tuple(rows), tuple(notes))
 
     @property
     def no_cycle(self) -> str:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
+
+AND = " + "
+"""Between the lines of a sum."""
 
 
 class Summable(Protocol):
@@ -43,9 +47,53 @@ def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
     return list(found.values())
 
 
+@dataclass(frozen=True)
+class LineSum:
+    """Several lines of one frequency.
+
+    Attributes
+    ----------
+    name : str
+        As ``engine 4 + propeller 4``.
+    order : float
+        Periods per revolution of the reference shaft.
+    fixed : float
+        Frequency that is added to that of the order, Hz.
+    places : tuple of int
+        Of the lines among all.
+    """
+
+    name: str
+    order: float
+    fixed: float
+    places: tuple[int, ...]
+
+
+def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
+    """The frequencies that more than one line has.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> engine = [OrderLine("engine", order, Fraction(1)) for order in (3.0, 4.0)]
+    >>> sums_of_lines([*engine, OrderLine("propeller", 2.0, Fraction(2))])
+    (LineSum(name='engine 4 + propeller 2', order=4.0, fixed=0.0, places=(1, 2)),)
+    """
+    found = [places for places in lines_of_one_frequency(lines) if len(places) > 1]
+    return tuple(
+        LineSum(sum_name([lines[one] for one in places]), float(first.relative), first.fixed, tuple(places))
+        for places, first in ((places, lines[places[0]]) for places in found)
+    )
+
+
 def sum_name(lines: Sequence[OrderLine]) -> str:
     """What the sum of some lines is called, as ``engine 4 + propeller 4``."""
-    return " + ".join(map(str, lines))
+    return AND.join(map(str, lines))
+
+
+def is_sum_name(name: str) -> bool:
+    """Whether a row of a written table is the sum of others; excitations have names without spaces."""
+    return AND in name
 
 
 def summed_sizes(run: Summable) -> FloatArray:

@@ -148,9 +148,8 @@ class WorstResponse(OrderResponse):
         found = super().long_table()
         names = [channel.name for channel in self.outputs]
         by_output = [self.cases(name) for name in names]
-        rows = tuple(
-            (*row, *(cases[number // len(self.lines)] for cases in by_output)) for number, row in enumerate(found.rows)
-        )
+        each = len(found.rows) // len(self.speeds)
+        rows = tuple((*row, *(cases[number // each] for cases in by_output)) for number, row in enumerate(found.rows))
         columns = (*found.columns, *(Column(f"{name} case") for name in names))
         return replace(found, columns=columns, rows=rows)
 
