@@ -14,6 +14,7 @@ from test_document import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.core.expression_reading import scalar
+from torsionnet.model.excitations.engine_faults import engine_remarks
 from torsionnet.model.excitations.firing import banked_phases
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import PressureTrace
@@ -348,6 +349,21 @@ class TestMeanIndicatedPressure:
             found = [fault.message for fault in rig.check() if "indicated" in fault.message]
             assert len(found) == count
         assert f"p100.csv: its mean indicated pressure is {true:.4g} bar, it stands under" in found[0]
+
+    @pytest.mark.parametrize(("ratio", "polytropic"), [(8, 1.3), (12, 1.35), (16, 1.3), (22, 1.38)])
+    @pytest.mark.parametrize("count", [72, 361, 720])
+    def test_a_list_of_half_a_cycle(self, ratio, polytropic, count):
+        """Compression and expansion of air alone: gas exchange for a revolution, or left out."""
+        turn = np.radians(np.linspace(-180, 180, count))
+        stroke = (1 - np.cos(turn) + (1 - np.sqrt(1 - (0.25 * np.sin(turn)) ** 2)) / 0.25) / 2
+        half = 2e5 * (ratio / (1 + (ratio - 1) * stroke)) ** polytropic
+        whole = [*np.full(count // 2, 2e5), *half[: -1 if count % 2 else None], *np.full(count // 2, 2e5)]
+        for pressures, zero, is_half in ((half, 180, True), (whole, 360, False)):
+            given = engine(gas={"fired": list(pressures), "zero": f"{zero * (1 + is_half)} deg"})
+            found = [
+                fault.message for fault in engine_remarks(given, None) if "too long for a cylinder" in fault.message
+            ]
+            assert len(found) == is_half
 
     def test_a_peak_far_from_firing_is_asked_about(self, tmp_path):
         rig = tn.load(in_file(tmp_path, "{fired: p100.csv, zero: 360 deg}"))

@@ -13,11 +13,15 @@ from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
 from torsionnet.model.excitations.firing import unlike_crank
 from torsionnet.model.excitations.order_excitation import FloatArray
+from torsionnet.model.excitations.pressure_trace import PressureTrace
 
 CLEARLY = 0.1
 """Share by which the mean indicated pressure of a trace may differ from what is said of it."""
 LATEST_PEAK = math.radians(60)
 """After firing top dead centre, or before: where a cylinder of a four-stroke engine has its highest pressure."""
+WIDEST_PEAK = 70.0
+"""Degrees above half of the largest pressure, of a four-stroke engine: 65 where air is compressed to an eighth, 36 to a
+twenty-second; on half of the cycle, stretched over the whole, twice that."""
 STROKES = {2: "two", 4: "four"}
 
 
@@ -159,6 +163,7 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
     for path, trace in gas.all_traces:
         if trace.note:
             yield Fault(trace.note, ("gas", *path), severity="note")
+        yield from _stretched(engine, path, trace)
     fired = {"fired": gas.fired} if gas.fired else {}
     for trace in (*fired.values(), *(gas.traces or {}).values()):
         angles, _ = trace.tangential(engine.crank.ratio, engine.revolutions, gas.zero, 0.0)
@@ -176,3 +181,15 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
             gas.fired_harmonics(engine.crank, engine.acting_orders[:1], engine.indicated_pressures(speeds))
         except UsageError as error:
             yield Fault(str(error), ("load",))
+
+
+def _stretched(engine: EngineEntries, path: tuple[str, ...], trace: PressureTrace) -> Iterator[Fault]:
+    """A list of one revolution in the place of a cycle, which has two."""
+    pressures = np.array(trace.values)
+    wide = 360 * engine.revolutions * float(np.mean(pressures >= pressures.max() / 2))
+    if engine.cycle == 4 and trace.revolutions is None and wide > WIDEST_PEAK:
+        text = f"the pressure is above half of its largest for {wide:.3g} deg, too long for a cylinder"
+        meant = (
+            "a list covers the whole cycle, 720 deg; does this one cover 360 deg? Add the gas exchange, or give a file"
+        )
+        yield Fault(f"{text}: {meant} with crank angles", ("gas", *path), severity="warning")
