@@ -198,3 +198,12 @@ def test_a_condition_has_a_torque_curve_and_a_damping_of_its_own():
     assert abs(mean.values[0, 0]) == pytest.approx(600e3 / (750 / 4.94 * math.pi / 30) * 0.5**1.5)
     (law,) = zero.elements["screw"].parts(Values(zero.exact_values))
     assert float(law.damping) == 12e3
+
+
+@pytest.mark.parametrize(("speed", "warns"), [("151.8 rpm", False), ("151 rpm", True)])
+def test_an_element_calculated_at_a_speed_of_its_own_is_compared(speed, warns):
+    """The propeller's damping of 151 rpm, 0.54 % beside the 151.822 rpm at which it turns behind the gear."""
+    text = SHIP.replace("  n: {by: speed, of: prop}\n", "")
+    found = said(text.replace("torque: Q, speed: n", f"torque: Q, speed: {speed}"))
+    words = "screw is calculated at 151 rpm, but turns at 151.822 rpm at the operating point"
+    assert found == ({"elements.screw.speed": words} if warns else {})

@@ -62,7 +62,11 @@ class ModelCommand(Command):
             raise click.UsageError(why)
 
     def joined(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
-        """One table out of one per case, with the configuration in the first column if one was named."""
+        """One table out of one per case, with the configuration in the first column if one was named.
+
+        Equal notes stand once; those that are not of all cases begin with the configurations they are of.
+        """
+        from torsionnet.response.equal_remarks import concerned, gathered
         from torsionnet.response.table import Column
 
         first = tables[0]
@@ -70,13 +74,15 @@ class ModelCommand(Command):
             return first
         pairs = list(zip(cases, tables, strict=True))
         rows = tuple((case.configuration, *row) for case, table in pairs for row in table.rows)
-        shared = set(first.notes).intersection(*(table.notes for table in tables))
-        notes = [
-            note if note in shared else f"{case.configuration}: {note}" for case, table in pairs for note in table.notes
-        ]
+        known = list(dict.fromkeys(case.configuration for case in cases))
+        said = (("", case.configuration, note) for case, table in pairs for note in table.notes)
+        notes = tuple(
+            note if len(names) == len(known) else f"{concerned(names, known)}: {note}"
+            for _, names, note in gathered(said)
+        )
         title = cases[0].drivetrain.name if len(cases) > 1 else first.title
         columns = (Column("configuration"), *first.columns)
-        return replace(first, title=title, columns=columns, rows=rows, notes=tuple(dict.fromkeys(notes)))
+        return replace(first, title=title, columns=columns, rows=rows, notes=notes)
 
 
 def _of(fault: Fault, changed: Drivetrain) -> Fault:

@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.equal_remarks import gathered
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans
 from torsionnet.response.table import Column, Table
@@ -239,8 +240,8 @@ class LimitCheck:
         )
         rows = tuple(self._row(one, conventions) for one in self.verdicts)
         notes = [f"speeds of {self.reference}, {self.rpm[0]:g} to {self.rpm[-1]:g} rpm", *self.notes]
-        for one in self.verdicts:
-            notes += [f"{one.limit}, {one.criterion}: {remark}" for remark in one.remarks]
+        said = ((f"{one.limit}, {one.criterion}", "", text) for one in self.verdicts for text in one.remarks)
+        notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in gathered(said)]
         for text, names in self.texts().items():
             notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}", f"  not covered: {text.not_covered}"]
         return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))

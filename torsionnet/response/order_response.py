@@ -351,12 +351,12 @@ class OrderResponse:
         columns = [Column("speed", "rpm"), Column("excitation"), Column("order"), Column("frequency", "Hz")]
         columns += [Column(f"{name} {part}", self.outputs[place // 2].unit) for place, (name, part) in enumerate(names)]
         sums = sums_of_lines(self.lines)
-        kinds = [(line.excitation, line.order, (place,)) for place, line in enumerate(self.lines)]
-        kinds += [(one.name, one.order, one.places) for one in sums]
+        kinds = [(line.excitation, line.order, [place]) for place, line in enumerate(self.lines)]
+        kinds += [(one.name, one.order, [*one.places]) for one in sums]
         rows = []
         for number, speed in enumerate(self.speeds.tolist()):
             for name, order, places in kinds:
-                cells, line = self.values[number, list(places)].sum(axis=0), self.lines[places[0]]
+                cells, line = self.values[number, places].sum(axis=0), self.lines[places[0]]
                 parts = [part for value in cells.tolist() for part in (value.real, value.imag)]
                 f = abs(speed * float(line.relative) / (2 * math.pi) + line.fixed)
                 rows.append((speed * RPM, name, order, f, *parts))

@@ -10,6 +10,7 @@ from torsionnet.model.checks.balance import unbalanced_torques
 from torsionnet.model.checks.curves_in_use import beyond_curves
 from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.unlike_directions import unlike_directions
+from torsionnet.model.checks.working_speeds import unlike_working_speeds
 from torsionnet.model.definition import Definition
 from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques
@@ -27,7 +28,12 @@ def unfit_operation(
     misfits = unfit_load(external) or unfit_parameters(external) or beyond_curves(external)
     if misfits:
         return misfits
-    return [*unbalanced_torques(external, kinematics), *unlike_directions(external), *_unlike_at_rated_speed(external)]
+    return [
+        *unbalanced_torques(external, kinematics),
+        *unlike_directions(external),
+        *unlike_working_speeds(external),
+        *_unlike_at_rated_speed(external),
+    ]
 
 
 def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:

@@ -23,7 +23,8 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_engines import on_engines
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import capital, plain, unit
-from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, few, gravest
+from torsionnet.response.equal_remarks import concerned, gathered
+from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.response.limit_conclusion import LimitConclusion
 
 MOST_DRAWN = 8
@@ -150,19 +151,16 @@ def _rules(found: LimitConclusion) -> list[Block]:
 
 
 def _remarks(found: LimitConclusion) -> list[str]:
-    """What is said of a limit, once, with the configurations it is said of unless those are all."""
-    said: dict[str, dict[str, dict[str, list[str]]]] = {}
-    for check in found.checks:
-        for one in check.verdicts:
-            about = f"{plain(one.limit)}, {plain(one.criterion)}"
-            for remark in one.remarks:
-                where = said.setdefault(one.limit, {}).setdefault(remark, {})
-                where.setdefault(about, []).append(check.configuration)
+    """What is said of limits, once, with the configurations it is said of unless those are all."""
+    known = list(dict.fromkeys(check.configuration for check in found.checks))
+    said = (
+        (f"{plain(one.limit)}, {plain(one.criterion)}", check.configuration, remark)
+        for check in found.checks
+        for one in check.verdicts
+        for remark in one.remarks
+    )
     remarks = []
-    for remark, where in (pair for those in said.values() for pair in those.items()):
-        for names in dict.fromkeys(map(tuple, where.values())):
-            about = "; ".join(key for key, those in where.items() if tuple(those) == names)
-            everywhere = len(names) == len(found.checks)
-            within = "" if everywhere or not any(names) else f" (in {few(names)})"
-            remarks.append(f"{about}: {plain(remark)}{within}")
+    for abouts, names, remark in gathered(said):
+        within = f" (in {concerned(names, known)})" if len(names) < len(known) else ""
+        remarks.append(f"{'; '.join(abouts)}: {plain(remark)}{within}")
     return remarks
