@@ -200,10 +200,15 @@ def test_a_condition_has_a_torque_curve_and_a_damping_of_its_own():
     assert float(law.damping) == 12e3
 
 
+@pytest.mark.parametrize("stated", ["load", "operating_point"])
 @pytest.mark.parametrize(("speed", "warns"), [("151.8 rpm", False), ("151 rpm", True)])
-def test_an_element_calculated_at_a_speed_of_its_own_is_compared(speed, warns):
+def test_an_element_calculated_at_a_speed_of_its_own_is_compared(speed, warns, stated):
     """The propeller's damping of 151 rpm, 0.54 % beside the 151.822 rpm at which it turns behind the gear."""
-    text = SHIP.replace("  n: {by: speed, of: prop}\n", "")
-    found = said(text.replace("torque: Q, speed: n", f"torque: Q, speed: {speed}"))
-    words = "screw is calculated at 151 rpm, but turns at 151.822 rpm at the operating point"
-    assert found == ({"elements.screw.speed": words} if warns else {})
+    text = SHIP.replace("  n: {by: speed, of: prop}\n", "").replace("speed: n", f"speed: {speed}")
+    if stated == "operating_point":
+        text = text.replace("load: {absorbed_at: prop, power: 3000 kW, torque_exponent: 2}\n", "")
+        text = text.replace("  Q: {by: load, of: prop}\n", "  Q: 188.7 kN*m\n")
+        text += "operating_point: {speed: {fly: 750 rpm}}\n"
+    found = said(text).get("elements.screw.speed")
+    words = "screw is calculated at 151 rpm, but turns at 151.822 rpm with fly at 750 rpm"
+    assert found == (words if warns else None)

@@ -1,11 +1,11 @@
-"""Speeds that elements state for themselves beside those that the operating point gives their nodes."""
+"""Speeds that elements state for themselves beside those that the load or operating point gives their nodes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import RPM
 from torsionnet.model.elements.element import Element
@@ -18,15 +18,28 @@ ENTRY, OF_SPEED = "speed", 0.005
 
 
 def unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
-    """Warnings about elements that are calculated at another speed than their shaft has at the operating point."""
-    turning = external.mean_speeds
-    stated = [(one, speed) for one in external.definition.active if (speed := _stated(one)) and turning]
-    values = _values(external) if stated else {}
-    for element, speed in stated:
+    """Warnings about elements that are calculated at another speed than the load or the operating point gives them."""
+    stated = [(one, speed) for one in external.definition.active if (speed := _stated(one))]
+    turning = _speeds(external) if stated else {}
+    values = _values(external) if turning else {}
+    for element, speed in stated if turning else ():
         own, expected = abs(float(speed.evaluate(values))), _turning(element, turning)
         if expected and abs(own - expected) > OF_SPEED * expected:
-            text = f"{element.name} is calculated at {own * RPM:.6g} rpm, but turns at {expected * RPM:.6g} rpm"
-            yield Fault(f"{text} at the operating point", ("elements", element.name, ENTRY), "warning")
+            reference = external.reference
+            where = f" with {reference} at {abs(turning[reference]) * RPM:.6g} rpm" if reference in turning else ""
+            text = f"{element.name} is calculated at {own * RPM:.6g} rpm, but turns at {expected * RPM:.6g} rpm{where}"
+            yield Fault(text, ("elements", element.name, ENTRY), "warning")
+
+
+def _speeds(external: ExternalTorques) -> dict[str, float]:
+    """Speed in rad/s of nodes about which the model is linear; empty where nothing says one."""
+    if external.mean_speeds or not external.definition.load:
+        return external.mean_speeds
+    try:
+        reference = external.operating_speed
+    except UsageError:
+        return {}
+    return {node: ratio * reference for node, ratio in external.ratios.items()}
 
 
 def _stated(element: Element) -> Expression | None:
