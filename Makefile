@@ -14,7 +14,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops mutation fuzz lint format types generate docs bench bench-short clean
+.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move outputs mutation fuzz lint format types generate docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -54,6 +54,13 @@ structure: $(VENV)/.group-test  ## counts: code lines, import circles, doubled n
 
 hops: $(VENV)/.group-test  ## which functions a stiffness, a frequency and a sensor's name pass
 	PYTHONPATH=tests $(RUN) -m structure.hops $(ARGS)
+
+move: $(VENV)/.group-test  ## a module elsewhere, with all that names it: make move OLD=solve/tape NEW=solve/elimination/tape
+	PYTHONPATH=tests $(RUN) -m structure.move $(OLD) $(NEW)
+	$(MAKE) format
+
+outputs: $(VENV)/.group-test  ## what every command says of every library model: ARGS="record A", ARGS="same A B"
+	PYTHONPATH=tests $(RUN) -m structure.outputs $(ARGS)
 
 mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test notice?
 	PYTHONPATH=tests $(RUN) -m mutation $(ARGS)

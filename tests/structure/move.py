@@ -1,0 +1,156 @@
+"""``make move OLD=... NEW=...``: a module or folder in another place, with all that names it.
+
+OLD and NEW are paths below ``torsionnet``; OLD alone is a file with one such pair a line, all moved at once. Imports in the
+package, tests, examples and benchmarks follow, as do dotted names and paths in texts, the table of mutation among them.
+The folder that a module moves to has an ``__init__.py`` already: the one sentence on what it holds.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import libcst as cst
+from libcst.helpers import get_full_name_for_node
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = "torsionnet"
+TEXTS = {".py", ".pyi", ".md", ".toml", ".rst", ".txt", ""}
+"""Endings of files in which modules are named."""
+DONE = "_moved_"
+"""Before names that are new already, until all are."""
+
+
+def moves(pairs: Iterable[tuple[str, str]], root: Path) -> dict[str, str]:
+    """Dotted names of modules and what they become, a folder with everything below it.
+
+    Raises
+    ------
+    SystemExit
+        What is to be moved is missing, the new place is taken, or its folder has no ``__init__.py``.
+    """
+    found: dict[str, str] = {}
+    for old, new in pairs:
+        source = root / PACKAGE / old
+        target = root / PACKAGE / new
+        files = sorted(source.rglob("*.py")) if source.is_dir() else [source.with_suffix(".py")]
+        if not files or not files[0].is_file():
+            raise SystemExit(f"there is no {PACKAGE}/{old}")
+        if not (target.parent / "__init__.py").is_file():
+            raise SystemExit(f"write {(target.parent / '__init__.py').relative_to(root)} first: what does it hold?")
+        if target.with_suffix(".py").exists() or (target / "__init__.py").exists():
+            raise SystemExit(f"there is a {PACKAGE}/{new} already")
+        for file in files:
+            below = file.relative_to(source) if source.is_dir() else Path()
+            found[dotted(file.relative_to(root))] = dotted((target / below).relative_to(root))
+    return found
+
+
+def dotted(path: Path) -> str:
+    """The name of a module from its path, a package under its own."""
+    parts = path.with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+class _SplitImports(cst.CSTTransformer):
+    """``from a import b`` of a module b that moves becomes an import from where b will be."""
+
+    def __init__(self, names: Mapping[str, str]) -> None:
+        super().__init__()
+        self.names = names
+
+    def leave_SimpleStatementLine(
+        self, original_node: cst.SimpleStatementLine, updated_node: cst.SimpleStatementLine
+    ) -> cst.BaseStatement | cst.FlattenSentinel[cst.BaseStatement]:
+        del original_node
+        (statement, *others) = updated_node.body
+        if others or not isinstance(statement, cst.ImportFrom) or isinstance(statement.names, cst.ImportStar):
+            return updated_node
+        base = get_full_name_for_node(statement.module) if statement.module else None
+        moving = [alias for alias in statement.names if f"{base}.{alias.name.value}" in self.names]
+        if not moving:
+            return updated_node
+        staying = [
+            alias.with_changes(comma=cst.MaybeSentinel.DEFAULT) for alias in statement.names if alias not in moving
+        ]
+        lines = [updated_node.with_changes(body=[statement.with_changes(names=staying)])] if staying else []
+        return cst.FlattenSentinel([*lines, *(self._line(f"{base}.{alias.name.value}", alias) for alias in moving)])
+
+    def _line(self, old: str, alias: cst.ImportAlias) -> cst.SimpleStatementLine:
+        package, _, name = self.names[old].rpartition(".")
+        used = alias.evaluated_alias or alias.evaluated_name
+        shown = name if used == name else f"{name} as {used}"
+        line = cst.parse_statement(f"from {DONE}{package} import {shown}")
+        assert isinstance(line, cst.SimpleStatementLine)
+        return line
+
+
+def rewritten(text: str, names: Mapping[str, str], *, code: bool) -> str:
+    """A text in which moved modules have their new names, dotted or as paths.
+
+    Examples
+    --------
+    >>> names = {"torsionnet.solve.modes": "torsionnet.solve.modes.modes"}
+    >>> print(rewritten("from torsionnet.solve import grid, modes\\n# see solve/modes.py", names, code=True))
+    from torsionnet.solve import grid
+    from torsionnet.solve.modes import modes
+    # see solve/modes/modes.py
+    """
+    if code and re.search(r"^\s*from torsionnet[\w.]* import ", text, re.MULTILINE):
+        text = cst.parse_module(text).visit(_SplitImports(names)).code
+    text = _replaced(text, names, before=r"(?<![\w.])", after=r"(?!\w)").replace(DONE, "")
+    paths = {old.replace(".", "/"): new.replace(".", "/") for old, new in names.items()}
+    short = {old.partition("/")[2]: new.partition("/")[2] for old, new in paths.items()}
+    text = _replaced(text, paths, before=r"(?<![\w/])", after=r"(?![\w/])")
+    return _replaced(
+        text, {f"{old}.py": f"{new}.py" for old, new in short.items() if "/" in old}, r"(?<![\w/.])", r"\b"
+    )
+
+
+def _replaced(text: str, pairs: Mapping[str, str], before: str, after: str) -> str:
+    """The longest first, all in one pass, so that nothing is replaced twice."""
+    if not pairs:
+        return text
+    words = "|".join(re.escape(old) for old in sorted(pairs, key=len, reverse=True))
+    return re.sub(f"{before}(?:{words}){after}", lambda found: pairs[found[0]], text)
+
+
+def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
+    """Rewrite everything that names the modules, and let git move their files."""
+    names = moves(pairs, root)
+    for path in _texts(root):
+        before = path.read_text(encoding="utf-8")
+        after = rewritten(before, names, code=path.suffix in {".py", ".pyi"})
+        if after != before:
+            path.write_text(after, encoding="utf-8")
+    for old, new in names.items():
+        source, target = root / old.replace(".", "/"), root / new.replace(".", "/")
+        if source.is_dir():
+            source, target = source / "__init__.py", target / "__init__.py"
+        else:
+            source, target = source.with_suffix(".py"), target.with_suffix(".py")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run(["git", "mv", str(source), str(target)], cwd=root, check=True)
+
+
+def _texts(root: Path) -> Iterator[Path]:
+    listed = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard"], cwd=root, check=True, capture_output=True, text=True
+    ).stdout
+    for name in listed.splitlines():
+        path = root / name
+        if path.suffix in TEXTS and path.is_file() and not path.is_symlink():
+            yield path
+
+
+if __name__ == "__main__":
+    match sys.argv[1:]:
+        case [table]:
+            move([tuple(line.split()) for line in Path(table).read_text("utf-8").splitlines() if line.strip()])
+        case [old, new]:
+            move([(old, new)])
+        case _:
+            sys.exit(__doc__)
