@@ -29,7 +29,7 @@ def tree(tmp_path):
             "torsionnet/solve/grid.py": "from torsionnet.solve import modes\n\nVALUE = modes.VALUE + 1\n",
             "torsionnet/solve/batch/__init__.py": "from torsionnet.solve.batch.walk import VALUE\n",
             "torsionnet/solve/batch/walk.py": "from torsionnet.solve.grid import VALUE\n",
-            "torsionnet/solve/modes_of/__init__.py": '"""Modes."""\n',
+            "torsionnet/solve/modes/__init__.py": '"""Modes."""\n',
             "tests/test_one.py": "from torsionnet.solve import batch, grid, modes as m\n\n\nSUM = batch.VALUE + grid.VALUE + m.VALUE\n",
             "docs/way.md": "`solve/modes.py`, `torsionnet.solve.modes.VALUE`, torsionnet/solve/batch, other/solve/modes.py\n",
         },
@@ -38,14 +38,14 @@ def tree(tmp_path):
 
 
 def test_what_names_a_module_follows_it(tree):
-    move([("solve/modes", "solve/modes_of/modes"), ("solve/batch", "solve/modes_of/batch")], tree)
+    move([("solve/modes", "solve/modes/modes"), ("solve/batch", "solve/modes/batch")], tree)
     assert not (tree / "torsionnet/solve/modes.py").exists()
     assert not (tree / "torsionnet/solve/batch/walk.py").exists()
     code = "import sys; sys.path.insert(0, 'tests'); import test_one; print(test_one.SUM)"
     done = subprocess.run([sys.executable, "-c", code], cwd=tree, check=True, capture_output=True, text=True)
     assert done.stdout == "5\n"
     assert (tree / "docs/way.md").read_text("utf-8") == (
-        "`solve/modes_of/modes.py`, `torsionnet.solve.modes_of.modes.VALUE`, torsionnet/solve/modes_of/batch, "
+        "`solve/modes/modes.py`, `torsionnet.solve.modes.modes.VALUE`, torsionnet/solve/modes/batch, "
         "other/solve/modes.py\n"
     )
 
@@ -62,7 +62,7 @@ def test_names_that_only_begin_alike_stay():
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
-        ("solve/mode", "solve/modes_of/mode", "there is no torsionnet/solve/mode"),
+        ("solve/mode", "solve/modes/mode", "there is no torsionnet/solve/mode"),
         ("solve/modes", "solve/none/modes", "__init__.py first"),
         ("solve/modes", "solve/grid", "there is a torsionnet/solve/grid already"),
     ],

@@ -36,7 +36,8 @@ def moves(pairs: Iterable[tuple[str, str]], root: Path) -> dict[str, str]:
     for old, new in pairs:
         source = root / PACKAGE / old
         target = root / PACKAGE / new
-        files = sorted(source.rglob("*.py")) if source.is_dir() else [source.with_suffix(".py")]
+        alone = source.with_suffix(".py").is_file()
+        files = [source.with_suffix(".py")] if alone else sorted(source.rglob("*.py"))
         if not files or not files[0].is_file():
             raise SystemExit(f"there is no {PACKAGE}/{old}")
         if not (target.parent / "__init__.py").is_file():
@@ -44,7 +45,7 @@ def moves(pairs: Iterable[tuple[str, str]], root: Path) -> dict[str, str]:
         if target.with_suffix(".py").exists() or (target / "__init__.py").exists():
             raise SystemExit(f"there is a {PACKAGE}/{new} already")
         for file in files:
-            below = file.relative_to(source) if source.is_dir() else Path()
+            below = Path() if alone else file.relative_to(source)
             found[dotted(file.relative_to(root))] = dotted((target / below).relative_to(root))
     return found
 
@@ -128,10 +129,10 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
             path.write_text(after, encoding="utf-8")
     for old, new in names.items():
         source, target = root / old.replace(".", "/"), root / new.replace(".", "/")
-        if source.is_dir():
-            source, target = source / "__init__.py", target / "__init__.py"
-        else:
+        if source.with_suffix(".py").is_file():
             source, target = source.with_suffix(".py"), target.with_suffix(".py")
+        else:
+            source, target = source / "__init__.py", target / "__init__.py"
         target.parent.mkdir(parents=True, exist_ok=True)
         subprocess.run(["git", "mv", str(source), str(target)], cwd=root, check=True)
 
