@@ -22,7 +22,7 @@ from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
 
 RUNS = sized(5, 1)
 N_LOOP = sized(40, 3)

@@ -32,6 +32,11 @@ from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS
+from torsionnet.model.element_base.damping_entries import LossFactor
+from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.element_base.several import Several
+from torsionnet.model.element_base.shaft_stiffness import ShaftStiffness
+from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import (
     ELEMENT_TYPES,
     GROUND,
@@ -45,11 +50,6 @@ from torsionnet.model.elements import (
     element_classes,
     make_element,
 )  # fmt: skip
-from torsionnet.model.elements.damping_entries import LossFactor
-from torsionnet.model.elements.nodes import NodeName, NodePair
-from torsionnet.model.elements.several import Several
-from torsionnet.model.elements.shaft_stiffness import ShaftStiffness
-from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.wording import replaceable
 

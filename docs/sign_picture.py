@@ -10,9 +10,10 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from torsionnet.plot import emblems, outlines, style
-from torsionnet.plot.canvas import painted
-from torsionnet.plot.pieces import Piece, Stroke, Texts, arc, text_width
+from torsionnet.plot.drawing import style
+from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts, arc, text_width
+from torsionnet.plot.schematic import emblems, outlines
+from torsionnet.plot.schematic.canvas import painted
 
 EDGE = 12.0
 RC = {"svg.hashsalt": "torsionnet", "svg.fonttype": "path"}

@@ -8,10 +8,10 @@ from pathlib import Path
 from sign_picture import EDGE, save
 
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot import emblems, glyphs, outlines, strands
-from torsionnet.plot.branch_lines import Drop, Stage
-from torsionnet.plot.canvas import painted
-from torsionnet.plot.pieces import Piece, Stroke
+from torsionnet.plot.drawing.pieces import Piece, Stroke
+from torsionnet.plot.schematic import emblems, glyphs, outlines, strands
+from torsionnet.plot.schematic.branch_lines import Drop, Stage
+from torsionnet.plot.schematic.canvas import painted
 
 BETWEEN = 60.0
 

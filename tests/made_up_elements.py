@@ -6,9 +6,9 @@ from typing import Any
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
+from torsionnet.model.element_base.laws import difference, make_row
+from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Constraint, Element, Law
-from torsionnet.model.elements.laws import difference, make_row
-from torsionnet.model.elements.nodes import NodeName, NodePair
 
 GLYPHS = sorted({cls.glyph for cls in ELEMENT_TYPES.values()} | {"", "a glyph nobody knows"})
 

@@ -10,11 +10,11 @@ from models import EVERY_ELEMENT, around
 
 import torsionnet as tn
 from torsionnet.model.model import Model
-from torsionnet.solve import quotient
 from torsionnet.solve.batch import batched_responses as module
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.transfer_request import remembered, usable
+from torsionnet.solve.dynamic_stiffness import quotient
+from torsionnet.solve.dynamic_stiffness.transfer_request import remembered, usable
 
 F = np.array([0.31, 2.2, 17.0, 91.0])
 methods = pytest.mark.parametrize("method", ["graph", "compiled"])

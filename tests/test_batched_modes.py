@@ -13,7 +13,7 @@ import torsionnet as tn
 from torsionnet.core.errors import ModelError
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_modes import batched_modes, single_modes
-from torsionnet.solve.modes import natural_modes
+from torsionnet.solve.modes.modes import natural_modes
 
 LIBRARY = [
     "amt_rig",

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
-from torsionnet.model.elements.shaft_stiffness import ShaftEnd, ShaftTwist
-from torsionnet.solve.continuous_damped import damped_modes
+from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
+from torsionnet.solve.modes.continuous_damped import damped_modes
+from torsionnet.solve.modes.sturm import negative_pivots
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import parametric_response
-from torsionnet.solve.sturm import negative_pivots
 
 G, RHO, D, L = 79.3e9, 7850.0, 0.1, 2.0
 POLAR = np.pi * D**4 / 32

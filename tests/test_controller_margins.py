@@ -156,7 +156,7 @@ configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
         assert fault.path == ("elements", "governor")
 
     def test_is_not_asked_where_nothing_feeds(self, monkeypatch):
-        from torsionnet.solve import stability
+        from torsionnet.solve.modes import stability
 
         monkeypatch.setattr(stability, "natural_modes", lambda _: pytest.fail("modes were calculated"))
         tn.Drivetrain("plain", shaft_loop(-1)[:-1]).check()

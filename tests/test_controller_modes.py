@@ -10,8 +10,8 @@ from scipy.special import lambertw
 from test_controller import Plant
 
 import torsionnet as tn
-from torsionnet.solve.active_pencil import ActivePencil
-from torsionnet.solve.state_space import state_space
+from torsionnet.solve.dynamic_stiffness.state_space import state_space
+from torsionnet.solve.modes.active_pencil import ActivePencil
 
 
 def governed(law, delay=0, inertia=3.0, quantity="velocity", **more):

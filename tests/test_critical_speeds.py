@@ -13,9 +13,9 @@ import torsionnet as tn
 from torsionnet.plot import interference_diagram, star_diagrams
 from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
 from torsionnet.response.vibration_mode import amplification
-from torsionnet.solve.generalised_force import star_diagram
+from torsionnet.solve.running.generalised_force import star_diagram
+from torsionnet.solve.running.speed_peaks import SAME
 from torsionnet.solve.sensitivity import mode_sensitivities
-from torsionnet.solve.speed_peaks import SAME
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.variant_block import VariantBlock
 

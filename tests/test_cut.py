@@ -5,8 +5,8 @@ import pytest
 from models import geared_line
 
 import torsionnet as tn
-from torsionnet.solve.pencil import measured_poles
-from torsionnet.solve.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import ask
+from torsionnet.solve.modes.pencil import measured_poles
 
 
 def residue(model, output, measured, pole):

@@ -7,7 +7,7 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, spectrogram
-from torsionnet.solve.peaks import _standing_out
+from torsionnet.solve.responses.peaks import _standing_out
 
 RATE = 4000.0
 

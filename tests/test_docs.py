@@ -370,13 +370,15 @@ def test_there_is_a_gallery():
 @pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_example_draws(path, workplace, capsys):
+    import matplotlib as mpl
     import matplotlib.pyplot as plt
     from matplotlib.figure import Figure
 
-    names = runpy.run_path(str(path))
-    figures = [value for value in names.values() if isinstance(value, Figure)]
-    assert figures
-    for number, figure in enumerate(figures):
-        figure.savefig(workplace / f"{number}.png")
+    with mpl.rc_context():
+        names = runpy.run_path(str(path))
+        figures = [value for value in names.values() if isinstance(value, Figure)]
+        assert figures
+        for number, figure in enumerate(figures):
+            figure.savefig(workplace / f"{number}.png")
     plt.close("all")
     capsys.readouterr()

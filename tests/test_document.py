@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.cli.report import command as report_command
+from torsionnet.cli.commands.report import command as report_command
 from torsionnet.core.number_text import aligned
 from torsionnet.model.report import SECTIONS
 from torsionnet.report import Measured, make_report

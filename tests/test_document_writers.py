@@ -321,7 +321,7 @@ def _runs(lines):
 
 
 def test_names_in_svg_are_unique_and_all_used():
-    from torsionnet.plot.rendering import inline_svg
+    from torsionnet.plot.drawing.rendering import inline_svg
 
     rig = tn.load("dmf_rig")
     figure = tn.plot.bode(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 30)))

@@ -11,12 +11,12 @@ import torsionnet as tn
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import UsageError
+from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
+from torsionnet.model.element_base.element import Element
+from torsionnet.model.element_base.laws import difference
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import Law
-from torsionnet.model.elements.dynamic_stiffness import ScaledStiffness
-from torsionnet.model.elements.element import Element
-from torsionnet.model.elements.laws import difference
-from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import parametric_response
 

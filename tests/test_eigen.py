@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
-from torsionnet.solve import refine
-from torsionnet.solve import spectrum as spectrum_module
-from torsionnet.solve.eigen import complex_modes, undamped_modes
-from torsionnet.solve.nullspace import unresisted
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.modes import refine
+from torsionnet.solve.modes import spectrum as spectrum_module
+from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
 
 # --- builders -------------------------------------------------------------------------------------------------------
 

@@ -12,8 +12,8 @@ import torsionnet as tn
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import spec_of
+from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.elements import ELEMENT_TYPES, Action, Constraint, Law, Values, make_element
-from torsionnet.model.elements.nodes import NodeName, NodePair
 
 KINDS = sorted(ELEMENT_TYPES)
 

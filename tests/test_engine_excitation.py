@@ -23,8 +23,8 @@ from torsionnet.model.excitations.slider_crank import inertia_harmonics
 from torsionnet.model.files.changing import Place, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
-from torsionnet.solve import worst_combination
-from torsionnet.solve.worst_combination import Contributions, largest_amplitudes
+from torsionnet.solve.running import worst_combination
+from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes
 
 ORDERS = np.arange(0.5, 12.1, 0.5)
 OMEGA = np.array([60.0, 80.0])
@@ -593,7 +593,7 @@ class TestWorstCase:
 
     def test_parts_of_the_speeds_do_not_matter(self, monkeypatch):
         whole = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
-        monkeypatch.setattr("torsionnet.solve.operating_groups.TOGETHER", 2)
+        monkeypatch.setattr("torsionnet.solve.running.operating_groups.TOGETHER", 2)
         parts = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
         assert parts.values == pytest.approx(whole.values, rel=1e-12)
         assert parts.cases() == whole.cases()

@@ -13,7 +13,7 @@ import torsionnet as tn
 from torsionnet.report.document_tree import Listing
 from torsionnet.report.report import make_report
 from torsionnet.response.equal_remarks import concerned, gathered
-from torsionnet.solve.limit_check import MISFIRING
+from torsionnet.solve.running.limit_check import MISFIRING
 
 CONDITIONS = [
     f"rubber={rubber},firing={firing}" for rubber in ("cold", "warm") for firing in ("normal", "first", "each")

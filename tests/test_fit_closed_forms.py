@@ -15,7 +15,7 @@ import torsionnet as tn
 from torsionnet.core.errors import UsageError
 from torsionnet.identification import Candidate, choose_model
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.response import Channel, FrequencyResponse
 
 F = np.array([1.0, 2.1, 3.4, 5.3, 8.2])

@@ -12,10 +12,10 @@ from test_cli_records import RIG
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
-from torsionnet.identification import segments
 from torsionnet.identification.fit_file import load_fit_plan
-from torsionnet.identification.measurement_blocks import make_block
-from torsionnet.identification.operator import windowed_estimate
+from torsionnet.identification.residuals import segments
+from torsionnet.identification.residuals.measurement_blocks import make_block
+from torsionnet.identification.residuals.operator import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, write_recording
 from torsionnet.signals.decimation import usable_up_to
 
@@ -107,7 +107,7 @@ from pathlib import Path
 import numpy as np
 import torsionnet as tn
 from torsionnet.model.bench import Acquisition, Plan, Transducer
-from torsionnet.identification.memory import demand
+from torsionnet.identification.residuals.memory import demand
 from torsionnet.signals import LinearChirp, Welch
 
 rig = tn.load("dmf_rig")

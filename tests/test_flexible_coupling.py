@@ -7,9 +7,9 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.core.expressions import Number
+from torsionnet.model.element_base.sheared_shapes import ShearedBush, ShearedDisc
+from torsionnet.model.element_base.viscoelastic import Viscoelastic
 from torsionnet.model.elements import Values
-from torsionnet.model.elements.sheared_shapes import ShearedBush, ShearedDisc
-from torsionnet.model.elements.viscoelastic import Viscoelastic
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 
 RPM = np.pi / 30

@@ -16,10 +16,10 @@ from study_blocks import singly
 from test_controller import Plant
 
 import torsionnet as tn
-from torsionnet.solve.active_pencil import ActivePencil
-from torsionnet.solve.deflated_columns import DelayedSum
-from torsionnet.solve.exact_pencil import ExactPencil
-from torsionnet.solve.zero_chains import zero_chains
+from torsionnet.solve.modes.active_pencil import ActivePencil
+from torsionnet.solve.modes.deflated_columns import DelayedSum
+from torsionnet.solve.modes.exact_pencil import ExactPencil
+from torsionnet.solve.modes.zero_chains import zero_chains
 from torsionnet.study.quantity import QUANTITIES
 
 

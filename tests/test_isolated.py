@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from torsionnet.assembly.rows import Rows
-from torsionnet.solve.isolated import free_space, settle
-from torsionnet.solve.refine import polynomial
+from torsionnet.solve.modes.isolated import free_space, settle
+from torsionnet.solve.modes.refine import polynomial
 
 J, C, SOFT, STIFF = 2.0, 3e-7, 5e-3, 7e11
 ROWS = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))

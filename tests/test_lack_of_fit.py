@@ -15,8 +15,8 @@ import torsionnet as tn
 from torsionnet.core.errors import UsageError
 from torsionnet.identification import Unknown
 from torsionnet.identification.fit_problem import make_problem
-from torsionnet.identification.instrument import without_background
-from torsionnet.identification.noise import noise_between_lines
+from torsionnet.identification.residuals.instrument import without_background
+from torsionnet.identification.residuals.noise import noise_between_lines
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import BurstRandom, LinearChirp, Signal, Welch, estimate
 

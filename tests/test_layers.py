@@ -183,8 +183,8 @@ def a_module(tmp_path, name, source):
     ("name", "source"),
     [
         ("model/gear.py", "from torsionnet.solve import modes"),
-        ("model/gear.py", "from torsionnet.solve.modes import modes"),
-        ("model/gear.py", "import torsionnet.solve.modes"),
+        ("model/gear.py", "from torsionnet.solve.modes.modes import modes"),
+        ("model/gear.py", "import torsionnet.solve.modes.modes"),
         ("model/gear.py", "from torsionnet import solve"),
         ("model/gear.py", "from torsionnet import load"),
         ("model/gear.py", "from .. import solve"),
@@ -208,7 +208,7 @@ def test_upward_import_is_found(tmp_path, name, source):
     ("name", "source"),
     [
         (
-            "solve/modes.py",
+            "solve/modes/modes.py",
             "from torsionnet.model.elements import Gear\nfrom . import time\nfrom ..core import SolveError",
         ),
         ("model/gear.py", "from .base import Element\nimport math\nfrom collections import abc"),
@@ -236,7 +236,7 @@ def test_other_imports_are_allowed(tmp_path, name, source):
     ],
 )
 def test_forbidden_thing_is_found(tmp_path, rule, source):
-    assert len(list(rule(a_module(tmp_path, "solve/modes.py", source)))) == 1
+    assert len(list(rule(a_module(tmp_path, "solve/modes/modes.py", source)))) == 1
 
 
 def test_a_circle_is_found(tmp_path):

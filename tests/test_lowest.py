@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve import eigen
-from torsionnet.solve.eigen import complex_modes, undamped_modes
-from torsionnet.solve.nullspace import null_space
+from torsionnet.solve.dynamic_stiffness.nullspace import null_space
+from torsionnet.solve.modes import eigen
+from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
 
 
 def tree(seed, n, *, damped=True, geared=True, branched=True, massless=0, ground=0, loops=0, drag=False):

@@ -7,7 +7,7 @@ import pytest
 from models import geared_line
 
 import torsionnet as tn
-from torsionnet.solve.eigen import undamped_modes
+from torsionnet.solve.modes.eigen import undamped_modes
 
 
 def test_energy_shares_by_hand():

@@ -21,11 +21,11 @@ FILE = '''
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.laws import Law, difference
+from torsionnet.model.element_base.laws import Law, difference
 
 
 @register

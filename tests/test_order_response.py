@@ -17,7 +17,7 @@ from torsionnet.plot import order_response as drawn
 from torsionnet.plot import waterfall, waveform
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve import shared_response
+from torsionnet.solve.responses import shared_response
 
 CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
          "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip
@@ -65,7 +65,7 @@ class TestManySpeeds:
     def test_speeds_do_not_depend_on_those_solved_with_them(self, monkeypatch):
         rig = plant(reference("forced_two_stroke_propulsion"))
         whole = rig.order_response("twist(thrust)")
-        monkeypatch.setattr("torsionnet.solve.operating_groups.TOGETHER", 2)
+        monkeypatch.setattr("torsionnet.solve.running.operating_groups.TOGETHER", 2)
         monkeypatch.setattr("torsionnet.response.order_response.MOST_POINTS", 1)
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)

@@ -15,7 +15,7 @@ import torsionnet as tn
 from torsionnet.core.errors import UsageError
 from torsionnet.core.groups import Groups
 from torsionnet.model.elements import GROUND, Constraint, Values
-from torsionnet.solve.modes import modes
+from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import parametric_response
 

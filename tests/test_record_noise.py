@@ -9,10 +9,10 @@ from scipy import stats
 
 import torsionnet as tn
 from torsionnet.identification.fit import load_fit
-from torsionnet.identification.quiet import quiet_windows
 from torsionnet.identification.reach import reach
+from torsionnet.identification.residuals.quiet import quiet_windows
+from torsionnet.identification.residuals.steps import PLACES, SensorSteps
 from torsionnet.identification.sources import together, two_sources
-from torsionnet.identification.steps import PLACES, SensorSteps
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Multisine, Welch, decimate
 

@@ -15,7 +15,7 @@ from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text
-from torsionnet.solve.referred_shapes import referred_shapes
+from torsionnet.solve.modes.referred_shapes import referred_shapes
 from torsionnet.solve.sensitivity import parametric_response
 
 F = np.array([0.4, 3.0, 8.0, 30.0])

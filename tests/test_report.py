@@ -23,11 +23,12 @@ from validation.build import build, read_case
 
 import torsionnet as tn
 from torsionnet.core.number_text import NumberText
-from torsionnet.plot import bode, mode_shapes, save, schematic
-from torsionnet.plot.labels import quantity, symbol
-from torsionnet.plot.pieces import ROLES
+from torsionnet.plot import STYLE, bode, mode_shapes, save, schematic
+from torsionnet.plot.drawing.labels import quantity, symbol
+from torsionnet.plot.drawing.pieces import ROLES
+from torsionnet.plot.schematic.stations import axis_of, idle_nodes
+from torsionnet.plot.shape_grid import shape_grid
 from torsionnet.plot.shapes import view_of
-from torsionnet.plot.stations import axis_of, idle_nodes
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.phase import unwrapped
 
@@ -629,6 +630,13 @@ class TestSave:
             save(figure, target)
         assert target.read_text() == "old"
         assert [path.name for path in tmp_path.iterdir()] == ["old.svg"]
+
+    def test_a_users_style_does_not_disturb_pictures_with_places_of_their_own(self, tmp_path):
+        """Under ``constrained_layout.use`` matplotlib warns of axes that stand in no grid."""
+        rig = tn.load("dmf_rig")
+        with mpl.rc_context(STYLE):
+            for figure in (schematic(rig), shape_grid([rig.modes()], [rig], [""])):
+                save(figure, tmp_path / "a.svg")
 
     def test_global_settings_stay_as_they_are(self, tmp_path):
         before = dict(mpl.rcParams)

@@ -13,9 +13,9 @@ from models import EVERY_ELEMENT
 from test_cli import run
 
 import torsionnet as tn
+from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, FilmGap
+from torsionnet.model.element_base.viscoelastic import Viscoelastic
 from torsionnet.model.elements import ELEMENT_TYPES
-from torsionnet.model.elements.sheared_shapes import RUBBER_SHAPES, FilmGap
-from torsionnet.model.elements.viscoelastic import Viscoelastic
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import (
     Facts,
@@ -176,7 +176,7 @@ class TestWords:
     def test_every_text_stands_in_the_code(self):
         """What is fixed in each text, between what is inserted, is a part of a string of the program."""
         package = ROOT / "torsionnet"
-        files = [*(package / "report").rglob("*.py"), package / "solve" / "mode_words.py"]
+        files = [*(package / "report").rglob("*.py"), package / "solve" / "modes" / "mode_words.py"]
         strings = {text.lower() for file in files for text in _strings(file)}
         shown = "".join(
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import pytest
 
-from torsionnet.solve.row_algebra import clique, combined, common_motion, normalised
+from torsionnet.solve.dynamic_stiffness.row_algebra import clique, combined, common_motion, normalised
 
 NOTHING, LITTLE = 1e-14, 1e-12
 """Relative differences below and above what rounding leaves."""

@@ -11,9 +11,10 @@ from made_up_elements import GLYPHS, SHAPES, Absorber, Maxwell, OnePort, Zener, 
 from pictures import EXAMPLES, SOME_EXAMPLES, collisions, crossed, drawable, drawn, is_round, outside, texts
 
 import torsionnet as tn
-from torsionnet.plot import schematic, style
-from torsionnet.plot.labels import symbol
-from torsionnet.plot.outlines import BODY
+from torsionnet.plot import schematic
+from torsionnet.plot.drawing import style
+from torsionnet.plot.drawing.labels import symbol
+from torsionnet.plot.schematic.outlines import BODY
 
 
 def between(*elements, **more):

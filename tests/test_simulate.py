@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 import torsionnet as tn
-from torsionnet.solve import triangular
+from torsionnet.solve.dynamic_stiffness import triangular
 
 RATE = 2000.0
 

@@ -13,8 +13,8 @@ from torsionnet.signals.agreement import agreement
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.excitation import SteppedSine
 from torsionnet.signals.timing import gaps
-from torsionnet.solve.many_digits import ManyDigits, _quotient
-from torsionnet.solve.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits, _quotient
+from torsionnet.solve.dynamic_stiffness.transfer_request import ask
 
 
 def rotor(*elements):

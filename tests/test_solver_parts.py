@@ -6,9 +6,9 @@ from scipy.linalg import expm
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse, Modes
-from torsionnet.solve.grid import Adaptive, rounded, vibration_range
-from torsionnet.solve.peaks import inner_maxima, peaks, static_value
-from torsionnet.solve.triangular import blocks
+from torsionnet.solve.dynamic_stiffness.triangular import blocks
+from torsionnet.solve.responses.grid import Adaptive, rounded, vibration_range
+from torsionnet.solve.responses.peaks import inner_maxima, peaks, static_value
 
 TURN = 2 * np.pi
 

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve import dense, starmesh, tape_writing
-from torsionnet.solve.graph_plan import make_plan
-from torsionnet.solve.response_problem import Loading, ResponseProblem
-from torsionnet.solve.row_algebra import clique, combined, common_motion, normalised
+from torsionnet.solve.dynamic_stiffness import dense, starmesh, tape_writing
+from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
+from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
+from torsionnet.solve.dynamic_stiffness.row_algebra import clique, combined, common_motion, normalised
 
 DIGITS = 60
 

@@ -24,47 +24,59 @@ def tree(tmp_path):
         tmp_path,
         {
             "torsionnet/__init__.py": "",
-            "torsionnet/solve/__init__.py": "",
-            "torsionnet/solve/modes.py": "VALUE = 1\n",
-            "torsionnet/solve/grid.py": "from torsionnet.solve import modes\n\nVALUE = modes.VALUE + 1\n",
-            "torsionnet/solve/batch/__init__.py": "from torsionnet.solve.batch.walk import VALUE\n",
-            "torsionnet/solve/batch/walk.py": "from torsionnet.solve.grid import VALUE\n",
-            "torsionnet/solve/modes/__init__.py": '"""Modes."""\n',
-            "tests/test_one.py": "from torsionnet.solve import batch, grid, modes as m\n\n\nSUM = batch.VALUE + grid.VALUE + m.VALUE\n",
-            "docs/way.md": "`solve/modes.py`, `torsionnet.solve.modes.VALUE`, torsionnet/solve/batch, other/solve/modes.py\n",
+            "torsionnet/first/__init__.py": "",
+            "torsionnet/first/modes.py": "VALUE = 1\n",
+            "torsionnet/first/grid.py": "from torsionnet.first import modes\n\nVALUE = modes.VALUE + 1\n",
+            "torsionnet/first/batch/__init__.py": "from torsionnet.first.batch.walk import VALUE\n",
+            "torsionnet/first/batch/walk.py": "from torsionnet.first.grid import VALUE\n",
+            "torsionnet/first/modes/__init__.py": '"""Modes."""\n',
+            "torsionnet/plot/__init__.py": "from torsionnet.plot.bode import bode\n",
+            "torsionnet/plot/bode.py": "def bode():\n    return 4\n",
+            "torsionnet/plot/charts/__init__.py": "",
+            "tests/test_one.py": "from torsionnet.plot import bode\nfrom torsionnet.first import batch, grid, modes as m\n"
+            "\nSUM = batch.VALUE + grid.VALUE + m.VALUE + bode()\n",
+            "docs/way.md": "`first/modes.py`, `torsionnet.first.modes.VALUE`, torsionnet/first/batch, other/first/modes.py\n",
+            "docs/reference.md": "torsionnet.plot.bode draws; torsionnet.plot.bode.DASHES\n",
         },
     )
     return tmp_path
 
 
 def test_what_names_a_module_follows_it(tree):
-    move([("solve/modes", "solve/modes/modes"), ("solve/batch", "solve/modes/batch")], tree)
-    assert not (tree / "torsionnet/solve/modes.py").exists()
-    assert not (tree / "torsionnet/solve/batch/walk.py").exists()
+    move(
+        [("first/modes", "first/modes/modes"), ("first/batch", "first/modes/batch"), ("plot/bode", "plot/charts/bode")],
+        tree,
+    )
+    assert not (tree / "torsionnet/first/modes.py").exists()
+    assert not (tree / "torsionnet/first/batch/walk.py").exists()
     code = "import sys; sys.path.insert(0, 'tests'); import test_one; print(test_one.SUM)"
     done = subprocess.run([sys.executable, "-c", code], cwd=tree, check=True, capture_output=True, text=True)
-    assert done.stdout == "5\n"
+    assert done.stdout == "9\n"
     assert (tree / "docs/way.md").read_text("utf-8") == (
-        "`solve/modes/modes.py`, `torsionnet.solve.modes.modes.VALUE`, torsionnet/solve/modes/batch, "
-        "other/solve/modes.py\n"
+        "`first/modes/modes.py`, `torsionnet.first.modes.modes.VALUE`, torsionnet/first/modes/batch, "
+        "other/first/modes.py\n"
+    )
+
+    assert (tree / "docs/reference.md").read_text("utf-8") == (
+        "torsionnet.plot.bode draws; torsionnet.plot.charts.bode.DASHES\n"
     )
 
 
 def test_names_that_only_begin_alike_stay():
-    names = {"torsionnet.solve.modes": "torsionnet.solve.modes.modes"}
-    text = "import torsionnet.solve.modes_over_speed\nfrom torsionnet.solve.modes import modes\n"
-    assert rewritten(text, names, code=True) == text.replace("solve.modes import", "solve.modes.modes import")
-    assert rewritten("x.torsionnet.solve.modes solve/modes_of.py", names, code=False).endswith(
-        "modes solve/modes_of.py"
+    names = {"torsionnet.first.modes": "torsionnet.first.modes.modes"}
+    text = "import torsionnet.first.modes_over_speed\nfrom torsionnet.first.modes import modes\n"
+    assert rewritten(text, names, code=True) == text.replace("first.modes import", "first.modes.modes import")
+    assert rewritten("x.torsionnet.first.modes first/modes_of.py", names, code=False).endswith(
+        "modes first/modes_of.py"
     )
 
 
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
-        ("solve/mode", "solve/modes/mode", "there is no torsionnet/solve/mode"),
-        ("solve/modes", "solve/none/modes", "__init__.py first"),
-        ("solve/modes", "solve/grid", "there is a torsionnet/solve/grid already"),
+        ("first/mode", "first/modes/mode", "there is no torsionnet/first/mode"),
+        ("first/modes", "first/none/modes", "__init__.py first"),
+        ("first/modes", "first/grid", "there is a torsionnet/first/grid already"),
     ],
 )
 def test_a_move_that_cannot_be_changes_nothing(tree, old, new, why):

@@ -166,10 +166,14 @@ def test_a_numba_that_refuses_this_numpy_is_done_without(monkeypatch):
             if name.partition(".")[0] == "numba":
                 raise ImportError("Numba needs NumPy 2.3 or less. Got NumPy 2.4.")
 
-    for name in [one for one in sys.modules if one == "torsionnet.solve.compiled" or one.partition(".")[0] == "numba"]:
+    for name in [
+        one
+        for one in sys.modules
+        if one == "torsionnet.solve.dynamic_stiffness.compiled" or one.partition(".")[0] == "numba"
+    ]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(sys, "meta_path", [Refusing(), *sys.meta_path])
     study = small_study(count=10**6)
     assert study.method == "graph"
     with pytest.raises(MissingExtraError, match=r"works with this numpy: Numba needs NumPy 2\.3 or less"):
-        import torsionnet.solve.compiled  # noqa: F401
+        import torsionnet.solve.dynamic_stiffness.compiled  # noqa: F401

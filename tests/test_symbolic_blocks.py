@@ -12,14 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.symbolic import loops
-from torsionnet.symbolic.adjugate import bilinear, determinant, seen_from
-from torsionnet.symbolic.algebras import NumericValues
-from torsionnet.symbolic.block_tree import is_forest, orient, roots_of
-from torsionnet.symbolic.loops import Split
+from torsionnet.symbolic.algebra import loops
+from torsionnet.symbolic.algebra.adjugate import bilinear, determinant, seen_from
+from torsionnet.symbolic.algebra.algebras import NumericValues
+from torsionnet.symbolic.algebra.block_tree import is_forest, orient, roots_of
+from torsionnet.symbolic.algebra.loops import Split
+from torsionnet.symbolic.algebra.network import Network, NetworkMember, Stiffness
+from torsionnet.symbolic.algebra.program import Program
 from torsionnet.symbolic.mechanical import single_edges
-from torsionnet.symbolic.network import Network, NetworkMember, Stiffness
-from torsionnet.symbolic.program import Program
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 30), deadline=None)
 COEFFICIENTS = [-3, -2, -1, 1, 1, 2, sympy.Rational(1, 3)]

@@ -16,10 +16,10 @@ from random_drivetrains import draw
 from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn
-from torsionnet.symbolic.block_tree import orient
-from torsionnet.symbolic.charpoly import ExpandedBlock
-from torsionnet.symbolic.loops import tied
-from torsionnet.symbolic.program import Program
+from torsionnet.symbolic.algebra.block_tree import orient
+from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
+from torsionnet.symbolic.algebra.loops import tied
+from torsionnet.symbolic.algebra.program import Program
 
 F = np.array([0.31, 3.3, 17.0, 61.0])
 s = Symbol("s")

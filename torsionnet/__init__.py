@@ -18,7 +18,7 @@ from torsionnet.core.lazy import names_on_demand
 from torsionnet.core.version import __version__
 
 _HOMES = {
-    "Adaptive": "torsionnet.solve.grid",
+    "Adaptive": "torsionnet.solve.responses.grid",
     "Bench": "torsionnet.bench",
     "Channel": "torsionnet.response",
     "Conventions": "torsionnet.response",
@@ -94,7 +94,7 @@ if TYPE_CHECKING:
     from torsionnet.report import write_report
     from torsionnet.response import Channel, Conventions, FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.solve import sensitivity
-    from torsionnet.solve.grid import Adaptive
+    from torsionnet.solve.responses.grid import Adaptive
     from torsionnet.study.loading_study import load_study
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.recording import Recording
-    from torsionnet.solve.grid import Adaptive
+    from torsionnet.solve.responses.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
@@ -80,7 +80,7 @@ class Drivetrain(RunningMachinery):
     def _growing(self) -> tuple[Fault, ...]:
         if not any(element.may_feed for element in self.elements.values()):
             return ()
-        from torsionnet.solve.stability import unstable_modes
+        from torsionnet.solve.modes.stability import unstable_modes
 
         return unstable_modes(self)
 
@@ -137,7 +137,7 @@ class Drivetrain(RunningMachinery):
         >>> round(float(abs(H.values[0, 0, 0])) * 57.29578, 4)
         0.2519
         """
-        from torsionnet.solve.transfer import frequency_response
+        from torsionnet.solve.responses.transfer import frequency_response
 
         return frequency_response(self, output, input, frequencies, excitation=excitation, method=method)
 
@@ -167,7 +167,7 @@ class Drivetrain(RunningMachinery):
         >>> family.magnitude[:, 0, 0, 0].round(6).tolist()
         [0.002575, 0.002249, 0.002075]
         """
-        from torsionnet.solve.variants import frequency_responses
+        from torsionnet.solve.batch.variants import frequency_responses
 
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
 
@@ -200,7 +200,7 @@ class Drivetrain(RunningMachinery):
         >>> record.names, round(float(record["T_T"].values[-1]), 6)
         (('T_M', 'theta_1', 'T_T'), 10.0)
         """
-        from torsionnet.solve.simulate import simulate
+        from torsionnet.solve.running.simulate import simulate
 
         return simulate(self, outputs, inputs, sampling_rate)
 
@@ -238,7 +238,7 @@ class Drivetrain(RunningMachinery):
         [7.10526, 80.98336]
         """
         from torsionnet.model.operating_values import at_which_speed
-        from torsionnet.solve.modes import modes
+        from torsionnet.solve.modes.modes import modes
 
         found = modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
         return replace(found, notes=(*found.notes, *at_which_speed(self.external_torques)))
@@ -263,7 +263,7 @@ class Drivetrain(RunningMachinery):
         >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
         (2.0944, 47.028, 0.05472)
         """
-        from torsionnet.solve.opened_loops import loop_margins
+        from torsionnet.solve.responses.opened_loops import loop_margins
 
         return loop_margins(self, controller)
 
@@ -284,7 +284,7 @@ class Drivetrain(RunningMachinery):
 
     def to_control(self) -> control.StateSpace:
         """State space with the model's inputs and sensors as named signals, for python-control."""
-        from torsionnet.solve.state_space import to_control
+        from torsionnet.solve.dynamic_stiffness.state_space import to_control
 
         return to_control(self)
 

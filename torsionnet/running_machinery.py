@@ -71,8 +71,8 @@ class RunningMachinery(AssembledModel):
         >>> bool(abs(run.of_order(2)[0] - -10 * 2e4 / (3e4 - 2 * w**2)) < 1e-9)
         True
         """
-        from torsionnet.solve.order_response import order_response
-        from torsionnet.solve.refined_response import refined_response
+        from torsionnet.solve.running.order_response import order_response
+        from torsionnet.solve.running.refined_response import refined_response
 
         answer = refined_response if refine else order_response
         return answer(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
@@ -111,7 +111,7 @@ class RunningMachinery(AssembledModel):
         >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
         [[250.0], [1000.0]]
         """
-        from torsionnet.solve.mean_response import mean_response
+        from torsionnet.solve.running.mean_response import mean_response
 
         return mean_response(self, outputs, speeds)
 
@@ -225,7 +225,7 @@ class RunningMachinery(AssembledModel):
         >>> [(one.mode.number, one.order, one.generalised_force) for one in fan.critical_speeds().crossings]
         [(1, 2.0, 10.0)]
         """
-        from torsionnet.solve.critical_speeds import critical_speeds
+        from torsionnet.solve.running.critical_speeds import critical_speeds
 
         return critical_speeds(
             self,
@@ -279,7 +279,7 @@ class RunningMachinery(AssembledModel):
         >>> round(fan.holzer_table(at=10 / 6.283185307179586).remainder, 9)
         298.0
         """
-        from torsionnet.solve.holzer import holzer_table
+        from torsionnet.solve.modes.holzer import holzer_table
 
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
 
@@ -307,7 +307,7 @@ class RunningMachinery(AssembledModel):
         >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
         (1000.0, 40.744)
         """
-        from torsionnet.solve.static_state import static_state
+        from torsionnet.solve.running.static_state import static_state
 
         return static_state(self, speed)
 
@@ -344,7 +344,7 @@ class RunningMachinery(AssembledModel):
         >>> bool(abs(fan.dissipated_power("rubber").values[0, 0] - w * 0.2 * 1e4 * twist**2 / 2) < 1e-12)
         True
         """
-        from torsionnet.solve.dissipation import dissipated_power
+        from torsionnet.solve.running.dissipation import dissipated_power
 
         return dissipated_power(self, elements, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
@@ -385,6 +385,6 @@ class RunningMachinery(AssembledModel):
         >>> fan.check_limits().of("shaft").verdict
         'pass'
         """
-        from torsionnet.solve.limit_check import check_limits
+        from torsionnet.solve.running.limit_check import check_limits
 
         return check_limits(self, limits, speeds=speeds, excitations=excitations, refine=refine)

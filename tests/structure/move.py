@@ -7,10 +7,11 @@ The folder that a module moves to has an ``__init__.py`` already: the one senten
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import libcst as cst
@@ -20,8 +21,8 @@ ROOT = Path(__file__).parents[2]
 PACKAGE = "torsionnet"
 TEXTS = {".py", ".pyi", ".md", ".toml", ".rst", ".txt", ""}
 """Endings of files in which modules are named."""
-DONE = "_moved_"
-"""Before names that are new already, until all are."""
+DONE = "moved".join("__")
+"""Before names that are new already, until all are; put together, so that this file can be rewritten, too."""
 
 
 def moves(pairs: Iterable[tuple[str, str]], root: Path) -> dict[str, str]:
@@ -89,42 +90,45 @@ class _SplitImports(cst.CSTTransformer):
         return line
 
 
-def rewritten(text: str, names: Mapping[str, str], *, code: bool) -> str:
+def rewritten(text: str, names: Mapping[str, str], *, code: bool, offered: Collection[str] = ()) -> str:
     """A text in which moved modules have their new names, dotted or as paths.
+
+    ``offered`` are those whose name their package gives to something else: ``from torsionnet.plot import schematic`` is
+    a function, whatever file it comes from.
 
     Examples
     --------
-    >>> names = {"torsionnet.solve.modes": "torsionnet.solve.modes.modes"}
-    >>> print(rewritten("from torsionnet.solve import grid, modes\\n# see solve/modes.py", names, code=True))
-    from torsionnet.solve import grid
-    from torsionnet.solve.modes import modes
-    # see solve/modes/modes.py
+    >>> names = {"torsionnet.first.b": "torsionnet.first.c.b"}
+    >>> print(rewritten("from torsionnet.first import a, b", names, code=True))
+    from torsionnet.first import a
+    from torsionnet.first.c import b
+    >>> rewritten("see first/b.py", names, code=False)
+    'see first/c/b.py'
     """
+    plain = {old: new for old, new in names.items() if old not in offered}
     if code and re.search(r"^\s*from torsionnet[\w.]* import ", text, re.MULTILINE):
-        text = cst.parse_module(text).visit(_SplitImports(names)).code
-    text = _replaced(text, names, before=r"(?<![\w.])", after=r"(?!\w)").replace(DONE, "")
+        text = cst.parse_module(text).visit(_SplitImports(plain)).code
+    dots = {old: r"(?!\w)" if old in plain else r"(?=\.\w| import )" for old in names}
+    text = _replaced(text, names, r"(?<![\w.])", dots).replace(DONE, "")
     paths = {old.replace(".", "/"): new.replace(".", "/") for old, new in names.items()}
+    text = _replaced(text, paths, r"(?<![\w/])", dict.fromkeys(paths, r"(?![\w/])"))
     short = {old.partition("/")[2]: new.partition("/")[2] for old, new in paths.items()}
-    text = _replaced(text, paths, before=r"(?<![\w/])", after=r"(?![\w/])")
-    return _replaced(
-        text, {f"{old}.py": f"{new}.py" for old, new in short.items() if "/" in old}, r"(?<![\w/.])", r"\b"
-    )
+    return _replaced(text, short, r"(?<![\w/.])", {old: r"(?=\.py\b)" for old in short if "/" in old})
 
 
-def _replaced(text: str, pairs: Mapping[str, str], before: str, after: str) -> str:
-    """The longest first, all in one pass, so that nothing is replaced twice."""
-    if not pairs:
-        return text
-    words = "|".join(re.escape(old) for old in sorted(pairs, key=len, reverse=True))
-    return re.sub(f"{before}(?:{words}){after}", lambda found: pairs[found[0]], text)
+def _replaced(text: str, pairs: Mapping[str, str], before: str, after: Mapping[str, str]) -> str:
+    """The longest first, all in one pass, so that nothing is replaced twice; each where ``after`` it comes what does."""
+    words = "|".join(re.escape(old) + after[old] for old in sorted(after, key=len, reverse=True))
+    return re.sub(f"{before}(?:{words})", lambda found: pairs[found[0]], text) if words else text
 
 
 def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
     """Rewrite everything that names the modules, and let git move their files."""
     names = moves(pairs, root)
+    offered = [old for old in names if _is_offered(*old.rpartition(".")[::2], root)]
     for path in _texts(root):
         before = path.read_text(encoding="utf-8")
-        after = rewritten(before, names, code=path.suffix in {".py", ".pyi"})
+        after = rewritten(before, names, code=path.suffix in {".py", ".pyi"}, offered=offered)
         if after != before:
             path.write_text(after, encoding="utf-8")
     for old, new in names.items():
@@ -135,6 +139,13 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
             source, target = source / "__init__.py", target / "__init__.py"
         target.parent.mkdir(parents=True, exist_ok=True)
         subprocess.run(["git", "mv", str(source), str(target)], cwd=root, check=True)
+
+
+def _is_offered(package: str, name: str, root: Path) -> bool:
+    """Whether a package imports the name, as it does what it offers."""
+    tree = ast.parse((root / package.replace(".", "/") / "__init__.py").read_text(encoding="utf-8"))
+    imported = (node for node in tree.body if isinstance(node, ast.ImportFrom))
+    return any(name == (alias.asname or alias.name) for node in imported for alias in node.names)
 
 
 def _texts(root: Path) -> Iterator[Path]:

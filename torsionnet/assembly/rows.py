@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.core.memo import Memo
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]

@@ -17,8 +17,8 @@ import sympy
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
 from torsionnet.core.errors import UsageError
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elements import Action, Law, Row, Values
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")

@@ -15,8 +15,8 @@ from torsionnet.assembly.action_law import action_laws
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.collecting import collector_paused
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.elements import Law, Values
-from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
 
 

@@ -11,7 +11,7 @@ from torsionnet.cli.cases import ConfiguredCase
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE
 from torsionnet.response.phase import phase_at_rest
-from torsionnet.solve.peaks import Peak, Solver, peaks, static_value
+from torsionnet.solve.responses.peaks import Peak, Solver, peaks, static_value
 
 
 @dataclass(frozen=True)

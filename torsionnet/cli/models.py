@@ -41,7 +41,7 @@ def _growing(definition: Definition) -> list[Fault]:
         if not any(element.may_feed for element in variant.active):
             continue
         from torsionnet.drivetrain import Drivetrain
-        from torsionnet.solve.stability import unstable_modes
+        from torsionnet.solve.modes.stability import unstable_modes
 
         known = {(fault.message, fault.path) for fault in found}
         faults = unstable_modes(Drivetrain.from_definition(variant))

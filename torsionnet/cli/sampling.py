@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.core.errors import UsageError
-from torsionnet.solve.grid import BELOW, vibration_range
+from torsionnet.solve.responses.grid import BELOW, vibration_range
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import torsionnet.plot as plot
-from torsionnet.cli.modes import on_screen
+from torsionnet.cli.commands.modes import on_screen
 from torsionnet.cli.terminal import print_table
 from torsionnet.loading import load
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
-from torsionnet.solve.peaks import peaks
+from torsionnet.solve.responses.peaks import peaks
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

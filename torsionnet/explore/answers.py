@@ -22,7 +22,7 @@ from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse, Modes
 from torsionnet.response.frequency_response import ORDERS, FloatArray
 from torsionnet.response.phase import unwrapped
-from torsionnet.solve.grid import vibration_range
+from torsionnet.solve.responses.grid import vibration_range
 
 MOST_MODES, LARGE = 40, 120
 """Of more nodes than ``LARGE`` only the lowest modes are looked for: all of them would take longer than a drag."""

@@ -10,10 +10,10 @@ from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.over_speed import runs
 from torsionnet.model.channels import UNITS, Sensor
+from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND
-from torsionnet.model.elements.round_section import section_fault
 from torsionnet.response import FrequencyResponse
-from torsionnet.solve.transfer_request import usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import usable
 
 TWISTING = ("shaft", "spring")
 MOTIONS = ("angle", "velocity", "acceleration", "twist")

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsionnet.response import Modes
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.solve.grid import Adaptive
+from torsionnet.solve.responses.grid import Adaptive
 
 POINTS, PER_PEAK, LEAST_PER_PEAK = 300, 41, 9
 MOST_AT_PEAKS = 1600

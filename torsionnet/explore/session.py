@@ -20,7 +20,7 @@ from torsionnet.model.files.changing import changed_text, place_of
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.reader import find_model
 from torsionnet.response import FrequencyResponse
-from torsionnet.solve.grid import opening_range
+from torsionnet.solve.responses.grid import opening_range
 
 MOST_SURVEYED = 24
 """Configurations whose modes are looked at to find the first band of frequencies."""

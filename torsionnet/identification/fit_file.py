@@ -11,9 +11,9 @@ from typing import Any
 from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.identification.instrument import set_points
-from torsionnet.identification.measurement import Measurement
-from torsionnet.identification.measurement_blocks import default_settings
+from torsionnet.identification.residuals.instrument import set_points
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.measurement_blocks import default_settings
 from torsionnet.identification.unknown import Unknown
 from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.measurement import Measurement
-from torsionnet.identification.measurement_block import MeasurementBlock
-from torsionnet.identification.measurement_blocks import make_block
 from torsionnet.identification.natures import nature
-from torsionnet.identification.record_block import RecordBlock
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.measurement_blocks import make_block
+from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.sources import together, two_sources
 from torsionnet.identification.unknown import Unknown
 

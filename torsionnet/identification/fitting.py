@@ -16,8 +16,8 @@ from torsionnet.identification.explaining import explanations, too_coarse
 from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.lack_of_fit import LackOfFit, misfits
-from torsionnet.identification.measurement import Measurement
-from torsionnet.identification.residual_forms import FORMS
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.residual_forms import FORMS
 from torsionnet.identification.search import LeastSquaresSolution, solved, steps, weights
 from torsionnet.identification.unknown import Unknown, read_unknowns
 from torsionnet.identification.widening import widened

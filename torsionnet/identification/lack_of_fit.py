@@ -10,9 +10,9 @@ from scipy import stats
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.measurement_block import MeasurementBlock
-from torsionnet.identification.noise import Noise
 from torsionnet.identification.noise_bias import noise_shift
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.noise import Noise
 
 LEVEL = 1e-3
 """Probability, for every measurement of a fit, of calling noise a misfit."""

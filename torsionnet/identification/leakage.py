@@ -8,7 +8,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.response_block import ResponseBlock
+from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, peaks
 
 FIX = "fit the record itself, which has no such error, or use longer windows"

@@ -11,7 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fitting import identify, refit_with_noise_of
-from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import Column, Table
 

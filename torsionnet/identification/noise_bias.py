@@ -8,8 +8,8 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.record_block import RecordBlock
-from torsionnet.identification.residual_forms import of_errors, parts
+from torsionnet.identification.residuals.record_block import RecordBlock
+from torsionnet.identification.residuals.residual_forms import of_errors, parts
 
 MATERIAL = 0.5
 """Standard errors; a smaller bias is not worth a word."""

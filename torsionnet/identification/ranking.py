@@ -15,7 +15,7 @@ from torsionnet.identification.causes import causes_of
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.lack_words import cause_in_words
-from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.search import LeastSquaresSolution, solved
 from torsionnet.identification.trying_causes import Tried, explaining, overall_misfit, squares, tried_causes
 from torsionnet.identification.unknown import Unknown, read_unknowns

@@ -13,8 +13,8 @@ from scipy.optimize import least_squares
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.measurement_block import MeasurementBlock
-from torsionnet.identification.response_block import ResponseBlock
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.search import LeastSquaresSolution, search_bounds, solved, steps
 from torsionnet.identification.verdict_words import relative_misfits
 

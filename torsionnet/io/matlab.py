@@ -16,7 +16,7 @@ from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.formats.mat import cells, mat_bytes
 from torsionnet.io.matrices import Matrices, matrices
-from torsionnet.solve.state_space import StateSpace, state_space
+from torsionnet.solve.dynamic_stiffness.state_space import StateSpace, state_space
 
 NUMBERS = {
     "M": "inertia, kg*m^2",

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.state_space import active_channels
+from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 
 @dataclass(frozen=True)

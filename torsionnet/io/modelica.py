@@ -25,7 +25,7 @@ from torsionnet.io.part_words import unwritten
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions
-from torsionnet.solve.state_space import active_channels
+from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 BLOCKS = "Modelica.Blocks.Interfaces"
 MOTIONS = {"angle": ("AngleSensor", "phi"), "velocity": ("SpeedSensor", "w"), "acceleration": ("AccSensor", "a")}

@@ -10,8 +10,8 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.expressions import Expression, Name
 from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.io.open_numbers import open_values
+from torsionnet.model.element_base.element import viscous
 from torsionnet.model.elements import Element, Values
-from torsionnet.model.elements.element import viscous
 
 ROTATIONAL = "Modelica.Mechanics.Rotational"
 _RESERVED = """

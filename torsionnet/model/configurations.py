@@ -13,7 +13,7 @@ from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_valu
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.nodes import ElementName
+from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
 DEFAULT_AXIS = "configuration"

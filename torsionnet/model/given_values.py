@@ -10,7 +10,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.entries.words import Flag
-from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
 
 if TYPE_CHECKING:
     from torsionnet.model.elements import Element

@@ -11,7 +11,7 @@ def twist_fault(element: Element, parts: Sequence[Part]) -> str | None:
     """Why no twist can be imposed in an element that is made of ``parts``; or None.
 
     >>> from torsionnet.model.elements.gears import Gear
-    >>> from torsionnet.model.elements.laws import Values
+    >>> from torsionnet.model.element_base.laws import Values
     >>> stage = Gear("stage", nodes=("a", "b"), ratio=2)
     >>> twist_fault(stage, stage.parts(Values({})))
     'stage is rigid: an imposed twist needs something that gives way; give it a stiffness'

@@ -15,11 +15,11 @@ from torsionnet.core.number_text import on_screen
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.laws import Law
+from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.element_base.several import Several
 from torsionnet.model.elements import Element, Values
-from torsionnet.model.elements.characteristic import Characteristic
-from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.quantity_table import TableByName
-from torsionnet.model.elements.several import Several
 from torsionnet.model.given_values import given, in_words
 from torsionnet.response.table import Column, Table
 

@@ -15,9 +15,9 @@ from typing import Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.model.element_base.round_section import section_modulus
+from torsionnet.model.element_base.speed_path import SpeedPaths, own_node
 from torsionnet.model.elements import GROUND, Element, Row, Values
-from torsionnet.model.elements.round_section import section_modulus
-from torsionnet.model.elements.speed_path import SpeedPaths, own_node
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.model.element_base.speed_loops import second_ratio
+from torsionnet.model.element_base.speed_path import SpeedPath, SpeedPaths, own_node
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.elements.speed_loops import second_ratio
-from torsionnet.model.elements.speed_path import SpeedPath, SpeedPaths, own_node
 
 
 def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tuple[Element, ...]:

@@ -10,7 +10,7 @@ from torsionnet.core.entries.words import NAME_SCHEMA, name_fault
 from torsionnet.core.expression_reading import check_name
 from torsionnet.model.channels import INPUT, SENSOR
 from torsionnet.model.configurations import AxesEntry
-from torsionnet.model.elements.element_table import ElementTable, element_kinds
+from torsionnet.model.element_base.element_table import ElementTable, element_kinds
 from torsionnet.model.parameters import PARAMETER
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.model.channels import Input, pair_fault, parse_pair
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 
 
 def torque_place(text: str) -> Input:

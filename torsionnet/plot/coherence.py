@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
-from torsionnet.plot.labels import symbol
+from torsionnet.plot.drawing.labels import symbol
 from torsionnet.response import SI, Conventions
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
 from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.response.vibration_mode import VibrationMode

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 
 MOST_NUMBERS = 14

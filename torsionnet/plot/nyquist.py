@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray

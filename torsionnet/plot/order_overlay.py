@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.core.units import RPM
 from torsionnet.response import Conventions

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot.torque_units import axis_unit
+from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.plot.shapes import (
     IMAGINARY,
     JOINS,
@@ -85,7 +85,7 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
     below = 0.2 + LETTER * min(longest, 18)
     views = [view_of(one, rig) for one, rig in zip(modes, drivetrains, strict=True)]
     panels, height = _panels(modes, below)
-    figure = Figure(figsize=(style.WIDTH, height), facecolor=style.PAPER)
+    figure = style.bare_figure(style.WIDTH, height)
     axes = figure.add_axes((0, 0, 1, 1), xlim=(0, style.WIDTH), ylim=(0, height))
     axes.set_axis_off()
     lowest = {panel.column: max(one.row for one in panels if one.column == panel.column) for panel in panels}

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.plot.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
+from torsionnet.plot.schematic.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
 from torsionnet.response.mode_numbers import place_of
 from torsionnet.response.modes import OSCILLATORY

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.modal import ModalEstimate, Stabilisation, cmif
 from torsionnet.response import SI, Conventions

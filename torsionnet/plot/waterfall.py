@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import torsionnet.plot.style as style
+import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI

@@ -16,8 +16,8 @@ from torsionnet.model.report import Pair
 from torsionnet.report.report_words import in_common
 from torsionnet.report.request import Request
 from torsionnet.response import Conventions, FrequencyResponse, Modes
-from torsionnet.solve.grid import Adaptive, vibration_range
-from torsionnet.solve.transfer_request import usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import usable
+from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

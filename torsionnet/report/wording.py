@@ -19,14 +19,14 @@ from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import EntryError, Spec, entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault, meant_or
+from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.control_entries import ControlLawEntry
+from torsionnet.model.element_base.curves import LookupCurve
+from torsionnet.model.element_base.several import Several
+from torsionnet.model.element_base.spring_stages import SpringStages
+from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import ELEMENT_TYPES
-from torsionnet.model.elements.characteristic import Characteristic
-from torsionnet.model.elements.control_entries import ControlLawEntry
-from torsionnet.model.elements.curves import LookupCurve
-from torsionnet.model.elements.several import Several
-from torsionnet.model.elements.spring_stages import SpringStages
-from torsionnet.model.elements.stiffness_rows import TableEntry
-from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.files.located import compose
 from torsionnet.model.given_values import is_elsewhere
 

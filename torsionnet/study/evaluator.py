@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.modes import Modes
 from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
-from torsionnet.solve.modes import natural_modes
+from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.measuring.single_responses import GRAPH
 from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.variant_block import VariantBlock

@@ -10,7 +10,7 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.starmesh import compiled_works
+from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answer import StudyAnswer
 from torsionnet.study.answer_fit import misnamed_in_answers, unfit_answers
 from torsionnet.study.evaluator import Evaluator

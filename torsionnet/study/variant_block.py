@@ -23,7 +23,7 @@ from torsionnet.solve.batch.batched_modes import BatchedModes, batched_modes, si
 from torsionnet.solve.batch.batched_responses import batched_responses
 from torsionnet.solve.batch.mode_tracking import TrackedModes, tracked
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
-from torsionnet.solve.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
 from torsionnet.study.counted_remarks import remark
 from torsionnet.study.measuring.single_responses import GRAPH, single_response
 

@@ -21,10 +21,10 @@ from typing import Any, TypeAlias
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import twin
 from torsionnet.model.elements import Action
-from torsionnet.symbolic.delay import delay_symbol
-from torsionnet.symbolic.minors import sparse_determinant
-from torsionnet.symbolic.network import ZERO, Stiffness, SymbolRow
-from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.delay import delay_symbol
+from torsionnet.symbolic.algebra.minors import sparse_determinant
+from torsionnet.symbolic.algebra.network import ZERO, Stiffness, SymbolRow
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.symbolic_sensors import PURE_S, Mechanism, SymbolicPart
 
 Entries: TypeAlias = dict[int, ProgramNode]

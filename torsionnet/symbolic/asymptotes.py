@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolic.algebras import InPowersOfS, S
-from torsionnet.symbolic.delay import refuse_delays
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, S
+from torsionnet.symbolic.algebra.delay import refuse_delays
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.zero_tests import surely_zero
 from torsionnet.symbolic.numbers import first_term, lowest
-from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.rational import factored, tidy
-from torsionnet.symbolic.zero_tests import surely_zero
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from torsionnet.core.errors import UsageError
-from torsionnet.symbolic.algebras import S
-from torsionnet.symbolic.delay import delays_of
+from torsionnet.symbolic.algebra.algebras import S
+from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.where import WhereTable, continued_table, where_table
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from torsionnet.core.errors import UsageError
-from torsionnet.symbolic.algebras import TermCounts
+from torsionnet.symbolic.algebra.algebras import TermCounts
+from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
 from torsionnet.symbolic.shown import shown
-from torsionnet.symbolic.sparse import Monomials, Sparse, monomials_for
 
 MOST_PRINTED = 100
 """Terms of a quotient that is printed."""

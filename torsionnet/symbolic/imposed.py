@@ -15,7 +15,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.response import Channel
-from torsionnet.solve.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import ask
 
 
 @dataclass(frozen=True)

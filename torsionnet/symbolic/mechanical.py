@@ -17,8 +17,17 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from torsionnet.symbolic.block_tree import GraphBlock, is_forest, orient
-from torsionnet.symbolic.network import ONE, Network, NetworkMember, Stiffness, SymbolRow, added_up, reflected, vanishes
+from torsionnet.symbolic.algebra.block_tree import GraphBlock, is_forest, orient
+from torsionnet.symbolic.algebra.network import (
+    ONE,
+    Network,
+    NetworkMember,
+    Stiffness,
+    SymbolRow,
+    added_up,
+    reflected,
+    vanishes,
+)
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart
 
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolic.algebras import InPowersOfS, S, TermCounts, in_s
-from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, TermCounts, in_s
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.zero_tests import surely_zero
 from torsionnet.symbolic.rational import factored, tidy
 from torsionnet.symbolic.shown import latex, polynomial_text, shown
-from torsionnet.symbolic.zero_tests import surely_zero
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction

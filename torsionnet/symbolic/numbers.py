@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import TorsionnetWarning, UsageError
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.response import FrequencyResponse
-from torsionnet.symbolic.algebras import NumericValues
-from torsionnet.symbolic.delay import InPowersNearRest, delays_of
-from torsionnet.symbolic.scaled import Scaled
-from torsionnet.symbolic.zero_tests import exact_fraction
+from torsionnet.symbolic.algebra.algebras import NumericValues
+from torsionnet.symbolic.algebra.delay import InPowersNearRest, delays_of
+from torsionnet.symbolic.algebra.scaled import Scaled
+from torsionnet.symbolic.algebra.zero_tests import exact_fraction
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction

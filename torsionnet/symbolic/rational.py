@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import sympy
 
-from torsionnet.symbolic.algebras import InPowersOfS, TermCounts, in_s
-from torsionnet.symbolic.program import Program, ProgramNode
-from torsionnet.symbolic.raw import RawExpressions
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, TermCounts, in_s
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.raw import RawExpressions
+from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
 from torsionnet.symbolic.shown import polynomial_latex, polynomial_text, where_text, with_where
-from torsionnet.symbolic.sparse import Monomials, Sparse, monomials_for
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction

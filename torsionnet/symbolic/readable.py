@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import UsageError
-from torsionnet.symbolic.algebras import InPowersOfS, Lengths, TermCounts
-from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, Lengths, TermCounts
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.rational import FEW
 
 if TYPE_CHECKING:

@@ -22,9 +22,9 @@ from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.rigid import RigidCoupling
 from torsionnet.model.elements.springs import Damper, Spring
-from torsionnet.solve.modes import modes, modes_against
-from torsionnet.solve.transfer import frequency_response
-from torsionnet.solve.transfer_request import ask, driven
+from torsionnet.solve.dynamic_stiffness.transfer_request import ask, driven
+from torsionnet.solve.modes.modes import modes, modes_against
+from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 POINTS = 400

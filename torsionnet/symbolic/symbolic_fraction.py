@@ -10,9 +10,9 @@ from typing import Any
 import sympy
 
 from torsionnet.response import Channel
-from torsionnet.symbolic.algebras import Expressions, Lengths
-from torsionnet.symbolic.network import Stiffness
-from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.algebras import Expressions, Lengths
+from torsionnet.symbolic.algebra.network import Stiffness
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.symbolic_request import SymbolicRequest
 from torsionnet.symbolic.written import continued_expression
 

@@ -24,9 +24,9 @@ from torsionnet.model.elements import Values
 from torsionnet.model.elimination import substitute
 from torsionnet.model.kinematics import Kinematics, kinematics_on
 from torsionnet.model.readings import reading
-from torsionnet.symbolic.adjugate import bilinear, determinant
-from torsionnet.symbolic.network import ONE, Network, NetworkMember, Stiffness, SymbolRow
-from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.adjugate import bilinear, determinant
+from torsionnet.symbolic.algebra.network import ONE, Network, NetworkMember, Stiffness, SymbolRow
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 PURE_S = Stiffness(damping=ONE)
 

@@ -14,10 +14,10 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Action, Law, Values
 from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
-from torsionnet.solve.transfer_request import ask
-from torsionnet.symbolic.delay import Delay, delay_symbol
+from torsionnet.solve.dynamic_stiffness.transfer_request import ask
+from torsionnet.symbolic.algebra.delay import Delay, delay_symbol
+from torsionnet.symbolic.algebra.program import ProgramNode
 from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
-from torsionnet.symbolic.program import ProgramNode
 from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
 from torsionnet.symbolic.transfer_function import TransferFunction
 from torsionnet.symbolic.transfer_matrix import TransferMatrix, over_measured

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
-from torsionnet.symbolic.algebras import Changed, Derivatives
-from torsionnet.symbolic.delay import refuse_delays
-from torsionnet.symbolic.program import Program
+from torsionnet.symbolic.algebra.algebras import Changed, Derivatives
+from torsionnet.symbolic.algebra.delay import refuse_delays
+from torsionnet.symbolic.algebra.program import Program
 from torsionnet.symbolic.readable import require_readable, require_short
 from torsionnet.symbolic.shown import latex, shown, with_where
 from torsionnet.symbolic.symbolic_fraction import SymbolicFraction

@@ -21,13 +21,13 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.solve.transfer_request import TransferRequest
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.symbolic.active_mechanism import mechanism
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.zero_tests import vanishes
 from torsionnet.symbolic.imposed import at_rest, is_imposed
-from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolic.transfer_function import TransferFunction
-from torsionnet.symbolic.zero_tests import vanishes
 
 Write: TypeAlias = Callable[[tuple[Channel, Channel], ProgramNode, ProgramNode, tuple[str, ...]], TransferFunction]
 

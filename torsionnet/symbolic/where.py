@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolic.algebras import S, evaluated
-from torsionnet.symbolic.network import Stiffness
-from torsionnet.symbolic.program import ARITHMETIC, Program, ProgramNode
+from torsionnet.symbolic.algebra.algebras import S, evaluated
+from torsionnet.symbolic.algebra.network import Stiffness
+from torsionnet.symbolic.algebra.program import ARITHMETIC, Program, ProgramNode
 from torsionnet.symbolic.shown import latex, where_text, with_where
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import Any
 import sympy
 
 from torsionnet.symbolic.active_mechanism import ActiveMechanism
-from torsionnet.symbolic.algebras import in_s
+from torsionnet.symbolic.algebra.algebras import in_s
+from torsionnet.symbolic.algebra.network import Stiffness
 from torsionnet.symbolic.mechanical import NoContinuedFractionError, response
-from torsionnet.symbolic.network import Stiffness
 from torsionnet.symbolic.symbolic_request import SymbolicRequest
 
 

@@ -18,7 +18,7 @@ from torsionnet.io.fmu.traced_numbers import Traced
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
 from torsionnet.model.readings import balance, reading
-from torsionnet.solve.state_space import active_channels, state_space
+from torsionnet.solve.dynamic_stiffness.state_space import active_channels, state_space
 
 MOST = 400
 """Coordinates up to which dense matrices are no burden on a host."""

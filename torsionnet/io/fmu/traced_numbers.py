@@ -17,7 +17,7 @@ from typing import Any
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.number_range import limited
 from torsionnet.model.elimination import exact
-from torsionnet.solve.modular import residue
+from torsionnet.solve.modes.modular import residue
 
 PRIME = 2**61 - 1
 

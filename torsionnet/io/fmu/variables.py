@@ -12,7 +12,7 @@ from torsionnet.io.fmu.traced_numbers import Traced
 from torsionnet.io.modelica_words import written_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.parameters import dimensions
-from torsionnet.solve.state_space import active_channels
+from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 FMI_UNITS = {
     "rad": {"rad": 1},

@@ -8,7 +8,7 @@ from typing import Any
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
-from torsionnet.model.elements.curves import OnCurve
+from torsionnet.model.element_base.curves import OnCurve
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import OperatingPoints, operated
 from torsionnet.model.parameters import resolve

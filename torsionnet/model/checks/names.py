@@ -9,8 +9,8 @@ from torsionnet.core.expressions import Expression
 from torsionnet.model.channels import Input, Sensor, port_fault
 from torsionnet.model.checks.overrides import expressions_of_overrides, unfit_overrides
 from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND
-from torsionnet.model.elements.round_section import section_fault
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.torque_places import torque_place
 

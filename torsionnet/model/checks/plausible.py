@@ -12,8 +12,8 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, ExpressionError, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.damping_entries import LossFactor
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.damping_entries import LossFactor
 
 Numbers: TypeAlias = Mapping[str, Fraction | float]
 

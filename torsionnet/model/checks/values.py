@@ -14,8 +14,8 @@ from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.parameters import dimensions
 
 Numbers = Mapping[str, "Fraction | float"]

@@ -8,7 +8,7 @@ from typing import Any
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import RPM
-from torsionnet.model.elements.element import Element
+from torsionnet.model.element_base.element import Element
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import OperatingPoints, operated
 from torsionnet.model.parameters import resolve

@@ -6,8 +6,8 @@ are listed: a model then costs only the types that it has.
 
 from typing import TYPE_CHECKING
 
-from torsionnet.model.elements.element import ELEMENT_TYPES, Element, element_classes, make_element, register
-from torsionnet.model.elements.laws import GROUND, Action, Constraint, Law, Part, Row, Values
+from torsionnet.model.element_base.element import ELEMENT_TYPES, Element, element_classes, make_element, register
+from torsionnet.model.element_base.laws import GROUND, Action, Constraint, Law, Part, Row, Values
 
 if TYPE_CHECKING:
     from torsionnet.model.elements.element_types import *

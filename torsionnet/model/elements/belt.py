@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.element import register
-from torsionnet.model.elements.laws import Values
-from torsionnet.model.elements.loop_drive import LoopDrive
-from torsionnet.model.elements.quantity_table import TableByNode
+from torsionnet.model.element_base.element import register
+from torsionnet.model.element_base.laws import Values
+from torsionnet.model.element_base.loop_drive import LoopDrive
+from torsionnet.model.element_base.quantity_table import TableByNode
 
 
 @register

@@ -9,10 +9,10 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
-from torsionnet.model.elements.element import register
-from torsionnet.model.elements.laws import Values
-from torsionnet.model.elements.loop_drive import LoopDrive
-from torsionnet.model.elements.quantity_table import TableByNode
+from torsionnet.model.element_base.element import register
+from torsionnet.model.element_base.laws import Values
+from torsionnet.model.element_base.loop_drive import LoopDrive
+from torsionnet.model.element_base.quantity_table import TableByNode
 
 
 @register

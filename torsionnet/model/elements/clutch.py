@@ -13,12 +13,12 @@ from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows, outside, slope_at
-from torsionnet.model.elements.characteristic import Characteristic
-from torsionnet.model.elements.curves import read_off
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.curves import read_off
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodePair
 
 _SLIP = RowColumn("slip speed", "speed")
 

@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference
+from torsionnet.model.element_base.nodes import NodeName
 
 
 @register

@@ -11,12 +11,12 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.damping_entries import LossFactor
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.round_section import section_faults
-from torsionnet.model.elements.shaft_stiffness import ShaftEnd, ShaftTwist
+from torsionnet.model.element_base.damping_entries import LossFactor
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.round_section import section_faults
+from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
 
 INSIDE = Fraction(382, 1000)
 """Where the inner node is, over the length: the golden section is far from the node of every low mode."""

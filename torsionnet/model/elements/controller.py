@@ -10,9 +10,9 @@ from torsionnet.core.entries.scalars import PhysicalQuantity, check_unit
 from torsionnet.core.entries.spec import EntryError, Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.control_entries import ControlLawEntry, OneOrTwoNodes, SensedEntry, law_expressions
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Action, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.control_entries import ControlLawEntry, OneOrTwoNodes, SensedEntry, law_expressions
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Action, Part, Row, Values, difference, make_row
 
 
 @register

@@ -10,12 +10,12 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.model.elements.curves import read_off
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.spring_stages import SpringStages, stage_at, stage_range, stage_torques
+from torsionnet.model.element_base.curves import read_off
+from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.spring_stages import SpringStages, stage_at, stage_range, stage_torques
 
 _CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
 

@@ -10,11 +10,11 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Constraint, Law, Part, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
-from torsionnet.model.elements.teeth import Teeth
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Constraint, Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.teeth import Teeth
 
 
 @register

@@ -14,16 +14,16 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows, in_algebra
-from torsionnet.model.elements.coupling_faults import contradictions, read_offs
-from torsionnet.model.elements.curves import LookupCurve, Temperature, is_share, read_off
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.frequency_curves import over_frequency
-from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.sheared_shapes import RUBBER_SHAPES
-from torsionnet.model.elements.viscoelastic import Viscoelastic
+from torsionnet.model.element_base.coupling_faults import contradictions, read_offs
+from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share, read_off
+from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.frequency_curves import over_frequency
+from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES
+from torsionnet.model.element_base.viscoelastic import Viscoelastic
 
 _OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from torsionnet.model.elements.element import register
-from torsionnet.model.elements.hydrodynamic import Hydrodynamic
+from torsionnet.model.element_base.element import register
+from torsionnet.model.element_base.hydrodynamic import Hydrodynamic
 
 
 @register
@@ -21,7 +21,7 @@ class FluidCoupling(Hydrodynamic):
 
     Examples
     --------
-    >>> from torsionnet.model.elements.laws import Values
+    >>> from torsionnet.model.element_base.laws import Values
     >>> coupling = FluidCoupling("coupling", pump="a", turbine="b", speed="150 rad/s", speed_ratio=0.97,
     ...     pump_torque=[[0.9, "900 N*m"], [1, 0]], test_speed="150 rad/s")
     >>> damper, follows = coupling.parts(Values({}))

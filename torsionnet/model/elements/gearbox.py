@@ -10,12 +10,12 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
-from torsionnet.model.elements.quantity_table import TableByName
-from torsionnet.model.elements.teeth import Teeth
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.element_base.teeth import Teeth
 
 NEUTRAL = "neutral"
 MOST_GEARS = 100

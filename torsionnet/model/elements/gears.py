@@ -10,11 +10,11 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Flag
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName, NodePair
-from torsionnet.model.elements.teeth import Teeth
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.element_base.teeth import Teeth
 
 MESH_STIFFNESS = PhysicalQuantity(
     "mesh stiffness referred to the first node; none: rigid", "stiffness", "k", exclusive=True

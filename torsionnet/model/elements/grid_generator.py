@@ -10,9 +10,9 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 _BEHIND_A_REACTANCE = ("emf", "grid_voltage", "reactance", "power")
 WHOLE = 0.01

@@ -9,9 +9,9 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 _RATED = ("rated_torque", "rated_slip")
 _ABOVE = "the rated torque must not be above the breakdown torque"

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Values, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Values, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 
 @register

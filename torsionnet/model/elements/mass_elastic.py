@@ -13,12 +13,12 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.plain_names import free_name
-from torsionnet.model.elements.element import Element, register
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import GROUND, Part, Row, Values, make_row
+from torsionnet.model.element_base.nodes import read_node
 from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.hysteretic_spring import HystereticSpring
 from torsionnet.model.elements.inertia import Inertia
-from torsionnet.model.elements.laws import GROUND, Part, Row, Values, make_row
-from torsionnet.model.elements.nodes import read_node
 from torsionnet.model.elements.rigid import Lock, RigidCoupling
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.elements.springs import Damper, Spring

@@ -9,9 +9,9 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 
 @register

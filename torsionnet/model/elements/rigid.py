@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Constraint, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Constraint, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName, NodePair
 
 
 @register

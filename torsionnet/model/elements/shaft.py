@@ -12,11 +12,11 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.round_section import section_faults
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.round_section import section_faults
 
 
 @register

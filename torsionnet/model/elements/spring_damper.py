@@ -8,13 +8,13 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.curves import LookupCurve
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.dynamic_stiffness import ScaledStiffness
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.frequency_curves import over_frequency
-from torsionnet.model.elements.laws import Law, Part, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.curves import LookupCurve
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.frequency_curves import over_frequency
+from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 
 @register

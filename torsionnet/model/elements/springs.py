@@ -9,11 +9,11 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Law, Part, Values, difference
-from torsionnet.model.elements.nodes import NodePair
-from torsionnet.model.elements.round_section import section_faults
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Law, Part, Values, difference
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.round_section import section_faults
 
 PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 SECTION = PhysicalQuantity(

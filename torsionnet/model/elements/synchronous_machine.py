@@ -13,10 +13,10 @@ from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Number
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 _AT_A_PULL_OUT_TORQUE = ("torque", "load_angle", "reluctance_torque", "pole_pairs")
 

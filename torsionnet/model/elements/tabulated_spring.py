@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.laws import Law, Part, Values, difference
-from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import Law, Part, Values, difference
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements.springs import PAIR
-from torsionnet.model.elements.stiffness_rows import TableEntry
 
 
 @register

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.piecewise_linear import slope_at, value_at
-from torsionnet.model.elements.characteristic import Characteristic
-from torsionnet.model.elements.element import register
-from torsionnet.model.elements.hydrodynamic import RATIO, Hydrodynamic
-from torsionnet.model.elements.laws import Values
+from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.element import register
+from torsionnet.model.element_base.hydrodynamic import RATIO, Hydrodynamic
+from torsionnet.model.element_base.laws import Values
 
 
 @register

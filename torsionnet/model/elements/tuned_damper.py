@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Law, Part, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
 
 _DAMPING = ("damping_ratio", "damping", "loss_factor")
 

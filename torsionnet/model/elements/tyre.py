@@ -9,10 +9,10 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodePair
 
 
 @register

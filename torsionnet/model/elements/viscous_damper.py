@@ -11,15 +11,15 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
-from torsionnet.model.elements.curves import Temperature
-from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
-from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.elements.nodes import NodeName
-from torsionnet.model.elements.sheared_shapes import FilmGap
-from torsionnet.model.elements.stiffness_rows import TableEntry
-from torsionnet.model.elements.viscoelastic import Viscoelastic, temperature_faults
+from torsionnet.model.element_base.curves import Temperature
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
+from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.sheared_shapes import FilmGap
+from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.viscoelastic import Viscoelastic, temperature_faults
 
 _FILMS = ("damping", "table", "silicone")
 

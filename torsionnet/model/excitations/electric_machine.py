@@ -14,7 +14,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, ByOrder
 from torsionnet.model.excitations.order_excitation import (
     ComplexArray,

@@ -15,7 +15,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Path
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.cylinder_entries import CYLINDER, FACTOR, CylindersEntry, by_cylinder, number_fault
 from torsionnet.model.excitations.engine_load import LOAD
 from torsionnet.model.excitations.firing import banked_phases, even_phases

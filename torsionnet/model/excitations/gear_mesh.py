@@ -14,9 +14,9 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
+from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.gears import Gear
-from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.excitations.harmonic_torque import PHASE, ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation

@@ -16,7 +16,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.measured_columns import FORM, POWERS, MeasuredLines, measured_lines
 from torsionnet.model.excitations.order_excitation import (
     FloatArray,

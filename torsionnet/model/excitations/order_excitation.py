@@ -15,8 +15,8 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Flag
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Input
+from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.rating import Rating
 
 ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)

@@ -11,7 +11,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 
 SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
 FORMS = "300..788 rpm or [300 rpm, 788 rpm]"

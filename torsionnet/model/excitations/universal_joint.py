@@ -13,8 +13,8 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault
+from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation, shafts_of
 

@@ -17,7 +17,7 @@ from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
-from torsionnet.model.elements.round_section import section_fault
+from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
 from torsionnet.model.limits.evidence import Evidence

@@ -13,8 +13,8 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.catalogues.taken_entries import value_of
 from torsionnet.model.channels import Sensor
+from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, without
 from torsionnet.model.limits.subject import LimitSubject

@@ -11,7 +11,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Path
 from torsionnet.model.channels import Sensor
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.limits.element_limit import everywhere
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, register_rule

@@ -11,8 +11,8 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
+from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element, Values
-from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.limits.evidence import Evidence, torques_of
 from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject

@@ -7,7 +7,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import Schema
 from torsionnet.core.entries.words import is_plain
 from torsionnet.core.expression_reading import check_name
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 
 PLAIN_NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
 

@@ -12,7 +12,7 @@ from torsionnet.core.entries.scalars import AnyQuantity
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.element_base.nodes import NodeName
 
 MOST_COPIES = 1000
 

@@ -12,13 +12,13 @@ from torsionnet.core.entries.spec import Spec
 from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
+from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.curves import LookupCurve
+from torsionnet.model.element_base.laws import Law
+from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.element_base.several import Several
+from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import Values
-from torsionnet.model.elements.characteristic import Characteristic
-from torsionnet.model.elements.curves import LookupCurve
-from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.quantity_table import TableByName
-from torsionnet.model.elements.several import Several
-from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.given_values import given, in_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
 from torsionnet.report.expression_latex import expression_latex

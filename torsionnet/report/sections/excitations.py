@@ -20,7 +20,7 @@ from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Pa
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import plain, unit
-from torsionnet.solve.order_response import shaft_speeds
+from torsionnet.solve.running.order_response import shaft_speeds
 
 if TYPE_CHECKING:
     from torsionnet.model.excitations import OrderExcitation

@@ -30,7 +30,7 @@ from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import capital, pair_latex, quotient_latex, sentence, unit
 from torsionnet.report.widths import FORMULA, letters
 from torsionnet.response import FrequencyResponse
-from torsionnet.symbolic.delay import delays_of
+from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
 from torsionnet.symbolic.shown import latex, polynomial_latex
 from torsionnet.symbolic.symbol_names import symbol_latex

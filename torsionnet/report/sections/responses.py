@@ -29,7 +29,7 @@ from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import pair_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.phase import phase_at_rest
-from torsionnet.solve.peaks import Peak, peaks, static_value
+from torsionnet.solve.responses.peaks import Peak, peaks, static_value
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +82,7 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
 
 def finish(figure: Figure, pair: Pair) -> None:
     """The names of output and input on the axis as symbols, and no ticks without a number, which take long to draw."""
-    from torsionnet.plot.labels import symbol
+    from torsionnet.plot.drawing.labels import symbol
 
     for panel in figure.axes:
         panel.minorticks_off()

@@ -9,7 +9,7 @@ from torsionnet.report.report_words import listed, plain
 
 def schematic_section(subject: ReportData) -> Section:
     """The picture of the first configuration, in which the others differ by values or by what is switched on."""
-    from torsionnet.plot.schematic import schematic
+    from torsionnet.plot.schematic.schematic import schematic
 
     case = subject.cases[0]
     rig = case.drivetrain

@@ -35,7 +35,7 @@ def _file(image: str) -> str:
 
 def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path, ...]:
     """Write a text, every figure as SVG or PDF, and the images of the template that it names; gives their paths."""
-    from torsionnet.plot.rendering import rendered
+    from torsionnet.plot.drawing.rendering import rendered
 
     folder = figure_folder(path)
     images = report.template.images if report.template else {}

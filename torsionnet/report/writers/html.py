@@ -26,7 +26,7 @@ def html_page(report: Report, *, folds: bool = True) -> str:
 
 
 def _drawing(block: Picture, number: str) -> str:
-    from torsionnet.plot.rendering import inline_svg
+    from torsionnet.plot.drawing.rendering import inline_svg
 
     svg = inline_svg(block.drawn, f"f{number}-")
     return svg.replace("<svg ", f'<svg role=img aria-label="{escaped(block.alt)}" ', 1)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import ModelError
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
+from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Law, Values
-from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
-from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
 from torsionnet.solve.batch.variant_numbers import Decisions, column

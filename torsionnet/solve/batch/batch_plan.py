@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import ModelError, TorsionnetError, UsageError
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Law, Part, Values
-from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.model.parameters import evaluation_order
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_filling import Filling

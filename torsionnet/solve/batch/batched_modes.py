@@ -14,11 +14,11 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import ModelError, TorsionnetError
-from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
 from torsionnet.response import Modes
 from torsionnet.solve.batch.stacked_form import Coefficients
 from torsionnet.solve.batch.stacked_modes import stacked_modes
-from torsionnet.solve.modes import natural_modes
+from torsionnet.solve.modes.modes import natural_modes
 
 if TYPE_CHECKING:
     from torsionnet.solve.batch.batch import Batch

@@ -13,11 +13,11 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.quotient import transfer_functions
-from torsionnet.solve.starmesh import chosen_method
-from torsionnet.solve.transfer import Evaluated, evaluate_laws, responses
-from torsionnet.solve.transfer_request import TransferRequest, again
-from torsionnet.solve.zero import at_zero
+from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
+from torsionnet.solve.dynamic_stiffness.starmesh import chosen_method
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, again
+from torsionnet.solve.responses.transfer import Evaluated, evaluate_laws, responses
+from torsionnet.solve.responses.zero import at_zero
 
 POINTS = 100_000
 """Variants times frequencies that are solved together, which bounds the memory."""
@@ -77,7 +77,7 @@ def batched_responses(
     --------
     >>> import torsionnet as tn
     >>> from torsionnet.solve.batch.batch_plan import batch_plan
-    >>> from torsionnet.solve.transfer_request import remembered
+    >>> from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
     >>> rig = tn.load("dmf_rig")
     >>> batch = batch_plan(rig, ["k_2"]).batch({"k_2": np.array([400.0, 500.0, -1.0])})
     >>> found = batched_responses(batch, remembered(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
@@ -135,7 +135,7 @@ def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str
 
 
 def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
-    """Values at zero frequency (n, n_out, n_in), as :func:`torsionnet.solve.transfer.responses` has them."""
+    """Values at zero frequency (n, n_out, n_in), as :func:`torsionnet.solve.responses.transfer.responses` has them."""
     n_out, n_in = len(request.outputs), len(request.measured)
     found = np.full((len(batch), n_out, n_in), np.inf + 0j)
     single = np.ones(len(batch), dtype=bool)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness, ScaledStiffness
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness, ScaledStiffness
 
 
 @dataclass(frozen=True, eq=False)

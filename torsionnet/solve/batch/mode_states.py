@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
-from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
 from torsionnet.solve.batch.batched_modes import BatchedModes, stacked_coefficients
 
 

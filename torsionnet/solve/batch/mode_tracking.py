@@ -34,7 +34,7 @@ from torsionnet.solve.batch.mode_states import inertia_mac, mode_states
 from torsionnet.solve.batch.mode_steps import ALIKE, NONE, Columns, Followed, taken
 from torsionnet.solve.batch.mode_walk import ModeWalk
 from torsionnet.solve.batch.tracking_notes import tracking_notes
-from torsionnet.solve.modes import natural_modes
+from torsionnet.solve.modes.modes import natural_modes
 
 MIXED = 0.2
 """MAC with another mode of the drivetrain from which on a mode is marked."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from torsionnet.model.definition import Definition
-from torsionnet.model.elements.curves import OnCurve
+from torsionnet.model.element_base.curves import OnCurve
 
 
 def derived_from(definition: Definition, names: Collection[str], order: Collection[str]) -> Iterator[str]:

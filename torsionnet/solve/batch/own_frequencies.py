@@ -9,8 +9,8 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batched_responses import POINTS, SingleAssemblies, scale_stresses
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
-from torsionnet.solve.transfer import evaluate_laws, responses
-from torsionnet.solve.transfer_request import TransferRequest, again
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, again
+from torsionnet.solve.responses.transfer import evaluate_laws, responses
 
 
 def responses_at_own_frequencies(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
-from torsionnet.solve.nullspace import unresisted
-from torsionnet.solve.reduction import beside, echelon, require_resistance, stiff_laws
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.reduction import beside, echelon, require_resistance, stiff_laws
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""The first-order form of :mod:`torsionnet.solve.reduction` for a stack of variants that share rows.
+"""The first-order form of :mod:`torsionnet.solve.dynamic_stiffness.reduction` for a stack of variants that share rows.
 
 The algebra is that of one system; numpy hands every matrix of a stack to LAPACK by itself. Sums over laws are products
 of stacked matrices too, not ``einsum`` and no product over the variants, which may add in another order when there
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.batch.shared_directions import SharedDirections
-from torsionnet.solve.reduction import AnyArray
+from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 
 
 class Coefficients(NamedTuple):

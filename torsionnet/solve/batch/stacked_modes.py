@@ -33,10 +33,10 @@ from torsionnet.solve.batch.stacked_vibrations import (
     residuals,
     undamped_vibrations,
 )
-from torsionnet.solve.eigen import scaled
-from torsionnet.solve.reduction import resisting, restricted
-from torsionnet.solve.repeated import EQUAL
-from torsionnet.solve.spectrum import POLISH_ABOVE, REFINE_ABOVE
+from torsionnet.solve.dynamic_stiffness.reduction import resisting, restricted
+from torsionnet.solve.modes.eigen import scaled
+from torsionnet.solve.modes.repeated import EQUAL
+from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]

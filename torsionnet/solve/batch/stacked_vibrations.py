@@ -1,6 +1,6 @@
 """Eigenvalues and vectors of a stack of first-order forms, each with an estimate of its error.
 
-The error is estimated as in :mod:`torsionnet.solve.spectrum`, from the size of the form and the condition of the
+The error is estimated as in :mod:`torsionnet.solve.modes.spectrum`, from the size of the form and the condition of the
 eigenvalue, which its symmetry gives without left vectors: with x = (velocities, forces) and S = diag(I, -I) the matrix
 S A is symmetric, so that S x is the left vector of x.
 """
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.shared_directions import SharedDirections
 from torsionnet.solve.batch.stacked_form import Coefficients, stacked_form
-from torsionnet.solve.reduction import AnyArray
-from torsionnet.solve.spectrum import on_real_axis
+from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
+from torsionnet.solve.modes.spectrum import on_real_axis
 
 _EPS = float(np.finfo(float).eps)
 SAFETY = 4.0

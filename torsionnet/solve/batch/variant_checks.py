@@ -8,8 +8,8 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_range import is_beyond_range
 from torsionnet.model.checks.values import is_in_measure, negative_laws, wrong_size
+from torsionnet.model.element_base.curves import OnCurve
 from torsionnet.model.elements import Element, Law, Part, Values
-from torsionnet.model.elements.curves import OnCurve
 from torsionnet.solve.batch.variant_numbers import VariantNumber
 
 

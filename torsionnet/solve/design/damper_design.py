@@ -28,9 +28,9 @@ from torsionnet.response.damper_optimum import (
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels, OrderLevels, ReceptanceLevels, VariedModel
 from torsionnet.solve.design.minimax import Box, largest, smallest_maximum
-from torsionnet.solve.grid import vibration_range
-from torsionnet.solve.modes import modes
-from torsionnet.solve.order_response import order_response
+from torsionnet.solve.modes.modes import modes
+from torsionnet.solve.responses.grid import vibration_range
+from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 

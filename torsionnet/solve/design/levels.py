@@ -15,10 +15,10 @@ from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.grid import Adaptive
-from torsionnet.solve.modes import modes
-from torsionnet.solve.order_response import order_response
-from torsionnet.solve.peaks import inner_maxima
+from torsionnet.solve.modes.modes import modes
+from torsionnet.solve.responses.grid import Adaptive
+from torsionnet.solve.responses.peaks import inner_maxima
+from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import ParametricResponse
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 

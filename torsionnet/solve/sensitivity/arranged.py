@@ -26,8 +26,8 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element
 from torsionnet.model.elimination import exact, reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row
-from torsionnet.solve.response_problem import Loading, ResponseProblem
-from torsionnet.solve.row_algebra import Row
+from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
+from torsionnet.solve.dynamic_stiffness.row_algebra import Row
 from torsionnet.solve.sensitivity.augmented import Augmented
 from torsionnet.solve.sensitivity.dual import value_of
 from torsionnet.solve.sensitivity.sensor_derivatives import ReadingDerivative, derivative_of, reading_on_duals

@@ -20,8 +20,8 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elements import Action, Row, Values
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of, value_of

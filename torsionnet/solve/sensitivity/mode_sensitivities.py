@@ -13,10 +13,10 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Column, Table
 from torsionnet.response.mode_numbers import COUNTING, RIGID
-from torsionnet.solve.modes import modes_against
+from torsionnet.solve.dynamic_stiffness.transfer_request import driven
+from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
 from torsionnet.solve.sensitivity.unknowns import unknowns
-from torsionnet.solve.transfer_request import driven
 
 SAME = 1e-6
 """Poles closer than this share of their size count as repeated."""

@@ -16,17 +16,17 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Values
-from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.model.readings import referring_factor
+from torsionnet.solve.dynamic_stiffness.starmesh import respond
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.responses.transfer import frequency_response
+from torsionnet.solve.responses.uncertain import ENOUGH, expected_errors
 from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
-from torsionnet.solve.starmesh import respond
-from torsionnet.solve.transfer import frequency_response
-from torsionnet.solve.transfer_request import TransferRequest, ask
-from torsionnet.solve.uncertain import ENOUGH, expected_errors
 
 
 @dataclass(frozen=True, eq=False)

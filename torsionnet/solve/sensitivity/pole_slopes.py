@@ -24,12 +24,12 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.solve.cut import beyond_cut, cut_definition
+from torsionnet.solve.dynamic_stiffness.starmesh import respond
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.solve.modes.cut import beyond_cut, cut_definition
 from torsionnet.solve.sensitivity.arranged import Arranged
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.unknowns import Unknowns
-from torsionnet.solve.starmesh import respond
-from torsionnet.solve.transfer_request import TransferRequest
 
 NEAR, NEAR_MEASURED = 1e-6, 1e-4
 """Radius of the circle around a pole on which responses are taken, over the distance of the next one.

@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.solve.transfer_request import driven, named_output
+from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answer_names import PARAMETER
 from torsionnet.study.optimum.conditions_damper import DamperOverConditions, damper_over_conditions

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import added, filled, refined, speeds_wanted
-from torsionnet.solve.order_response import OrderQuestion
-from torsionnet.solve.resonant_speeds import around_poles
+from torsionnet.solve.running.order_response import OrderQuestion
+from torsionnet.solve.running.resonant_speeds import around_poles
 from torsionnet.study.measuring.order_responses import asked_alike, order_responses, responses_at
 from torsionnet.study.variant_block import VariantBlock
 

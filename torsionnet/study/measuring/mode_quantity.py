@@ -14,7 +14,7 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.modes import OSCILLATORY, Modes
-from torsionnet.solve.modes import natural_modes
+from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.quantity import StudyQuantity
 
 if TYPE_CHECKING:

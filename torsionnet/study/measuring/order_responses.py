@@ -8,8 +8,8 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.order_response import OrderQuestion
-from torsionnet.solve.transfer_request import remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
+from torsionnet.solve.running.order_response import OrderQuestion
 from torsionnet.study.variant_block import VariantBlock
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.solve.transfer import responses, warn_infinite
-from torsionnet.solve.transfer_request import remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
+from torsionnet.solve.responses.transfer import responses, warn_infinite
 
 GRAPH = "graph"
 """The method of responses, unless another is asked for."""

@@ -12,7 +12,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.frequency_response import quotient_unit
-from torsionnet.solve.transfer_request import driven, named_output, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output, remembered
 from torsionnet.study.quantity import StudyQuantity
 
 if TYPE_CHECKING:

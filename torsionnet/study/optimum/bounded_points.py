@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.solve.peaks import inner_maxima
+from torsionnet.solve.responses.peaks import inner_maxima
 from torsionnet.study.optimum.design_goals import Found
 from torsionnet.study.optimum.design_problem import LARGE, DesignProblem
 

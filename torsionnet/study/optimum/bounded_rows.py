@@ -66,7 +66,7 @@ class BoundedRows:
             for name in self.problem.peak_objectives
         ]
         if self.chosen.columns.any():
-            slopes = _objective_slopes(self.problem, self._at(place), self._moved_at(place))
+            slopes = _objective_slopes(self.problem, self._at(place), self.at(place))
             parts.append(slopes[self.chosen.columns] / self._scale)
         return np.concatenate(parts)
 
@@ -83,7 +83,7 @@ class BoundedRows:
             self._slopes(name, place) / (self._levels(name, place)[:, None] + TINY) for name in self.problem.peak_limits
         ]
         if self.chosen.limits.any():
-            parts.append(self.problem.goals.excess_slopes(self._moved_at(place))[self.chosen.limits])
+            parts.append(self.problem.goals.excess_slopes(self.at(place))[self.chosen.limits])
         return np.concatenate([np.zeros((0, len(place))), *parts])
 
     def hold(self, highest: BoundedPoints, place: FloatArray) -> bool:
@@ -116,7 +116,7 @@ class BoundedRows:
             self._known[key] = self.problem.at(place)
         return self._known[key]
 
-    def _moved_at(self, place: FloatArray) -> Found:
+    def at(self, place: FloatArray) -> Found:
         key = place.tobytes()
         if key not in self._moved:
             self._moved[key] = self.problem.jacobian(place)

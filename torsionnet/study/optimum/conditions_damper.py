@@ -21,8 +21,8 @@ from torsionnet.solve.design.damper_design import Bounds, highest_peaks, levels_
 from torsionnet.solve.design.levels import Levels, OrderLevels
 from torsionnet.solve.design.minimax import smallest_maximum
 from torsionnet.solve.design.worst_levels import WorstLevels
-from torsionnet.solve.grid import vibration_range
-from torsionnet.solve.modes import modes
+from torsionnet.solve.modes.modes import modes
+from torsionnet.solve.responses.grid import vibration_range
 from torsionnet.solve.sensitivity.unknowns import unknowns
 
 if TYPE_CHECKING:

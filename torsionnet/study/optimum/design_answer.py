@@ -12,7 +12,7 @@ from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.solve.starmesh import compiled_works
+from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answer_names import PARAMETER, QUANTITY
 from torsionnet.study.answers.asking import measure_of

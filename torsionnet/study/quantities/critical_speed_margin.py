@@ -16,8 +16,8 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.excitations.speed_range import SpeedBand
-from torsionnet.solve.critical_speeds import excited_frequencies, excited_lines, order_margins
-from torsionnet.solve.order_response import with_motions_held
+from torsionnet.solve.running.critical_speeds import excited_frequencies, excited_lines, order_margins
+from torsionnet.solve.running.order_response import with_motions_held
 from torsionnet.study.measuring.speed_quantity import speed_words
 from torsionnet.study.measuring.transfer_quantity import refusal
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity

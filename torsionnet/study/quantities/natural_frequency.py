@@ -13,7 +13,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.mode_pairs import undamped_place
+from torsionnet.solve.modes.mode_pairs import undamped_place
 from torsionnet.study.measuring.mode_quantity import ASCENDING, ModeQuantity
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.variant_block import VariantBlock

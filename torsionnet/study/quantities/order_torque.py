@@ -16,7 +16,7 @@ from torsionnet.core.entries.words import Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.transfer_request import named_output
+from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
 from torsionnet.study.measuring.largest_orders import largest_orders
 from torsionnet.study.measuring.order_responses import order_responses
 from torsionnet.study.measuring.speed_quantity import SpeedQuantity

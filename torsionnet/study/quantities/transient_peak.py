@@ -14,8 +14,8 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.modes import natural_modes
-from torsionnet.solve.transfer_request import driven, named_output
+from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
+from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.measuring.torque_history import TorqueHistory, TorqueHistoryEntry
 from torsionnet.study.measuring.transfer_quantity import refusal
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity

@@ -1,0 +1,117 @@
+"""``torsionnet compare``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.cli.cases import ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY
+from torsionnet.cli.record_options import Averaging, Estimator, RecordCommand
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response import Conventions, FrequencyResponse, Table
+
+
+class CompareCommand(ModelCommand, RecordCommand):
+    """A record against a model: both responses, how far they are apart, and where the test can be trusted.
+
+    \b
+    torsionnet bench amt_bench -c V -o gear_V.npz
+    torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot V.png
+    """
+
+    forms = TABLE
+    picture = "test over model, with their differences"
+
+    sensor: str = option("--output", metavar="NAME", help="Channel of the record, and sensor of the model.")
+    into: str = option("--input", metavar="NAME", help="Channel of the record, and input or sensor.")
+    model_output: str | None = option(
+        "--model-output", metavar="NAME", help="Sensor of the model, if it has another name there."
+    )
+    model_input: str | None = option(
+        "--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there."
+    )
+    excitation: str | None = option(
+        "--excitation", metavar="INPUT", help="What drives the model, if it has several inputs."
+    )
+    averaging: Averaging
+    estimator: Estimator
+    start: float = LOWEST_FREQUENCY
+    stop: float | None = HIGHEST_FREQUENCY
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.cli.commands.estimate import estimated
+        from torsionnet.response import Conventions
+        from torsionnet.signals.agreement import agreement
+
+        self.require_one("a record is of one configuration: name one with -c")
+        case = self.cases()[0]
+        band = (self.start, self.stop)
+        test = estimated(self.record, self.reading, (self.sensor,), (self.into,), self.averaging, self.estimator, band)
+        names = (self.model_output or self.sensor, self.model_input or self.into)
+        calculated = _calculated(case.drivetrain, test, *names, self.excitation)
+        conventions = Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: [agreement(test, calculated, conventions)],
+            data=lambda: _as_data(test, calculated, conventions),
+            csv=lambda: [("", _full(test, calculated, conventions))],
+            figures=lambda plot: [("", plot.comparison(test, calculated, conventions=conventions))],
+        )
+
+
+def _calculated(
+    drivetrain: Drivetrain, test: FrequencyResponse, output: str, into: str, excitation: str | None
+) -> FrequencyResponse:
+    """The model's response at the frequencies of the test, under the names of the test."""
+    from dataclasses import replace
+
+    found = drivetrain.frequency_response(output, into, test.frequencies, excitation=excitation)
+    same = [
+        tuple(replace(channel, name=other.name) for channel, other in zip(mine, theirs, strict=True))
+        for mine, theirs in ((found.outputs, test.outputs), (found.inputs, test.inputs))
+    ]
+    return replace(found, outputs=same[0], inputs=same[1])
+
+
+def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Every frequency: test, model, coherence, differences."""
+    from torsionnet.response import Column, Table
+    from torsionnet.signals.comparison import difference
+
+    apart, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
+    data = {
+        ("frequency", "Hz"): test.frequencies,
+        ("|test|", unit): test.magnitude[:, 0, 0] * scale,
+        ("phase test", "deg"): test.phase[:, 0, 0],
+        ("|model|", unit): model.magnitude[:, 0, 0] * scale,
+        ("phase model", "deg"): model.phase[:, 0, 0],
+        ("difference", "dB"): apart.decibels[:, 0, 0],
+        ("difference of phase", "deg"): apart.degrees[:, 0, 0],
+    }
+    if test.coherence is not None:
+        data[("coherence", "1")] = test.coherence[:, 0, 0]
+    rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
+    return Table(model.title, tuple(Column(*key) for key in data), rows, test.notes)
+
+
+def _as_data(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
+    from torsionnet.cli.commands.estimate import as_data
+    from torsionnet.signals.agreement import agreement
+    from torsionnet.signals.comparison import difference
+
+    apart, table = difference(test, model), agreement(test, model, conventions)
+    return {
+        "test": as_data(test, conventions),
+        "model": as_data(model, conventions),
+        "difference_dB": apart.decibels[:, 0, 0].tolist(),
+        "difference_deg": apart.degrees[:, 0, 0].tolist(),
+        "summary": [dict(zip(("what", "at_Hz", "value", "unit"), row, strict=True)) for row in table.rows],
+        "notes": list(table.notes),
+    }
+
+
+command = click_command("compare", CompareCommand)

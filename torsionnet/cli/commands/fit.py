@@ -1,0 +1,173 @@
+"""``torsionnet fit``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.declarations import argument, option
+from torsionnet.cli.options import OutputFile, file_option
+from torsionnet.cli.terminal import message
+from torsionnet.core.errors import UsageError
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Fit, Ranking
+    from torsionnet.identification.fit_file import FitPlan
+    from torsionnet.response import Table
+
+    Intervals = dict[str, tuple[float, float]]
+
+ENDINGS = (".yaml", ".yml")
+
+
+class FitCommand(Command):
+    """Find parameters of a model from records of tests, over several configurations at once.
+
+    FIT is a YAML file: model, measurements (record or response, output, input, configuration, band), parameters
+    (start, bounds, prior, per_configuration), settings of the estimate.
+
+    \b
+    torsionnet fit gears.yaml --plot fit.png -o result.yaml
+    """
+
+    forms = TABLE
+    picture = "test, model and residuals"
+
+    file: str = argument("FIT")
+    profile: bool = option(
+        "--profile", help="Intervals by profile likelihood too: slower, and right where they are lopsided."
+    )
+    rank: bool = option(
+        "--rank", help="Rank which value, freed alone, would explain a misfit; FIT may name no parameters then."
+    )
+    output_file: str | None = file_option("Write the result as YAML.", ENDINGS)
+    model_file: str | None = option("--model", type=OutputFile(ENDINGS), help="Write the model with the values found.")
+
+    def answer(self) -> Answer:
+        from torsionnet.cli.progress import progress
+        from torsionnet.identification import identify, rank_causes
+        from torsionnet.identification.fit_file import load_fit_plan
+        from torsionnet.io import read_frequency_response
+        from torsionnet.response import Conventions
+
+        with progress("fitting", None):
+            plan = load_fit_plan(self.file, read_frequency_response, ranks_alone=self.rank)
+            _announce(plan)
+            if not plan.parameters:
+                return self._ranked(rank_causes(plan.model, plan.measurements, residual=_residual(plan)))
+            found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
+            profiles = {name: found.profile(name) for name in found.values} if self.profile else {}
+            ranking = rank_causes(found) if self.rank else None
+        for verdict in found.verdicts:
+            message("warning", verdict)
+        table = found.table(true=plan.true or None)
+        return Answer(
+            screen=lambda: _screen(table, profiles, ranking),
+            data=lambda: {**_as_data(found, profiles, plan.true), **_ranking(ranking)},
+            csv=lambda: [("", table)],
+            files=[
+                (self.output_file, found.to_yaml),
+                (self.model_file, lambda file: found.configured(plan.model).to_yaml(file)),
+            ],
+            figures=lambda plot: [("", plot.fit(found, conventions=Conventions(angle="deg")))],
+        )
+
+    def _ranked(self, ranking: Ranking) -> Answer:
+        """The ranking alone, where nothing is to be found."""
+        asked = {
+            "--profile": self.profile,
+            "-o": self.output_file,
+            "--model": self.model_file,
+            "--plot": self.output.plot_file,
+        }
+        if named := [option for option, given in asked.items() if given]:
+            raise UsageError(
+                f"{' and '.join(named)}: the fit file names no parameters, so there is nothing but a ranking"
+            )
+        table = ranking.table()
+        return Answer(screen=lambda: [table], data=lambda: _ranking(ranking), csv=lambda: [("", table)])
+
+
+def _residual(plan: FitPlan) -> str:
+    return str(plan.options.get("residual") or "complex")
+
+
+def _screen(table: Table, profiles: Intervals, ranking: Ranking | None) -> Iterator[Table | tuple[Any, ...]]:
+    yield table
+    for name, (low, high) in profiles.items():
+        yield (f"{name}: 95 % by profile likelihood from ", float(low), " to ", float(high))
+    if ranking is not None:
+        yield ranking.table()
+
+
+def _ranking(ranking: Ranking | None) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {} if ranking is None else {"ranking": [asdict(one) for one in ranking.causes]}
+
+
+def _lack(found: Fit) -> dict[str, Any] | None:
+    from dataclasses import asdict
+
+    lack = found.lack_of_fit
+    return None if lack is None else {"rejected": lack.rejected, **asdict(lack)}
+
+
+def _announce(plan: FitPlan) -> None:
+    """How records are decimated, and the memory that the fit takes if that is much."""
+    from torsionnet.cli.memory_note import announce
+    from torsionnet.identification.residuals.memory import demand, total
+    from torsionnet.response.recording import Recording
+    from torsionnet.signals.decimation import usable_up_to
+
+    demands = []
+    for one in plan.measurements:
+        record, settings = one.data, one.settings
+        if isinstance(record, Recording) and settings is not None:
+            limit = usable_up_to(record.sampling_rate, settings.decimation)
+            if settings.decimation > 1:
+                rate = record.sampling_rate / settings.decimation
+                message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
+            demands.append(demand(record, settings, one.band or (0.0, limit)))
+    announce(total(demands), "narrower bands, or shorter windows (seconds), take less")
+
+
+def _as_data(found: Fit, profiles: Intervals, true: Any) -> dict[str, Any]:
+    intervals = found.intervals()
+    return {
+        "title": found.title,
+        "parameters": [
+            {
+                "name": name,
+                "value": value,
+                "standard_error": found.standard_errors[name],
+                "interval_95": list(intervals[name]),
+                "profile_95": list(profiles[name]) if name in profiles else None,
+                "unit": found.units.get(name, ""),
+                "true": true.get(name),
+            }
+            for name, value in found.values.items()
+        ],
+        "correlation": found.correlation.tolist(),
+        "chi_squared": found.chi_squared,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "aicc": found.aicc,
+        "verdicts": list(found.verdicts),
+        "lack_of_fit": _lack(found),
+        "notes": list(found.notes),
+        "measurements": [
+            {
+                "name": one.name,
+                "unit": one.unit,
+                "frequencies_Hz": one.frequencies.tolist(),
+                "misfit": one.misfit,
+                "measured": [one.measured.real.tolist(), one.measured.imag.tolist()],
+                "fitted": [one.fitted.real.tolist(), one.fitted.imag.tolist()],
+            }
+            for one in found.comparisons
+        ],
+    }
+
+
+command = click_command("fit", FitCommand)

@@ -1,0 +1,132 @@
+"""``torsionnet identify-modes``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.declarations import option
+from torsionnet.cli.record_options import EstimateArguments
+from torsionnet.cli.terminal import tell_warnings
+
+if TYPE_CHECKING:
+    from torsionnet.modal import Match, ModalEstimate
+    from torsionnet.response import FrequencyResponse
+
+METHODS = ("auto", "rational", "lscf", "peaks")
+
+
+class IdentifyModesCommand(EstimateArguments):
+    """Natural frequencies, damping ratios and shapes at the sensors from a record, without a model.
+
+    Against a measured torque these are the poles of the drivetrain cut at the transducer; --against compares them with
+    those of a model in the same way.
+
+    \b
+    torsionnet identify-modes test.npz --output theta_1 --input T_T --preset paper --against amt_rig -c V
+    """
+
+    forms = TABLE
+    picture = "the stabilisation diagram"
+
+    stop: float | None = option("--to", help="Highest frequency in Hz; default: as far as the record can be used.")
+    method: str = option(
+        "--method",
+        type=click.Choice(METHODS),
+        default="auto",
+        show_default=True,
+        help="rational: few modes of any damping, also close ones; lscf: many light modes; auto: the better of these.",
+    )
+    order: int | None = option("--order", type=click.IntRange(1), help="Highest order of the fit.")
+    model: str | None = option("--against", metavar="MODEL", help="Compare with the modes of a model.")
+    configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
+
+    def answer(self) -> Answer:
+        from torsionnet.cli.commands.estimate import estimated
+
+        if self.output.plot_file and self.method == "peaks":
+            raise click.UsageError(
+                "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
+            )
+        response = estimated(
+            self.record,
+            self.reading,
+            self.outputs,
+            self.inputs,
+            self.averaging,
+            self.estimator,
+            (self.start, self.stop),
+        )
+        if self.stop is None and response.usable_up_to is not None:
+            response = response.between(self.start, response.usable_up_to)
+        found, diagram = _identified(response, self.method, self.order)
+        compared = _compared(found, self.model, self.configuration, self.inputs) if self.model else None
+        tell_warnings(found.notes)
+        return Answer(
+            screen=lambda: spaced([found.table(), *([compared.table()] if compared else [])]),
+            data=lambda: _as_data(found, compared),
+            csv=lambda: [("", found.table())],
+            figures=lambda plot: [("", plot.stabilisation(diagram, found))],
+        )
+
+
+def _identified(response: FrequencyResponse, method: Any, order: int | None) -> tuple[ModalEstimate, Any]:
+    from torsionnet.modal import Settings, identify_modes, peak_picking, stabilisation
+
+    if method == "peaks":
+        return peak_picking(response), None
+    chosen = Settings(method, order, weights=_weights(response))
+    diagram = stabilisation(response, chosen)
+    return identify_modes(diagram), diagram
+
+
+def _weights(response: FrequencyResponse) -> Any:
+    return "coherence" if response.coherence is not None else "uniform"
+
+
+def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:
+    from torsionnet.loading import load
+    from torsionnet.modal import match
+
+    rig = load(model)
+    rig = rig.configured(configuration) if configuration else rig
+    measured = [name for name in inputs if name in rig.sensors]
+    return match(found, rig.modes(measured_input=measured) if measured else rig.modes())
+
+
+def _as_data(found: ModalEstimate, compared: Match | None) -> dict[str, Any]:
+    modes = [
+        {
+            "mode": index + 1,
+            "kind": found.kinds[index],
+            "natural_frequency_Hz": float(found.natural_frequencies[index]),
+            "standard_error_Hz": float(found.frequency_errors[index]),
+            "damping_ratio": float(found.damping_ratios[index]),
+            "standard_error": float(found.damping_errors[index]),
+            "pole_rad_per_s": [float(found.poles[index].real), float(found.poles[index].imag)],
+            "shape": {
+                channel.name: [float(value.real), float(value.imag)]
+                for channel, value in zip(found.outputs, found.shapes[:, index], strict=True)
+            },
+        }
+        for index in range(len(found))
+    ]
+    data: dict[str, Any] = {"title": found.title, "method": found.method, "notes": list(found.notes), "modes": modes}
+    if compared is not None:
+        data["against_model"] = [
+            {
+                "identified": int(i) + 1,
+                "model": compared.model_numbers[m],
+                "frequency_error": float(df),
+                "damping_error": float(dz),
+            }
+            for i, m, df, dz in zip(
+                compared.identified, compared.model, compared.frequency_errors, compared.damping_errors, strict=True
+            )
+        ]
+    return data
+
+
+command = click_command("identify-modes", IdentifyModesCommand)

@@ -1,0 +1,138 @@
+"""``torsionnet modes``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import EXCITATION, FREQUENCY_UNIT
+from torsionnet.cli.wide_tables import in_blocks, shares_on_screen
+
+if TYPE_CHECKING:
+    from torsionnet.response import Modes, Table
+
+EIGENVALUES = ("Re lambda", "Im lambda")
+
+
+class ModesCommand(ModelCommand):
+    """Complex modes: natural frequencies |lambda|/2pi, damping ratios, descriptions.
+
+    The eigenvalues, shapes and energy shares are all in --json; --csv has the eigenvalues.
+    """
+
+    forms = TABLE
+    picture = "the mode shapes"
+
+    measured_input: str | None = option(
+        "--measured-input",
+        metavar="SENSOR",
+        help="The poles of responses against this sensor: those of the cut system.",
+    )
+    excitation: str | None = EXCITATION
+    lowest: int | None = option(
+        "--lowest",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Only the N lowest modes; default: all, or 20 with continuous shafts.",
+    )
+    up_to: float | None = option(
+        "--up-to",
+        type=click.FloatRange(min=0, min_open=True),
+        metavar="HZ",
+        help="Only modes up to this natural frequency in Hz; with continuous shafts all of these.",
+    )
+    shapes: bool = option("--shapes", help="Also the mode shapes, at every node.")
+    referred_to: str | None = option(
+        "--referred-to", metavar="NODE", help="Shapes with all angles referred to the shaft of this node."
+    )
+    energies: bool = option("--energies", help="Also the share of every element in the energies.")
+    frequency_unit: str = FREQUENCY_UNIT
+
+    def answer(self) -> Answer:
+        cases = self.cases()
+        from torsionnet.response import Conventions
+
+        conventions = Conventions(frequency=self.frequency_unit)
+        found = [
+            case.drivetrain.modes(
+                measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest, up_to=self.up_to
+            )
+            for case in cases
+        ]
+        results = [self._referred(case, modes) for case, modes in zip(cases, found, strict=True)]
+        tables = [modes.table(conventions) for modes in results]
+        pairs = list(zip(cases, results, strict=True))
+        return Answer(
+            screen=lambda: spaced(part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)),
+            data=lambda: [_as_data(*pair) for pair in pairs],
+            csv=lambda: [("", self.joined(cases, tables))],
+            # overlaid the shapes of several configurations could not be told apart
+            figures=lambda plot: [
+                (
+                    case.configuration,
+                    plot.mode_shapes(modes, case.drivetrain, referred_to=self.referred_to, conventions=conventions),
+                )
+                for case, modes in zip(cases, found, strict=True)
+            ],
+        )
+
+    def _referred(self, case: ConfiguredCase, modes: Modes) -> Modes:
+        """With shapes referred to the shaft asked for."""
+        if self.referred_to is None:
+            return modes
+        from torsionnet.solve.modes.referred_shapes import referred_shapes
+
+        return referred_shapes(case.drivetrain, modes, self.referred_to)
+
+    def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
+        """What is printed of one configuration."""
+        yield on_screen(table)
+        if self.shapes:
+            yield from in_blocks(self.output.sized(modes.shape_table()), 2)
+        if self.energies:
+            yield from in_blocks(self.output.sized(shares_on_screen(modes.energy_table())), 3)
+
+
+def on_screen(table: Table) -> Table:
+    """Without the eigenvalues, which say the same again; files have them."""
+    return table.chosen([index for index, one in enumerate(table.columns) if one.name not in EIGENVALUES])
+
+
+def _as_data(case: ConfiguredCase, modes: Modes) -> dict[str, Any]:
+    return {
+        "title": modes.title,
+        "configuration": case.configuration,
+        "notes": list(modes.notes),
+        "undamped_natural_frequencies_Hz": modes.undamped_natural_frequencies.tolist(),
+        "nodes": list(modes.nodes),
+        "modes": [_mode(modes, index) for index in range(len(modes))],
+    }
+
+
+def _mode(modes: Modes, index: int) -> dict[str, Any]:
+    value = complex(modes.eigenvalues[index])
+    shares = modes.energy_shares(index)
+    return {
+        "mode": modes.numbers[index],
+        "kind": modes.kinds[index],
+        "natural_frequency_Hz": float(modes.natural_frequencies[index]),
+        "damped_frequency_Hz": float(modes.damped_frequencies[index]),
+        "damping_ratio": float(modes.damping_ratios[index]),
+        "eigenvalue_rad_per_s": [value.real, value.imag],
+        "converged": bool(modes.converged[index]),
+        "description": modes.descriptions[index],
+        "shape": {
+            node: [float(a.real), float(a.imag)] for node, a in zip(modes.nodes, modes.shapes[:, index], strict=True)
+        },
+        "energy_shares": {
+            name: dict(zip(("kinetic", "strain", "dissipated"), parts, strict=True)) for name, parts in shares.items()
+        },
+    }
+
+
+command = click_command("modes", ModesCommand)

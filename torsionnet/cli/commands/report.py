@@ -1,0 +1,206 @@
+"""``torsionnet report``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from torsionnet.cli.cases import ModelCommand
+from torsionnet.cli.command import Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.models import STANDARD_INPUT, load_model
+from torsionnet.cli.options import PRESETS, SIMPLIFY, Finite, file_option
+from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
+from torsionnet.cli.terminal import wrote
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.identification import Fit
+    from torsionnet.report.request import Measured
+    from torsionnet.response import FrequencyResponse
+    from torsionnet.study.study_result import StudyResult
+
+    Band = tuple[float, float] | None
+
+ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
+
+
+class ReportCommand(ModelCommand):
+    """Write a report on a model: schematic, values, equations, modes, transfer functions, checks, validity.
+
+    What is in it says the report: section of the model file; options say it for this time. Sections: summary,
+    schematic, elements, parameters, kinematics, equations, modes, formulas, simplified, responses, excitations,
+    mean_torques, critical_speeds, orders, limits, test, fit, study, checks,
+    validity.
+
+    \b
+    torsionnet report amt_rig
+    torsionnet report dmf_rig -o dmf.pdf --author "A. Engineer" --band 0.3 150
+    torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --seconds 4 --record-band 0.5 40
+    cat model.yaml | torsionnet report - -o model.pdf
+    """
+
+    output_file: str | None = file_option("Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]", ENDINGS)
+    sections: tuple[str, ...] = option("--section", metavar="NAME", help="Repeatable.  [default: all that apply]")
+    pairs: tuple[str, ...] = option(
+        "--tf", metavar="OUTPUT/INPUT", help='Transfer function, "theta_1/T_T". Repeatable.'
+    )
+    band: tuple[float, float] | None = option(
+        "--band", type=float, nargs=2, metavar="LOW HIGH", help="Frequencies of the plots in Hz."
+    )
+    simplify: float | None = SIMPLIFY
+    angle: str | None = option(
+        "--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]"
+    )
+    title: str | None = option("--title", help="Title of the report.")
+    author: str | None = option("--author", help="Who signs it.")
+    date: str = option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
+    template: str | None = option(
+        "--template", metavar="FOLDER", help="Letterhead, style and wording.  [default: that of the model]"
+    )
+    fits: tuple[str, ...] = option("--fit", metavar="FIT.yaml", help="Result of torsionnet fit -o. Repeatable.")
+    studies: tuple[str, ...] = option(
+        "--study",
+        metavar="STUDY[=FOLDER]",
+        help="Study of this model, from its folder (torsionnet study -o) as far as it is calculated. Repeatable.",
+    )
+    records: tuple[str, ...] = option(
+        "--record",
+        metavar="[CONFIGURATION=]FILE",
+        help="Test over model: record of signals, or a measured response. Repeatable.",
+    )
+    sensor: str | None = option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
+    into: str | None = option("--input", metavar="NAME", help="Channel of the records, and input or sensor.")
+    preset: str | None = option(
+        "--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015)."
+    )
+    seconds: float | None = option(
+        "--seconds", type=Finite(0, min_open=True), help="Length of a segment of the records in s.  [default: 2]"
+    )
+    record_band: tuple[float, float] | None = option(
+        "--record-band",
+        type=float,
+        nargs=2,
+        metavar="LOW HIGH",
+        help="Frequencies in Hz at which test and model are compared.  [default: --band, else all of the test]",
+    )
+
+    def answer(self) -> Answer:
+        from torsionnet.model.configurations import EVERY
+        from torsionnet.report.report import make_report, writer_for
+
+        piped = self.model == STANDARD_INPUT
+        target = Path(self.output_file or f"{'model' if piped else Path(self.model).stem}.html")
+        write = writer_for(target)
+        rig = load_model(self.model)
+        plan = rig.definition.report
+        compared = (
+            _band("--record-band", self.record_band) or _band("--band", self.band) or (plan.band if plan else None)
+        )
+        averaging = Averaging(preset=self.preset, seconds=self.seconds)
+        named = () if EVERY in self.configurations and EVERY not in rig.configurations else self.configurations
+        fits = [_fit(name) for name in self.fits]
+        studies = _studies(self.studies, rig.configured(**dict(self.settings)) if self.settings else rig)
+        tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
+        report = make_report(
+            rig if piped else self.model,
+            configurations=named or (rig.configurations if self.configurations else ()),
+            sections=self.sections,
+            transfer_functions=self.pairs,
+            band=self.band,
+            settings=dict(self.settings),
+            tests=tests,
+            fits=fits,
+            studies=studies,
+            angle=self.angle,
+            simplify=self.simplify,
+            title=self.title,
+            author=self.author,
+            date=self.date,
+            template=self.template,
+        )
+        for path in write(report, target)[:1]:
+            wrote(str(path))
+        return Answer()
+
+
+def _fit(name: str) -> Fit:
+    from torsionnet.identification import load_fit  # loads scipy.optimize
+
+    return load_fit(name)
+
+
+def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
+    """Studies of the model, calculated as far as they are not."""
+    if not names:
+        return []
+    from torsionnet.report.own_studies import require_own_studies
+    from torsionnet.study import load_study, run_study
+
+    pairs = [name.partition("=") for name in names]
+    studies = [load_study(file) for file, _, _ in pairs]
+    require_own_studies(rig, studies)
+    return [run_study(study, folder or None) for study, (_, _, folder) in zip(studies, pairs, strict=True)]
+
+
+def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:
+    if band and not 0 <= band[0] < band[1] < float("inf"):
+        raise click.UsageError(f"{option} needs 0 <= LOW < HIGH in Hz, got {band[0]:g} {band[1]:g}")
+    return band
+
+
+def _measured(
+    name: str,
+    rig: Drivetrain,
+    output: str | None,
+    into: str | None,
+    averaging: Averaging,
+    band: tuple[float, float] | None,
+) -> Measured:
+    """A test in the band where it is compared."""
+    from torsionnet.core.errors import UsageError
+    from torsionnet.report.request import Measured
+
+    configuration, file = split(name, rig)
+    whole = _response(file, output, into, averaging)
+    if band is None:
+        return Measured(whole, configuration)
+    part = whole.between(*band)
+    if not len(part.frequencies):
+        raise UsageError(f"{file} has nothing between {band[0]:g} and {band[1]:g} Hz; {whole!r}")
+    return Measured(part, configuration)
+
+
+def split(name: str, rig: Drivetrain) -> tuple[str, str]:
+    """Configuration and file: ``V=test.npz``, or the file alone."""
+    from torsionnet.core.errors import ModelError, UsageError
+
+    before, equals, after = name.rpartition("=")
+    if not equals or Path(name).exists():
+        return "", name
+    try:
+        return rig.configured(before).configuration, after
+    except (UsageError, ModelError) as error:
+        raise UsageError(f'--record "{name}": {error}') from None
+
+
+def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:
+    """A measured response as it is in its file, or estimated from a record."""
+    from torsionnet.core.errors import ModelError, UsageError
+
+    try:
+        from torsionnet.io import read_frequency_response
+
+        found = read_frequency_response(file)
+        return found.select(output, into)
+    except (ModelError, UsageError):
+        if not (output and into):
+            raise
+    from torsionnet.cli.commands.estimate import estimated
+
+    return estimated(file, RecordReading(), (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
+
+
+command = click_command("report", ReportCommand)

@@ -1,0 +1,90 @@
+"""``torsionnet show``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.declarations import option
+from torsionnet.cli.terminal import wrapped
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response.table import Table
+
+
+class ShowCommand(ModelCommand):
+    """Elements with their values as written and in SI, parameters, inputs, sensors, configurations, mean speeds.
+
+    With --equations, --matrices or --flat only these; --csv writes the table of elements.
+    """
+
+    forms = TABLE
+    picture = "the schematic"
+
+    equations: bool = option("--equations", help="The equations of motion in the model's own symbols.")
+    flat: bool = option("--flat", help="The model file with its parts put in, dots in the names of what they hold.")
+    boxes: bool = option("--boxes", help="Draw each part that is used as one box.")
+    matrices: bool = option("--matrices", help="M, C, K in numbers.")
+
+    def answer(self) -> Answer:
+        from torsionnet.model.overview import elements_table
+
+        cases = self.cases()
+        return Answer(
+            screen=lambda: self.parts(cases),
+            data=lambda: [self.as_data(case) for case in cases],
+            csv=lambda: [("", self.joined(cases, [elements_table(case.drivetrain) for case in cases]))],
+            figures=lambda plot: [
+                (case.configuration, plot.schematic(case.drivetrain, boxes=self.boxes)) for case in cases
+            ],
+        )
+
+    def parts(self, cases: list[ConfiguredCase]) -> Iterator[Table | str]:
+        from torsionnet.model.files.writer import flat_text
+
+        for number, case in enumerate(cases):
+            if number:
+                yield ""
+            if self.flat:
+                yield flat_text(case.drivetrain.definition).rstrip("\n")
+                continue
+            if not (self.equations or self.matrices):
+                yield from _described(case.drivetrain)
+            if self.equations:
+                from torsionnet.cli.commands.equations import equations_text
+
+                yield equations_text(case.drivetrain)
+            if self.matrices:
+                from torsionnet.cli.commands.equations import matrix_tables
+
+                yield from [""] if self.equations else []
+                yield from spaced(matrix_tables(case.drivetrain))
+
+    def as_data(self, case: ConfiguredCase) -> dict[str, Any]:
+        from torsionnet.cli.commands.equations import equations_data, matrices_data
+        from torsionnet.model.overview import as_data
+
+        data = as_data(case.drivetrain)
+        if self.equations:
+            data["equations"] = equations_data(case.drivetrain)
+        if self.matrices:
+            data["matrices"] = matrices_data(case.drivetrain)
+        return data
+
+
+def _described(rig: Drivetrain) -> Iterator[Table | str]:
+    from torsionnet.model.overview import tables
+
+    yield rig.title
+    for text in (rig.description, rig.source and f"Source: {rig.source}"):
+        yield from wrapped(text)
+    for table in tables(rig):
+        if table.rows:
+            yield ""
+            yield table
+
+
+command = click_command("show", ShowCommand)

@@ -1,0 +1,1 @@
+"""Differences of measurement and model, weighted by what the noise of the measurement is."""

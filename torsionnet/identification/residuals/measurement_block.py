@@ -1,0 +1,170 @@
+"""Residuals of one measurement, weighted, with exact derivatives.
+
+Lines become real vectors, divided by what noise alone would do to them. Lines next to each other share noise, since
+windows smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the uncertainties
+of a fit do.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from copy import copy
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.noise import Noise, noise_between_lines
+from torsionnet.identification.residuals.residual_forms import Form, apart
+from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
+
+
+@dataclass(eq=False)
+class MeasurementBlock(ABC):
+    """One measurement against the model.
+
+    ``parameters`` of the model come first in the vectors handed in, then delay and gain where they are found along.
+    """
+
+    measurement: Measurement
+    response: ParametricResponse
+    form: Form = field(default="complex", kw_only=True)
+
+    @property
+    def parts(self) -> int:
+        """Residuals of a line."""
+        return 1 if self.form == "magnitude" else 2
+
+    @property
+    def count(self) -> int:
+        """Number of residuals."""
+        return len(self.frequencies) * self.parts
+
+    @property
+    @abstractmethod
+    def frequencies(self) -> FloatArray:
+        """Lines compared, Hz."""
+
+    @property
+    def described(self) -> str:
+        """What is compared, in a few words."""
+        return f"{len(self.frequencies)} lines"
+
+    @property
+    @abstractmethod
+    def measured(self) -> ComplexArray:
+        """What the test says at the lines."""
+
+    @abstractmethod
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """What the model says (n_b,), and its derivatives (n_b, n)."""
+
+    @property
+    @abstractmethod
+    def deviations(self) -> FloatArray:
+        """Standard deviation of real and imaginary parts of the lines that noise alone makes, (2 n_b,)."""
+
+    @property
+    @abstractmethod
+    def sizes(self) -> FloatArray:
+        """The same of the residuals before they are weighted, (count,)."""
+
+    @property
+    def absolute(self) -> FloatArray:
+        """What residuals are multiplied by to be differences in the unit of the response, (count,)."""
+        return self.sizes * (1.0 if self.form == "complex" else np.tile(np.abs(self.measured), self.parts))
+
+    @property
+    def correlation(self) -> FloatArray | None:
+        """Of the weighted residuals, (count, count); None where they are independent."""
+        return None
+
+    def under_noise(self, backward: FloatArray) -> FloatArray:
+        """Covariance of backward (n, count) @ residuals by noise."""
+        correlation = self.correlation
+        return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
+
+    @property
+    def squares(self) -> float:
+        """Sum of the squared correlations of all pairs of residuals."""
+        return float(self.count if self.correlation is None else np.sum(self.correlation**2))
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        """Covariance of backward (n, count) @ residuals by errors beyond noise that all lines share."""
+        del values
+        return np.zeros((len(backward), len(backward)))
+
+    def beyond_noise(self, values: FloatArray) -> FloatArray:
+        """Covariance (count, count) of the weighted residuals of a right model by anything but noise."""
+        return self.under_shared(np.eye(self.count), values)
+
+    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Weighted model against test (count,), and derivatives (count, n)."""
+        residuals, slopes = apart(self.form, *self.predicted(values), self.measured)
+        size = self.sizes
+        return residuals / size, slopes / size[:, None]
+
+    @property
+    def remark(self) -> str:
+        """What was assumed of the measurement, for the notes of a fit."""
+        return ""
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        """What noise there is whether or not the model is right; None where that cannot be told."""
+        residual, _ = self.residuals(values)
+        count = len(self.frequencies)
+        lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
+        found = noise_between_lines(lines, self.likeness[:count, :count])
+        if found is None:
+            return None
+        # A model that leads nowhere leaves residuals that jump between lines; noise is no more than what was measured.
+        power = float(np.tile(found.ratio, len(residual) // count) @ self.absolute**2)
+        most = float(np.sum(np.abs(self.measured) ** 2))
+        return replace(found, ratio=found.ratio * min(1.0, most / power)) if power > 0 else found
+
+    @property
+    def likeness(self) -> FloatArray:
+        """Correlation of the weighted residuals as far as it is known, (count, count)."""
+        return np.eye(self.count) if self.correlation is None else self.correlation
+
+    @abstractmethod
+    def take_measured_noise(self, noise: Noise) -> None:
+        """Weigh by noise as it was found."""
+
+    @abstractmethod
+    def take_noise(self, other: MeasurementBlock, left: float) -> None:
+        """Weigh as another fit of the same measurement does; ``left`` is its reduced chi squared."""
+
+    def varied(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> MeasurementBlock:
+        """The same test against another model, or in other parameters."""
+        found, old = copy(self), self.response
+        found.measurement = measurement
+        output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+        found.response = parametric_response(
+            rig, output, into, old.frequencies, parameters, excitation=measurement.excitation
+        )
+        return found
+
+    @property
+    def extra(self) -> tuple[str, ...]:
+        """Names of what is found along, after the parameters."""
+        asked = (("delay", self.measurement.delay), ("gain", self.measurement.gain))
+        return tuple(name for name, wanted in asked if wanted)
+
+    def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Model with delay and gain of the channel, (n_f,), and derivatives (n_f, n)."""
+        count = len(self.response.names)
+        found = self.response.at(values[:count])
+        G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        extra = dict(zip(self.extra, values[count:], strict=True))
+        turn = -2j * np.pi * f
+        late = np.exp(turn * extra.get("delay", 0.0))
+        channel = extra.get("gain", 1.0) * late
+        columns = [slopes * channel[:, None]]
+        if "delay" in extra:
+            columns.append((turn * G * channel)[:, None])
+        if "gain" in extra:
+            columns.append((G * late)[:, None])
+        return np.asarray(G * channel), np.concatenate(columns, axis=1)

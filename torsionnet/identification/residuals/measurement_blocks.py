@@ -1,0 +1,141 @@
+"""Blocks of a fit from measurements: which lines are compared, and by which route."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.identification.residuals.instrument import instrument_of
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.memory import check_memory
+from torsionnet.identification.residuals.operator import windowed_estimate
+from torsionnet.identification.residuals.record_block import RecordBlock
+from torsionnet.identification.residuals.remembered import remembered_estimate
+from torsionnet.identification.residuals.residual_forms import Form
+from torsionnet.identification.residuals.response_block import ResponseBlock, settled
+from torsionnet.identification.residuals.smoothing import smoothing
+from torsionnet.identification.residuals.steps import steps_in
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.frequency_response import Channel
+from torsionnet.response.recording import Recording
+from torsionnet.signals.decimation import factor_for
+from torsionnet.signals.estimators import estimate
+from torsionnet.signals.welch import PAPER, Welch
+from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
+
+UNKNOWN = "1"
+"""Unit of both ends of a response of which a file only says that they are alike."""
+
+
+def make_block(
+    model: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form
+) -> MeasurementBlock:
+    """The block of one measurement.
+
+    Raises
+    ------
+    UsageError
+        Names that model or data lack, unlike units, no line in the band, or a record that takes too much memory.
+    """
+    rig = model.configured(measurement.configuration) if measurement.configuration else model
+    data = measurement.data
+    if isinstance(data, Recording):
+        return _of_record(rig, measurement, data, parameters, form)
+    return _of_response(rig, measurement, data, parameters, form)
+
+
+def _of_record(
+    rig: AssembledModel, measurement: Measurement, data: Recording, parameters: tuple[str, ...], form: Form
+) -> MeasurementBlock:
+    settings = measurement.settings or default_settings(data, measurement.band)
+    band = measurement.band or _usable_band(data, measurement, settings)
+    check_memory(measurement.label, data, settings, band)
+    names, instrument = (measurement.output, measurement.input), instrument_of(rig, measurement, data, settings)
+    windowed = windowed_estimate(data, *names, settings, band, measurement.settling, instrument)
+    kept = _kept(windowed.frequencies, measurement)
+    units = tuple(Channel(name, data[name].unit) for name in names)
+    response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
+    steps = steps_in(data, *names, settings.decimation)
+    return RecordBlock(measurement, response, windowed, kept, steps, form=form)
+
+
+def _of_response(
+    rig: AssembledModel, measurement: Measurement, data: FrequencyResponse, parameters: tuple[str, ...], form: Form
+) -> MeasurementBlock:
+    chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
+    form = form if chosen.has_phase else "magnitude"
+    ends = chosen.outputs[0], chosen.inputs[0]
+    remembered = remembered_estimate(chosen) if measurement.error is None else None
+    if remembered is not None:
+        windowed, kept, steps = remembered
+        response = _response(rig, measurement, windowed.fine, parameters, ends)
+        given = np.asarray(chosen.values[:, 0, 0])
+        return RecordBlock(measurement, response, windowed, kept, steps, form=form, given=given)
+    smooth = smoothing(chosen.frequencies, chosen.estimation) if chosen.estimation else None
+    response = _response(rig, measurement, smooth.fine if smooth else chosen.frequencies, parameters, ends)
+    return ResponseBlock(measurement, response, chosen, smooth, form=form)
+
+
+def default_settings(record: Recording, band: tuple[float, float] | None = None) -> Welch:
+    """The source paper's windows; records faster than 1 kHz are decimated as far as the band allows."""
+    factor = factor_for(record.sampling_rate, band[1] if band else 0.0)
+    return Welch(PAPER.window, PAPER.seconds, PAPER.overlap, decimation=factor)
+
+
+def _usable_band(data: Recording, measurement: Measurement, settings: Welch) -> tuple[float, float]:
+    response = estimate(data, measurement.output, measurement.input, "H1", settings)
+    top = response.frequencies[-1] if response.usable_up_to is None else response.usable_up_to
+    return float(response.frequencies[0]), float(top)
+
+
+def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> FrequencyResponse:
+    low, high = measurement.band or (settled(data), data.usable_up_to or np.inf)
+    inside = (data.frequencies >= low) & (data.frequencies <= high) & (data.frequencies > 0)
+    kept = inside & np.isfinite(data.values[:, 0, 0]) & (data.values[:, 0, 0] != 0)
+    for start, stop in measurement.excluded:
+        kept &= (data.frequencies < start) | (data.frequencies > stop)
+    if not kept.any():
+        raise UsageError(_empty(data.frequencies, measurement))
+    return data.at_lines(kept)
+
+
+def _kept(frequencies: FloatArray, measurement: Measurement) -> NDArray[np.bool_]:
+    kept = np.ones(len(frequencies), dtype=bool)
+    for start, stop in measurement.excluded:
+        kept &= (frequencies < start) | (frequencies > stop)
+    if not kept.any():
+        raise UsageError(_empty(frequencies, measurement))
+    return kept
+
+
+def _empty(frequencies: FloatArray, measurement: Measurement) -> str:
+    band = f"from {measurement.band[0]:g} to {measurement.band[1]:g} Hz " if measurement.band else ""
+    have = f"its lines go from {frequencies[0]:g} to {frequencies[-1]:g} Hz" if len(frequencies) else "it has no lines"
+    return f"{measurement.label} has nothing {band}to compare; {have}"
+
+
+def _response(
+    rig: AssembledModel,
+    measurement: Measurement,
+    frequencies: FloatArray,
+    parameters: tuple[str, ...],
+    channels: tuple[Channel, Channel],
+) -> ParametricResponse:
+    output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+    response = parametric_response(rig, output, into, frequencies, parameters, excitation=measurement.excitation)
+    theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
+    if all(channel.unit == UNKNOWN for channel in channels):
+        if theirs[0] != theirs[1]:
+            pair = f"{channels[0].name}/{channels[1].name} is a ratio of like signals in the data"
+            raise UsageError(f"{measurement.label}: {pair}, of {theirs[0]} over {theirs[1]} in the model")
+        return response
+    for channel, unit in zip(channels, theirs, strict=True):
+        if channel.unit and channel.unit != unit:
+            raise UsageError(
+                f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"
+            )
+    return response

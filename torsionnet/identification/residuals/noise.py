@@ -1,0 +1,146 @@
+"""How large the noise of a measurement is, found without trusting the model.
+
+What a model leaves unexplained is noise and its own error, and the two look alike in any one line. They differ in this:
+the error of a linear model follows the input from one window to the next, or runs smoothly from line to line; noise
+does neither.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.residuals.operator import WindowedEstimate
+from torsionnet.identification.residuals.segments import SegmentRows
+
+POOLED = 20.0
+"""Independent complex values of noise that lines next to each other are taken together for."""
+FEWEST = 4.0
+"""Fewer of them in a whole measurement say nothing."""
+REACH = 3
+"""Lines on either side of one through which a parabola is laid."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Noise as it is found, against what the weights of a fit suppose.
+
+    Attributes
+    ----------
+    ratio : (n_b,) array
+        Variance found over the one supposed, of every line.
+    certainty : float
+        Number of independent real values that it rests on.
+    """
+
+    ratio: FloatArray
+    certainty: float
+
+
+def noise_between_windows(
+    windowed: WindowedEstimate, G: ComplexArray, kept: NDArray[np.bool_], supposed: FloatArray, independent: float
+) -> Noise | None:
+    """From the windows of a record: what does not follow the input from one window to the next.
+
+    Parameters
+    ----------
+    windowed : WindowedEstimate
+    G : (n_f,) complex array
+        Of the model; whatever is proportional to its prediction, line by line, does not count.
+    kept : (n_all,) bool array
+        Lines compared.
+    supposed : (n_b,) array
+        Variance of a line that the fit supposes, of real and imaginary part together.
+    independent : float
+        Number of independent lines that those compared are worth.
+
+    Returns
+    -------
+    Noise or None
+        None where there are too few windows, or too few lines.
+    """
+    rows = windowed.rows.only(kept)
+    w = rows.weights
+    left, predicted = (rows.segments.lines(values) for values in windowed.apart(G))
+    share = predicted / (w * predicted).sum(axis=0)
+    rest = left - share * (w * left).sum(axis=0)
+    overlap, weight = _overlaps(rows), np.abs(w) ** 2
+    whole = overlap[0].real * weight.sum(axis=0)
+    smeared = _smeared(overlap, w.conj())
+    crossed = (weight * share.conj() * smeared).sum(axis=0).real
+    expected = whole - 2 * crossed + (weight * np.abs(share) ** 2).sum(axis=0) * (w * smeared).sum(axis=0).real
+    worth = np.maximum(expected / whole, 0) * whole**2 / _squares(overlap, weight) * independent / w.shape[1]
+    if float(worth.sum()) < FEWEST:
+        return None
+    level = (weight * np.abs(rest) ** 2).sum(axis=0) / np.maximum(expected, 1e-6 * whole)
+    variance = level * (w * smeared).sum(axis=0).real
+    return _pooled(variance / supposed, worth)
+
+
+def _overlaps(rows: SegmentRows) -> ComplexArray:
+    """Covariance (n_lags, n_b) of the lines of two windows, by their distance, for unit white noise."""
+    pieces, step, length = rows.segments.pieces(), rows.segments.step, rows.segments.length
+    return np.array(
+        [(pieces[:, lag:] * pieces[:, : length - lag].conj()).sum(axis=1) for lag in range(0, length, step)]
+    )
+
+
+def _smeared(overlap: ComplexArray, lines: ComplexArray) -> ComplexArray:
+    """Covariance of the noise of windows, from what they share at each distance (n_lags, n_b), times lines."""
+    found = overlap[0] * lines
+    for lag in range(1, min(len(overlap), len(lines))):
+        found[:-lag] += overlap[lag] * lines[lag:]
+        found[lag:] += overlap[lag].conj() * lines[:-lag]
+    return np.asarray(found)
+
+
+def _squares(overlap: ComplexArray, weight: FloatArray) -> FloatArray:
+    """Sum of the squared covariances of windows, weighted on both sides, (n_b,)."""
+    total = np.abs(overlap[0]) ** 2 * (weight**2).sum(axis=0)
+    for lag in range(1, min(len(overlap), len(weight))):
+        total = total + 2 * np.abs(overlap[lag]) ** 2 * (weight[lag:] * weight[:-lag]).sum(axis=0)
+    return np.asarray(total)
+
+
+def _pooled(ratio: FloatArray, worth: FloatArray) -> Noise:
+    """Means over lines next to each other, which rest on enough."""
+    half = min(len(ratio), int(np.ceil(POOLED / 2 / max(float(worth.mean()), 1e-9))))
+    sums, weights = (np.convolve(values, np.ones(2 * half + 1))[half:-half] for values in (worth * ratio, worth))
+    return Noise(sums / weights, 2 * float(min(worth.sum(), weights.mean())))
+
+
+def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatArray) -> Noise | None:
+    """From weighted residuals (n_b,): what does not run smoothly from line to line.
+
+    Parameters
+    ----------
+    residual : (n_b,) complex array, or real where only magnitudes are compared
+    correlation : (n_b, n_b) array
+        That noise has between lines.
+    """
+    if len(residual) <= 2 * REACH + 1:
+        return None
+    rough = _roughness(len(residual))
+    spread = rough @ correlation @ rough.T
+    mean, square = float(np.trace(spread)), float((spread**2).sum())
+    worth = mean**2 / square
+    if worth < FEWEST:
+        return None
+    parts = 2 if np.iscomplexobj(residual) else 1
+    scale = float((np.abs(rough @ residual) ** 2).sum()) / (parts * mean)
+    return Noise(np.full(len(residual), scale), parts * worth) if scale > np.finfo(float).tiny else None
+
+
+def _roughness(count: int) -> FloatArray:
+    """Matrix (count, count): each value less that of a parabola through it and its neighbours, by least squares."""
+    found = np.zeros((count, count))
+    for place in range(count):
+        first = min(max(place - REACH, 0), count - 2 * REACH - 1)
+        basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * REACH + 1)[:, None] ** np.arange(3))
+        near = slice(first, first + 2 * REACH + 1)
+        found[place, near] = -basis[place - first] @ basis.T
+        found[place, place] += 1
+    return found

@@ -1,0 +1,203 @@
+"""The same-estimator route: what Welch's method would make of the output that a model predicts from the measured input.
+
+The prediction is G(f) X(f) over the whole record, and everything after it (cutting into windows, taking out means,
+averaging) is linear in the output. So the estimate of the prediction is linear in G, and its derivative is the same of
+dG: leakage and windows act on model and test alike, and cancel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.identification.residuals.instrument import Instrument, without_background
+from torsionnet.identification.residuals.segments import SegmentRows, Segments
+from torsionnet.response.recording import Recording
+from torsionnet.signals.decimation import decimate
+from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.welch import Welch
+
+REACH = 2.0
+"""A window's side lobes are followed to this multiple of the highest line, plus 20 lines."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindowedEstimate:
+    """Estimate of a record at some lines, and how it follows from a transfer function.
+
+    Attributes
+    ----------
+    frequencies : (n_b,) array
+        Lines of the estimate, Hz.
+    measured : (n_b,) complex array
+        Estimate of the record: the lines of all segments of the output, multiplied by those of the instrument and added
+        up, over the same of the input.
+    fine : (n_f,) array
+        Frequencies at which the transfer function is needed, Hz.
+    drive : (n_f,) complex array
+        Spectrum of the input there, of the record and as many zeros after it.
+    rows : SegmentRows
+        Estimate = rows @ output, for the samples of the (decimated) output.
+    instrument : Instrument
+    power : (n_b,) complex array
+        The sum over the segments of the input.
+    background : (n_b,) bool array
+        Whether squared noise of the instrument is in that sum.
+    """
+
+    frequencies: FloatArray
+    measured: ComplexArray
+    fine: FloatArray
+    drive: ComplexArray
+    rows: SegmentRows
+    record: Recording
+    output: str
+    input: str
+    instrument: Instrument
+    power: ComplexArray
+    background: NDArray[np.bool_]
+
+    def predicted(self, G: ComplexArray) -> ComplexArray:
+        """Estimate of the output predicted by G (n_f,) or several of them (n_f, n_p)."""
+        columns = [self.rows.apply(self._passed(column)) for column in G.reshape(len(G), -1).T]
+        return np.stack(columns, axis=1).reshape(-1, *G.shape[1:])
+
+    def output_covariance(self) -> FloatArray:
+        """Of real and imaginary parts of the estimate (2 n_b, 2 n_b), for unit white noise on the output."""
+        return self.rows.covariance()
+
+    def input_covariance(self, G: ComplexArray) -> FloatArray:
+        """The same for unit white noise on the input, which the prediction passes on through G."""
+        n, first = _padded(self.rows.count), self._first
+        both = np.zeros(n, dtype=complex)
+        both[first : first + len(G)] = G
+        both[n - first - len(G) + 1 : n - first + 1] = G[::-1].conj()
+        return self.rows.filtered_covariance(both)
+
+    def unexplained(self, G: ComplexArray) -> FloatArray:
+        """Mean square of the lines of measured minus predicted output, over that of unit white noise, (n_b,).
+
+        Segments count as they do in the estimate: in a sweep a line is measured while the sweep passes it, and
+        what an encoder's steps do then is not what they do at other times.
+        """
+        rest, _ = self.apart(G)
+        noise, drive = np.abs(self.rows.segments.lines(rest)) ** 2, np.abs(self.rows.weights) ** 2
+        return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / self.rows.squares)
+
+    def apart(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Measured minus predicted output, and predicted output, (n,)."""
+        predicted = self._passed(G)
+        return _from_rest(self.record, self.output) - predicted, predicted
+
+    @property
+    def input_from_rest(self) -> FloatArray:
+        """The input less its first value, (n,)."""
+        return _from_rest(self.record, self.input)
+
+    @property
+    def _first(self) -> int:
+        """Place of the lowest of the fine frequencies in the spectrum."""
+        return round(float(self.fine[0]) * _padded(self.rows.count) / self.record.sampling_rate)
+
+    def _passed(self, G: ComplexArray) -> FloatArray:
+        """The output that G (n_f,) predicts from the input, (n,)."""
+        n = _padded(self.rows.count)
+        spectrum = np.zeros(n // 2 + 1, dtype=complex)
+        spectrum[self._first : self._first + len(G)] = G * self.drive
+        return np.asarray(np.fft.irfft(spectrum, n)[: self.rows.count])
+
+
+def windowed_estimate(
+    recording: Recording,
+    output: str,
+    input: str,
+    settings: Welch,
+    band: tuple[float, float],
+    settling: float = 0.0,
+    instrument: Instrument | None = None,
+) -> WindowedEstimate:
+    """Prepare the route for one record.
+
+    Parameters
+    ----------
+    recording : Recording
+        Begins at rest, or ``settling`` seconds of its start are left out of the estimate.
+    output, input : str
+    settings : Welch
+        Its estimator does not count here.
+    band : tuple of float
+        Lowest and highest line, Hz.
+    settling : float, optional
+        s.
+    instrument : Instrument, optional
+        H1 as in Welch's method if left out.
+
+    Raises
+    ------
+    UsageError
+        The record is too short or cannot be processed, the band has no lines, or the input does not follow the
+        reference.
+    """
+    instrument = instrument or Instrument("H1", input, plain=True)
+    chosen = recording.select(dict.fromkeys([output, input, instrument.signal]))
+    check_processable(chosen)
+    record = decimate(chosen, settings.decimation)
+    rate, step = record.sampling_rate, settings.step(recording.sampling_rate / settings.decimation)
+    bins = _lines_in(band, settings, rate)
+    segments = Segments(replace(settings, decimation=1), rate, bins, int(np.ceil(settling * rate / step)))
+    x, y = _from_rest(record, input), _from_rest(record, output)
+    X = segments.lines(x)
+    if not len(X):
+        raise UsageError(
+            f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after settling"
+        )
+    instrument, R = instrument.lines(X, lambda name: segments.lines(_from_rest(record, name)))
+    if instrument.is_clean or instrument.plain:
+        background = np.full(len(bins), not instrument.is_clean)
+    else:
+        R, background = without_background(R)
+    power = (R.conj() * X).sum(axis=0)
+    rows = SegmentRows(segments, R.conj() / power, len(x))
+    n = _padded(len(x))
+    top = min(rate / 2, REACH * float(bins[-1]) / settings.samples(rate) * rate + 20 * rate / settings.samples(rate))
+    fine = np.arange(1, int(top * n / rate))
+    return WindowedEstimate(
+        frequencies=bins * rate / settings.samples(rate),
+        measured=rows.apply(y),
+        fine=fine * rate / n,
+        drive=np.fft.rfft(x, n)[fine],
+        rows=rows,
+        record=record,
+        output=output,
+        input=input,
+        instrument=instrument,
+        power=power,
+        background=background,
+    )
+
+
+def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArray[np.intp]:
+    length = settings.samples(rate)
+    every = np.arange(1, length // 2)
+    f = every * rate / length
+    kept = every[(f >= band[0] * (1 - 1e-9)) & (f <= band[1] * (1 + 1e-9))]
+    if not len(kept):
+        apart = f"its lines are {rate / length:g} Hz apart"
+        raise UsageError(f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {apart}")
+    return kept
+
+
+def _from_rest(record: Recording, name: str) -> FloatArray:
+    values = record[name].values
+    return np.asarray(values - values[0])
+
+
+def _padded(count: int) -> int:
+    """Length after zeros in which a response dies away: twice that of the record."""
+    from scipy.fft import next_fast_len
+
+    return int(next_fast_len(2 * count, real=True))

@@ -1,0 +1,163 @@
+"""A record against the model, both estimated alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.noise import Noise, noise_between_windows
+from torsionnet.identification.residuals.operator import WindowedEstimate
+from torsionnet.identification.residuals.quiet import quiet_windows
+from torsionnet.identification.residuals.residual_forms import of_covariance, of_errors
+from torsionnet.identification.residuals.steps import PLACES, SensorSteps
+
+LOUDER = 100.0
+"""Times the power of what is seen where the excitation is elsewhere that noise may have where it is not; what is more,
+and does not follow the input from one window to the next, is what a model of other resonances leaves."""
+
+
+@dataclass(eq=False)
+class RecordBlock(MeasurementBlock):
+    """A record, or a response that remembers its own, by the same-estimator route.
+
+    Attributes
+    ----------
+    sensor : SensorSteps
+        Of the output.
+    given : (n_b,) complex array, optional
+        Lines of a response estimated before, in the place of those that are estimated of the record.
+    moved : (places, 2 n_b) array
+        By how much the steps of the sensor move real and imaginary parts, from each place that it may rest at.
+    """
+
+    windowed: WindowedEstimate
+    kept: NDArray[np.bool_]
+    sensor: SensorSteps
+    given: ComplexArray | None = field(default=None, kw_only=True)
+    covariance: FloatArray = field(init=False)
+    sources: tuple[float, float] = field(init=False, default=(0.0, 0.0))
+    moved: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.covariance = self._part(self.windowed.output_covariance())
+        self.moved = np.zeros((PLACES, len(self.covariance)))
+
+    @property
+    def described(self) -> str:
+        return f"{super().described} of {self.windowed.instrument}"
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return np.asarray(self.windowed.frequencies[self.kept])
+
+    @property
+    def measured(self) -> ComplexArray:
+        return np.asarray(self.windowed.measured[self.kept]) if self.given is None else self.given
+
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        G, slopes = self._distorted(values, self.windowed.fine)
+        estimate_of = self.windowed.predicted(np.column_stack([G, slopes]))[self.kept]
+        return estimate_of[:, 0], estimate_of[:, 1:]
+
+    @property
+    def deviations(self) -> FloatArray:
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def sizes(self) -> FloatArray:
+        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, self._whole, self.measured))))
+
+    @property
+    def correlation(self) -> FloatArray:
+        size = self.sizes
+        return np.asarray(of_covariance(self.form, self.covariance, self.measured) / np.outer(size, size))
+
+    @property
+    def squares(self) -> float:
+        """Of noise: errors by steps are known, and do not make it less certain."""
+        noise = of_covariance(self.form, self.covariance, self.measured)
+        size = np.sqrt(np.diag(noise))
+        return float(np.sum((noise / np.outer(size, size)) ** 2))
+
+    def under_steps(self, backward: FloatArray) -> FloatArray:
+        """By how much steps move backward (n, count) @ residuals, from each place of the sensor, (n, places)."""
+        return np.asarray(backward @ (of_errors(self.form, self.moved.T, self.measured) / self.sizes[:, None]))
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        del values
+        moved = self.under_steps(backward)
+        return np.asarray(moved @ moved.T / PLACES)
+
+    @property
+    def sensors(self) -> tuple[str, str, float]:
+        """Output, input and sampling rate, which set the noise of a record."""
+        return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
+
+    def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What the model leaves of the output over unit white noise; what such noise of the input does, and steps."""
+        G, _ = self._distorted(values, self.windowed.fine)
+        self._take_steps(G)
+        steps = self._variance_of_steps / self._unit
+        return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2, steps
+
+    def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
+        """Power of the noise of the input, seen where the excitation is elsewhere, and its standard error."""
+        G, _ = self._distorted(values, self.windowed.fine)
+        return quiet_windows(self.windowed, G).input_noise(on_output)
+
+    def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
+        """Weigh by noise of these powers on output and input."""
+        G, _ = self._distorted(values, self.windowed.fine)
+        self.sources = on_output, on_input
+        self.covariance = on_output * self._part(self.windowed.output_covariance())
+        if on_input:
+            self.covariance = self.covariance + on_input * self._part(self.windowed.input_covariance(G))
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        G, _ = self._distorted(values, self.windowed.fine)
+        supposed = (self.deviations**2).reshape(2, -1).sum(axis=0)
+        independent = self.count * len(self.frequencies) / self.squares
+        between = noise_between_windows(self.windowed, G, self.kept, supposed, independent)
+        if between is None:
+            return super().measured_noise(values)
+        quiet = self._unit * quiet_windows(self.windowed, G).floor()[self.kept] + self._variance_of_steps
+        return replace(between, ratio=np.minimum(between.ratio, LOUDER * quiet / supposed))
+
+    def take_measured_noise(self, noise: Noise) -> None:
+        size = np.sqrt(np.tile(noise.ratio, 2))
+        self.covariance = self.covariance * np.outer(size, size)
+
+    def take_noise(self, other: MeasurementBlock, left: float) -> None:
+        del left
+        assert isinstance(other, RecordBlock)
+        self.covariance, self.moved = other.covariance, other.moved
+
+    @property
+    def _whole(self) -> FloatArray:
+        """Covariance of real and imaginary parts by noise and steps."""
+        return np.asarray(self.covariance + self.moved.T @ self.moved / PLACES)
+
+    @property
+    def _unit(self) -> FloatArray:
+        """Variance of a line for unit white noise on the output, (n_b,)."""
+        return np.asarray(np.diag(self._part(self.windowed.output_covariance())).reshape(2, -1).sum(axis=0))
+
+    @property
+    def _variance_of_steps(self) -> FloatArray:
+        return np.asarray(np.mean(self.moved**2, axis=0).reshape(2, -1).sum(axis=0))
+
+    def _take_steps(self, G: ComplexArray) -> None:
+        if self.sensor.size:
+            _, motion = self.windowed.apart(G)
+            lines = self.sensor.errors(motion, self.windowed.rows.only(self.kept))
+            self.moved = np.concatenate([lines.real, lines.imag], axis=1)
+
+    def _part(self, whole: FloatArray) -> FloatArray:
+        """Of the lines compared."""
+        lines = np.flatnonzero(self.kept)
+        both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
+        return np.asarray(whole[np.ix_(both, both)])

@@ -1,0 +1,133 @@
+"""A response against the model, without the record it was estimated from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.residuals.line_noise import (
+    USUAL_OVERLAP,
+    USUAL_WINDOW,
+    averaging_of,
+    line_correlation,
+    line_noise,
+)
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.noise import Noise
+from torsionnet.identification.residuals.residual_forms import of_covariance, of_errors, parts
+from torsionnet.identification.residuals.smoothing import UNCERTAIN, Smoothing
+from torsionnet.response import FrequencyResponse
+
+STATED = 1e6
+"""Number of independent values that stand for an error which is stated: as good as known."""
+
+
+@dataclass(eq=False)
+class ResponseBlock(MeasurementBlock):
+    """A response without its record. Windows are taken to act on the model as they do under a stationary input."""
+
+    data: FrequencyResponse
+    smoothing: Smoothing | None = None
+    noise: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.noise = line_noise(self.data, self.measurement.error)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return self.data.frequencies
+
+    @property
+    def measured(self) -> ComplexArray:
+        return np.asarray(self.data.values[:, 0, 0])
+
+    @property
+    def fine(self) -> FloatArray:
+        """Frequencies at which the model is asked, Hz."""
+        return self.frequencies if self.smoothing is None else self.smoothing.fine
+
+    def curve(self, values: FloatArray) -> ComplexArray:
+        """The model there, before windows act on it."""
+        return self._distorted(values, self.fine)[0]
+
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        exact = self._distorted(values, self.fine)
+        return exact if self.smoothing is None else self.smoothing.smoothed(*exact)
+
+    @property
+    def deviations(self) -> FloatArray:
+        return np.tile(np.sqrt(self.noise), 2)
+
+    @property
+    def sizes(self) -> FloatArray:
+        size = np.sqrt(self.noise) / (1.0 if self.form == "complex" else np.abs(self.measured))
+        return np.tile(size, self.parts)
+
+    def under_noise(self, backward: FloatArray) -> FloatArray:
+        lines = self._line_correlation
+        if lines is None:
+            return super().under_noise(backward)
+        return np.asarray(sum(part @ (lines @ part.T) for part in np.split(backward, self.parts, axis=1)))
+
+    @property
+    def squares(self) -> float:
+        lines = self._line_correlation
+        return self.count if lines is None else self.parts * float((lines**2).sum())
+
+    @property
+    def likeness(self) -> FloatArray:
+        lines = self._line_correlation
+        return super().likeness if lines is None else np.kron(np.eye(self.parts), lines.toarray())
+
+    @property
+    def _line_correlation(self) -> csr_array | None:
+        """Of lines, the same for real and imaginary parts."""
+        averaged = averaging_of(self.data) if self.measurement.error is None else self.data.estimation
+        return None if averaged is None else line_correlation(self.frequencies, averaged)
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        if self.smoothing is None or self.smoothing.exact:
+            return super().under_shared(backward, values)
+        plain = self.curve(values)[self.smoothing.own]
+        doubtful = parts(UNCERTAIN * (self.predicted(values)[0] - plain))[:, None]
+        moved = backward @ (of_errors(self.form, doubtful, self.measured) / self.sizes[:, None])
+        return np.asarray(moved @ moved.T)
+
+    def beyond_noise(self, values: FloatArray) -> FloatArray:
+        if self.smoothing is None or self.smoothing.exact:
+            return super().beyond_noise(values)
+        covariance = self.smoothing.covariance(self.predicted(values)[0] - self.curve(values)[self.smoothing.own])
+        return np.asarray(of_covariance(self.form, covariance, self.measured) / np.outer(self.sizes, self.sizes))
+
+    @property
+    def remark(self) -> str:
+        found = []
+        if not self.data.has_phase:
+            found.append("has no phase, so magnitudes are compared")
+        if self.measurement.error is None and self.data.estimation is None and self._line_correlation is not None:
+            usual = f"a {USUAL_WINDOW} window with {100 * USUAL_OVERLAP:.0f} % overlap"
+            found.append(f"has a coherence but does not say how it was averaged: neighbours are related as by {usual}")
+        cut = 0.0 if self.measurement.band or self.smoothing is None else settled(self.data)
+        if cut:
+            found.append(f"is used from {cut:.3g} Hz, as a sweep passed what is below within the first window")
+        return f"{self.measurement.label} {'; '.join(found)}" if found else ""
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        if self.measurement.error is None:
+            return super().measured_noise(values)
+        return Noise(line_noise(self.data, self.measurement.error) / self.noise, STATED)
+
+    def take_measured_noise(self, noise: Noise) -> None:
+        self.noise = self.noise * noise.ratio
+
+    def take_noise(self, other: MeasurementBlock, left: float) -> None:
+        assert isinstance(other, ResponseBlock)
+        self.noise = other.noise * left
+
+
+def settled(data: FrequencyResponse) -> float:
+    """From where lines of a sweep are smoothed by whole windows, Hz; with the record at hand that does not matter."""
+    return data.estimation.settled_from if data.estimation and data.estimation.record is None else 0.0

@@ -1,0 +1,262 @@
+"""Entries of a controller: what it senses, where it acts, and its law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
+from torsionnet.model.element_base.laws import GROUND
+from torsionnet.model.element_base.nodes import NodePair, read_node
+
+SENSED = ("angle", "velocity", "acceleration")
+_FORMS = {
+    GAIN: {"gain"},
+    PID: {"p", "i", "d", "filter"},
+    POLYNOMIALS: {"numerator", "denominator"},
+    ROOTS: {"zeros", "poles", "gain"},
+    MATRICES: {"A", "B", "C", "D"},
+}
+_NEEDED = {GAIN: {"gain"}, PID: set(), POLYNOMIALS: _FORMS[POLYNOMIALS], ROOTS: {"gain"}, MATRICES: set("ABC")}
+_WAYS = "a gain, {p, i, d, filter}, {numerator, denominator}, {zeros, poles, gain} or {A, B, C, D}"
+_LONGEST = 50
+"""Coefficients, roots or states."""
+
+
+@dataclass(frozen=True)
+class SensedMotion:
+    """A motion of a node, or of the first of two against the second: angle, velocity or acceleration."""
+
+    quantity: str
+    nodes: tuple[str, ...]
+
+    @property
+    def power(self) -> int:
+        """Of s, by which it differs from the angle."""
+        return SENSED.index(self.quantity)
+
+
+class SensedEntry(Spec):
+    """``{velocity: node}``, or ``{velocity: [node, node]}`` for the motion of the first against the second."""
+
+    def coerce(self, raw: Any) -> SensedMotion:
+        if isinstance(raw, SensedMotion):
+            return raw
+        if not isinstance(raw, Mapping) or len(raw) != 1:
+            raise EntryError(f"expected what is sensed, as {{velocity: node}}, got {raw!r}")
+        ((quantity, of),) = raw.items()
+        if quantity not in SENSED:
+            hint = did_you_mean(str(quantity), SENSED)
+            more = "; the torque of a spring is its stiffness times {angle: [node, node]}" if quantity != hint else ""
+            text = f'"{quantity}" is nothing a controller senses{hint}; known: {", ".join(SENSED)}{more}'
+            raise EntryError(Fault(text, (quantity,), on_key=True))
+        return SensedMotion(quantity, under(quantity, OneOrTwoNodes(""), of))
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return SensedMotion(value.quantity, tuple(map(names.node, value.nodes)))
+
+    def plain(self, value: Any) -> Any:
+        return {value.quantity: OneOrTwoNodes("").plain(value.nodes)}
+
+    def schema(self) -> Schema:
+        node = OneOrTwoNodes("a node, or the first of two against the second").schema()
+        found = {"type": "object", "properties": dict.fromkeys(SENSED, node), "additionalProperties": False}
+        return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
+
+
+class OneOrTwoNodes(Spec):
+    """A node, or two; the second may be ground."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple(map(names.node, value))
+
+    def coerce(self, raw: Any) -> tuple[str, ...]:
+        if isinstance(raw, str) or (isinstance(raw, list | tuple) and len(raw) == 1):
+            return (read_node(raw if isinstance(raw, str) else raw[0], allow_ground=False),)
+        first, second = NodePair("").coerce(raw)
+        if first == GROUND:
+            raise EntryError("ground does not move; name a node first, and ground second if at all", (0,))
+        return (first,) if second == GROUND else (first, second)
+
+    def plain(self, value: Any) -> Any:
+        return value[0] if len(value) == 1 else list(value)
+
+    def schema(self) -> Schema:
+        name = {"type": "string"}
+        pair = {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [name, pair], "description": self.description}
+
+
+class ControlLawEntry(Spec):
+    """A transfer function: a gain, PID, polynomials, zeros and poles, state space, or an object of python-control."""
+
+    def coerce(self, raw: Any) -> ControlLaw:
+        if isinstance(raw, ControlLaw):
+            return raw
+        raw = _from_control(raw)
+        if not isinstance(raw, Mapping):
+            if isinstance(raw, str | int | float | Expression) or hasattr(raw, "numerator"):
+                return ControlLaw(GAIN, (("gain", _scalar(raw)),))
+            raise EntryError(f"expected {_WAYS}, got {raw!r}")
+        return self._of_form(_form(raw), raw)
+
+    def _of_form(self, form: str, raw: Mapping[str, Any]) -> ControlLaw:
+        missing = [name for name in sorted(_NEEDED[form]) if name not in raw]
+        if missing:
+            raise EntryError(f"a law by {form} needs {' and '.join(missing)}")
+        if form == PID and not {"p", "i", "d"} & raw.keys():
+            raise EntryError("give p, i or d; a filter alone does nothing", ("filter",))
+        read = _row if form in (POLYNOMIALS, ROOTS) else _scalar
+        if form == MATRICES:
+            return ControlLaw(form, _matrices(raw))
+        names = ("numerator", "denominator", "zeros", "poles", "p", "i", "d", "filter", "gain")
+        given = [name for name in names if name in raw]
+        found = tuple((name, _at(name, _scalar if name == "gain" else read, raw[name])) for name in given)
+        law = ControlLaw(form, found)
+        _require_proper_entries(law)
+        return law
+
+    def plain(self, value: Any) -> Any:
+        if value.form == GAIN:
+            return plain_scalar(value.entries[0][1])
+        return {name: _plain(one) for name, one in value.entries}
+
+    def schema(self) -> Schema:
+        scalars = {"type": "array", "items": SCALAR_SCHEMA}
+        roots = {"type": "array", "items": {"anyOf": [SCALAR_SCHEMA, scalars]}}
+        rows = {"type": "array", "items": {"anyOf": [SCALAR_SCHEMA, scalars]}}
+        kinds: Schema = dict.fromkeys(("p", "i", "d", "filter", "gain"), SCALAR_SCHEMA)
+        kinds |= dict.fromkeys(("numerator", "denominator"), scalars) | dict.fromkeys(("zeros", "poles"), roots)
+        kinds |= {name: {"anyOf": [SCALAR_SCHEMA, rows]} for name in "ABCD"}
+        law = {"type": "object", "properties": kinds, "additionalProperties": False, "minProperties": 1}
+        return {"anyOf": [SCALAR_SCHEMA, law], "description": self.description}
+
+
+def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:
+    """(path, expression, dimension) of everything in a law that follows the motion s^power theta; empty if any."""
+    by_power = {0: "stiffness", 1: "damping", 2: "inertia"}
+    if law.form == GAIN:
+        return (((), law.entries[0][1], by_power[power]),)
+    if law.form == PID:
+        kinds = {"p": power, "i": power - 1, "d": power + 1}
+        found = (
+            (name, one, "time" if name == "filter" else by_power.get(kinds[name], "")) for name, one in law.entries
+        )
+        return tuple(((name,), one, dimension) for name, one, dimension in found)
+    return tuple(((name, *path), one, "") for name, entry in law.entries for path, one in _leaves(entry))
+
+
+def _leaves(entry: Any) -> list[tuple[Path, Expression]]:
+    if not isinstance(entry, tuple):
+        return [((), entry)]
+    return [((place, *path), one) for place, part in enumerate(entry) for path, one in _leaves(part)]
+
+
+def _form(raw: Mapping[str, Any]) -> str:
+    names = {str(name) for name in raw}
+    for form, known in _FORMS.items():
+        if names and names <= known:
+            return form
+    every = set().union(*_FORMS.values())
+    for name in raw:
+        if str(name) not in every:
+            text = f'"{name}" is no entry of a law{did_you_mean(str(name), every)}; give {_WAYS}'
+            raise EntryError(Fault(text, (name,), on_key=True))
+    raise EntryError(f"{', '.join(sorted(names)) or 'nothing'} together are no law; give {_WAYS}")
+
+
+def _at(key: str | int, read: Any, raw: Any) -> Any:
+    try:
+        return read(raw)
+    except EntryError as error:
+        raise EntryError([fault.under(key) for fault in error.faults]) from None
+
+
+def _scalar(raw: Any) -> Expression:
+    value = raw if isinstance(raw, Expression) else read_value(raw)
+    if isinstance(value, Number) and not abs(value.value) < 10**40:
+        raise EntryError(f"{raw!r} is no size of a law")
+    return value
+
+
+def _listed(raw: Any) -> list[Any]:
+    raw = raw.tolist() if hasattr(raw, "tolist") else raw
+    if isinstance(raw, str) or not isinstance(raw, Sequence):
+        raise EntryError(f"expected a list of numbers or expressions, got {raw!r}")
+    if len(raw) > _LONGEST:
+        raise EntryError(f"{len(raw)} values; a law has at most {_LONGEST}")
+    return list(raw)
+
+
+def _row(raw: Any) -> tuple[Any, ...]:
+    return tuple(
+        _at(place, _root if isinstance(one, list | tuple) else _scalar, one) for place, one in enumerate(_listed(raw))
+    )
+
+
+def _root(raw: Any) -> tuple[Expression, ...]:
+    if len(raw) != 2:
+        raise EntryError(f"expected a real number, or [re, im] for a complex pair, got {raw!r}")
+    return tuple(_at(place, _scalar, one) for place, one in enumerate(raw))
+
+
+def _matrices(raw: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
+    """A (n, n), B (n,), C (n,) and D, however deep the lists are."""
+    A = tuple(_at("A", lambda row: tuple(map(_scalar, _listed(row))), row) for row in _listed(raw["A"]))
+    B, C, D = (_flat(name, raw.get(name, 0)) for name in "BCD")
+    if not A or any(len(row) != len(A) for row in A) or len(B) != len(A) or len(C) != len(A) or len(D) != 1:
+        raise EntryError("a law senses one motion and makes one torque: A is n x n, B n x 1, C 1 x n and D one number")
+    return (("A", A), ("B", B), ("C", C), ("D", D[0]))
+
+
+def _flat(name: str, raw: Any) -> tuple[Expression, ...]:
+    raw = raw.tolist() if hasattr(raw, "tolist") else raw
+    if not isinstance(raw, list | tuple):
+        return (_at(name, _scalar, raw),)
+    return tuple(
+        _at(name, _scalar, one) for part in raw for one in (part if isinstance(part, list | tuple) else [part])
+    )
+
+
+def _require_proper_entries(law: ControlLaw) -> None:
+    given = dict(law.entries)
+    for name in ("numerator", "denominator"):
+        if law.form == POLYNOMIALS and not given[name]:
+            raise EntryError("expected at least one coefficient, the highest power of s first", (name,))
+        if law.form == POLYNOMIALS:
+            for place, one in enumerate(given[name]):
+                if isinstance(one, tuple):
+                    raise EntryError("a coefficient is a number or an expression", (name, place))
+    if law.form == POLYNOMIALS and all(one == Number(0) for one in given["denominator"]):
+        raise EntryError("the denominator is zero", ("denominator",))
+
+
+def _plain(entry: Any) -> Any:
+    return [_plain(one) for one in entry] if isinstance(entry, tuple) else plain_scalar(entry)
+
+
+def _from_control(raw: Any) -> Any:
+    """The entries of a transfer function or state space of python-control or scipy; anything else as it is."""
+    if getattr(raw, "dt", None) not in (None, 0) and not isinstance(raw, Mapping):
+        raise EntryError("a law is continuous in time; this one has a sampling time")
+    if all(hasattr(raw, name) for name in "ABCD"):
+        return {name: getattr(raw, name) for name in "ABCD"}
+    if hasattr(raw, "num") and hasattr(raw, "den"):
+        above, below = ((_only(part)) for part in (raw.num, raw.den))
+        return {"numerator": above, "denominator": below}
+    return raw
+
+
+def _only(part: Any) -> list[float]:
+    """Coefficients of the one transfer function; python-control has a matrix of them."""
+    if getattr(part, "ndim", 1) == 2 or isinstance(part, list | tuple):
+        if len(part) != 1 or len(part[0]) != 1:
+            raise EntryError("a law senses one motion and makes one torque; this one has several")
+        part = part[0][0]
+    return [float(value) for value in part]

@@ -1,0 +1,111 @@
+"""Entries of a flexible coupling that are fine alone but not together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import RATIONAL
+from torsionnet.model.element_base.curves import is_share
+from torsionnet.model.element_base.damping_entries import loss_factor
+from torsionnet.model.element_base.viscoelastic import temperature_faults
+
+_READ_AT = {
+    "stiffness_over_torque": "torque",
+    "torque_factor": "torque",
+    "amplitude_factor": "vibratory_torque",
+    "temperature_factor": "temperature",
+    "damping_temperature_factor": "temperature",
+}
+"""Curve -> the entry at which it is read off."""
+_OVER_FREQUENCY = ("frequency_factor", "loss_over_frequency")
+
+
+def read_offs(coupling: Any) -> list[tuple[str, str]]:
+    """Curves that are given, each with the entry at which it is read off."""
+    return [(name, operating) for name, operating in _READ_AT.items() if getattr(coupling, name)]
+
+
+def contradictions(coupling: Any) -> list[Fault]:
+    """Those of where the stiffness comes from, else all others."""
+    found = _source_faults(coupling)
+    if found or coupling.material is not None:
+        return found or _material_faults(coupling)
+    return [
+        *_curve_faults(coupling),
+        *_damping_faults(coupling),
+        *_frequency_faults(coupling),
+    ]
+
+
+def _source_faults(coupling: Any) -> list[Fault]:
+    sources = ("stiffness", "stiffness_over_torque", "material")
+    given = [name for name in sources if getattr(coupling, name)]
+    if not given:
+        return [Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True)]
+    if len(given) > 1:
+        return [Fault(f"the stiffness is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+    if (coupling.material is None) != (coupling.geometry is None):
+        lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
+        return [Fault(f"rubber needs its moduli and its shape; here is no {lacking}", on_key=True)]
+    return []
+
+
+def _material_faults(coupling: Any) -> list[Fault]:
+    others = [*_READ_AT, *_OVER_FREQUENCY, "loss_factor"]
+    own = next((name for name in others if getattr(coupling, name)), None)
+    if own is not None:
+        return [Fault(f"the material says it already; leave out {own}", (own,), on_key=True)]
+    return [*temperature_faults(coupling.material, coupling.temperature), *_frequency_faults(coupling)]
+
+
+def _curve_faults(coupling: Any) -> list[Fault]:
+    faults = []
+    found = read_offs(coupling)
+    for name, operating in found:
+        if getattr(coupling, operating) is None:
+            faults.append(Fault(f"{name} needs {operating}: where it is read off", (name,), on_key=True))
+        if is_share(getattr(coupling, name)[0][0]) and coupling.T_KN is None and operating != "temperature":
+            text = "rows without a unit are shares of the nominal torque: give T_KN, or torques in N*m"
+            faults.append(Fault(text, (name,), on_key=True))
+    for operating in dict.fromkeys(_READ_AT.values()):
+        if getattr(coupling, operating) is not None and operating not in {where for _, where in found}:
+            curves = " or ".join(name for name, where in _READ_AT.items() if where == operating)
+            faults.append(Fault(f"nothing here depends on it; give {curves}", (operating,), on_key=True))
+    return faults
+
+
+def _damping_faults(coupling: Any) -> list[Fault]:
+    names = ("loss_factor", "damping", "loss_over_frequency")
+    given = [name for name in names if getattr(coupling, name)]
+    if len(given) > 1:
+        return [Fault(f"the damping is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+    if coupling.damping_temperature_factor and coupling.loss_factor is None:
+        text = "this factor is one of the loss factor, which is not given"
+        return [Fault(text, ("damping_temperature_factor",), on_key=True)]
+    if coupling.frequency_factor and not (coupling.loss_over_frequency or _loses(coupling.loss_factor)):
+        text = "a stiffness over frequency needs a damping, too: loss_factor or loss_over_frequency"
+        return [Fault(text, ("frequency_factor",), on_key=True)]
+    return []
+
+
+def _loses(entry: Any) -> bool:
+    """Whether a loss factor is above zero; of parameters it may be."""
+    return entry is not None and bool(entry.names or loss_factor(entry, {}, RATIONAL) > 0)
+
+
+def _frequency_faults(coupling: Any) -> list[Fault]:
+    """The loss of laws over frequency is numbers: parameters in it would be without derivatives in fits."""
+    if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
+        return [Fault("beside a material the damping is viscous, in N*m*s/rad", ("damping",))]
+    if coupling.material is None and coupling.scale is not None:
+        return [Fault("this multiplies the moduli of a material, and there is none", ("scale",), on_key=True)]
+    if not coupling.frequency_factor:
+        return []
+    names = ["loss_factor", *(["temperature"] if coupling.damping_temperature_factor else [])]
+    return [
+        Fault(f"with curves over frequency {name} is a number, no expression of parameters", (name,))
+        for name in names
+        if getattr(getattr(coupling, name), "names", ())
+    ]

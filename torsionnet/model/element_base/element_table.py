@@ -1,0 +1,88 @@
+"""The elements of a model by name, as an entry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.entries.composite import Named
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.words import name_fault
+from torsionnet.core.errors import Fault, ModelError, did_you_mean
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
+from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
+
+FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
+
+
+class ElementTable(Named):
+    """Elements know their names, which are part of what is said about them."""
+
+    @property
+    def example(self) -> str:
+        return FORM
+
+    def read(self, raw: Any) -> tuple[dict[str, Element], list[Fault]]:
+        """Every element that can be made, and the faults of the others."""
+        if not isinstance(raw, Mapping) or not raw:
+            return {}, [Fault(f"a model needs elements: {FORM}", kind="missing key", about="elements")]
+        elements: dict[str, Element] = {}
+        faults: list[Fault] = []
+        for name, entry in raw.items():
+            element, found = _read_element(name, entry)
+            faults += [fault.under(name) for fault in found]
+            if element is not None:
+                elements[name] = element
+        return elements, faults
+
+
+def _read_element(name: Any, raw: Any) -> tuple[Element | None, list[Fault]]:
+    if isinstance(raw, Element):
+        return raw, []
+    if not isinstance(name, str) or name_fault(name):
+        return None, [Fault(name_fault(str(name)) or f"{name!r} is no name", on_key=True)]
+    if not isinstance(raw, Mapping):
+        return None, [Fault(f"expected {{type: ..., ...}}, got {raw!r}")]
+    kind = raw.get("type")
+    if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
+        return None, [_kind_fault(kind)]
+    cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
+    if entries.keys().isdisjoint((CATALOGUE, SIZE)):
+        return _made(cls, name, entries)
+    from torsionnet.model.catalogues.taken_entries import entries_of, row_of
+
+    row, faults = row_of(entries)
+    if row is None:
+        return (None, faults) if faults else _made(cls, name, entries)
+    # What the model says itself wins over the catalogue.
+    taken, faults = entries_of(row, dict(cls.specs()), entries)
+    return (None, faults) if faults else _made(cls, name, {**taken, **entries, CATALOGUE: row})
+
+
+def _made(cls: type[Element], name: str, entries: Mapping[str, Any]) -> tuple[Element | None, list[Fault]]:
+    faults = cls.key_faults(entries, name)
+    known: dict[str, Any] = {key: entries[key] for key, _ in cls.specs() if key in entries}
+    if any(known[key] is None for key in known if key not in cls.required()):
+        return None, faults
+    lacking: list[str] = [key for key in cls.required() if key not in entries]
+    try:
+        element = cls(name, **{**known, **dict.fromkeys(lacking)})
+    except ModelError as error:
+        found = [replace(fault, path=fault.path[2:]) for fault in error.faults]
+        return None, [*faults, *(fault for fault in found if not (fault.path and fault.path[0] in lacking))]
+    return (None if faults else element), faults
+
+
+def _kind_fault(kind: Any) -> Fault:
+    known = ", ".join(ELEMENT_TYPES)
+    if kind is None:
+        return Fault(f"an element needs a type: {known}", on_key=True)
+    return Fault(
+        f'no element type is named "{kind}"{did_you_mean(str(kind), ELEMENT_TYPES)}; known: {known}', ("type",)
+    )
+
+
+def element_kinds() -> Mapping[str, type[Declared]]:
+    """All registered types of element."""
+    return ELEMENT_TYPES

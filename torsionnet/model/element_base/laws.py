@@ -1,0 +1,131 @@
+"""What an element is made of: kinematic rows, and the laws, constraints and actions on them.
+
+Every mechanical element acts on a scalar gamma = a^T theta, the *row* a being a sparse map from node to coefficient.
+A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero. An
+:class:`Action` drives one gamma by the motion of another.
+Coefficients are numbers, exact rationals or symbols: nothing here knows which.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from torsionnet.core.expressions import RATIONAL, Algebra, Expression
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+
+GROUND = "ground"
+"""The node with no angle; a coefficient on it drops out of every row."""
+
+Row: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Law:
+    """A torque kappa(s) gamma on the row gamma, kappa(s) = J s^2 + c s + k (1 + j eta) + table(omega).
+
+    ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit,
+    ``table`` what depends on frequency.
+    """
+
+    row: Row
+    inertia: Any = 0
+    damping: Any = 0
+    stiffness: Any = 0
+    loss_factor: Any = 0
+    table: DynamicStiffness | None = None
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether the law is a spring; a table is one even if its stiffness vanishes at rest."""
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.is_elastic)
+
+    @property
+    def holds_at_rest(self) -> bool:
+        """Whether the law resists a constant gamma."""
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.holds_at_rest)
+
+    @property
+    def acts(self) -> bool:
+        return self.is_elastic or self.table is not None or bool(self.inertia != 0) or bool(self.damping != 0)
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """The rigid condition gamma = 0; its multiplier is the torque the constraint carries."""
+
+    row: Row
+
+
+@dataclass(frozen=True)
+class Action:
+    """A torque kappa(s) gamma_sensed on the row ``row``, from the motion of another row; a positive one drives.
+
+    kappa(s) = (n_0 + n_1 s + ...)/(d_0 + d_1 s + ...) e^(-s delay) in N m/rad, ``numerator`` and ``denominator``
+    ascending in s, ``delay`` in s. A law that opposes its own motion is a :class:`Law`; an action need not be passive,
+    nor the same both ways.
+    """
+
+    row: Row
+    sensed: Row
+    numerator: tuple[Any, ...]
+    denominator: tuple[Any, ...] = (1,)
+    delay: Any = 0
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.row) and bool(self.sensed) and any(bool(value != 0) for value in self.numerator)
+
+    @property
+    def acts_at_rest(self) -> bool:
+        """Whether a constant angle makes a torque: no more powers of s stand above than below."""
+        above, below = (
+            next((power for power, value in enumerate(part) if value != 0), len(part))
+            for part in (self.numerator, self.denominator)
+        )
+        return self.acts and above <= below
+
+
+Part: TypeAlias = Law | Constraint | Action
+
+
+def make_row(entries: Iterable[tuple[str, Any]]) -> Row:
+    """Row from (node, coefficient) pairs: equal nodes are added up, ground and exact zeros drop out."""
+    row: Row = {}
+    for node, coefficient in entries:
+        if node != GROUND:
+            row[node] = row[node] + coefficient if node in row else coefficient
+    return {node: coefficient for node, coefficient in row.items() if coefficient != 0}
+
+
+def difference(first: str, second: str) -> Row:
+    """Row of the twist theta_first - theta_second."""
+    return make_row([(first, 1), (second, -1)])
+
+
+@dataclass(frozen=True)
+class Values:
+    """Turns an element's scalars into coefficients of one algebra (exact rationals, floats or sympy)."""
+
+    parameters: Mapping[str, Any]
+    algebra: Algebra = RATIONAL
+
+    def __call__(self, scalar: Any) -> Any:
+        return as_expression(scalar).evaluate(self.parameters, self.algebra)
+
+    def root(self, square: Any, reason: str) -> Any:
+        """The square root, or an error that says why the square is below zero."""
+        try:
+            return self.algebra.sqrt(square)
+        except ArithmeticError:
+            raise ArithmeticError(reason) from None
+
+
+def as_expression(scalar: Any) -> Expression:
+    """The expression behind a field that its element has already coerced."""
+    if not isinstance(scalar, Expression):
+        raise TypeError(f"{scalar!r} was not coerced to an expression")
+    return scalar

@@ -1,0 +1,152 @@
+"""What belts and chains have in common: a loop that runs over wheels, rigid or with elastic spans."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.element_base.element import Element, viscous
+from torsionnet.model.element_base.laws import Constraint, Law, Part, Values, make_row
+from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.quantity_table import ListOf
+
+Ends = Sequence[tuple[str, Any]]
+
+SPANS = ListOf(
+    "stiffness of each span, from each wheel to the next and from the last to the first",
+    PhysicalQuantity("stiffness of a span", "linear stiffness", "k", exclusive=True),
+    "a list of stiffnesses, as [300 kN/m, 250 kN/m]",
+)
+LENGTHS = ListOf(
+    "free lengths of the spans in the same order, for axial_stiffness",
+    PhysicalQuantity("length of a span", "length", "L", exclusive=True),
+    "a list of lengths, as [0.4 m, 0.3 m]",
+)
+LEVERS = ListOf(
+    "by how much the spans before and after the tensioner's wheel get longer per radian of the arm",
+    PhysicalQuantity("lever of the tensioner", "length", "a", lower=None),
+    "two lengths [before, after], as [60 mm, 45 mm]",
+    2,
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopDrive(Element):
+    """A belt or chain: wheels by node in the order in which it runs over them."""
+
+    glyph: ClassVar[str] = "belt"
+    sign: ClassVar[str] = "positive when the first wheel drives the loop in the positive sense"
+    wheels_field: ClassVar[str] = ""
+    """The entry with the sizes of the wheels by node."""
+
+    stiffness: Any = entry(SPANS, None, kw_only=True)
+    axial_stiffness: Any = entry(
+        PhysicalQuantity("instead: force per strain E A, with the lengths", "force", "EA", exclusive=True),
+        None,
+        kw_only=True,
+    )
+    lengths: Any = entry(LENGTHS, None, kw_only=True)
+    damping: Any = entry(
+        DampingQuantity("damping of each span, referred to the first wheel, or a measure", "damping", "c"),
+        None,
+        kw_only=True,
+    )
+    pretension: Any = entry(
+        PhysicalQuantity("force in the spans at rest; the model holds while none gets slack", "force", "F_0"),
+        None,
+        kw_only=True,
+    )
+    tensioner: Any = entry(NodeName("the node of the wheel on a tensioner arm", allow_ground=False), None, kw_only=True)
+    arm: Any = entry(
+        NodeName("the node of that arm, which turns about its pivot", allow_ground=False), None, kw_only=True
+    )
+    levers: Any = entry(LEVERS, None, kw_only=True)
+    housing: Any = entry(NodeName("the node that carries the bearings, if it moves"), None, kw_only=True)
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """Nodes of the wheels in the order in which the loop runs over them."""
+        return tuple(node for node, _ in getattr(self, self.wheels_field))
+
+    @property
+    def ports(self) -> dict[str, str]:
+        more = {name: getattr(self, name) for name in ("arm", "housing") if getattr(self, name) is not None}
+        return {f"wheel_{number}": node for number, node in enumerate(self.wheels, 1)} | more
+
+    def contradictions(self) -> list[Fault]:
+        others = [node for node in (self.arm, self.housing) if node is not None]
+        if len({*self.wheels, *others}) < len(self.wheels) + len(others):
+            return [Fault("wheels, arm and housing must be on different nodes", (self.wheels_field,))]
+        return [*self._span_faults(), *self._tensioner_faults()]
+
+    def _span_faults(self) -> list[Fault]:
+        if self.stiffness and self.axial_stiffness is not None:
+            return [Fault("give stiffness of the spans or axial_stiffness and lengths, not both", ("axial_stiffness",))]
+        if (self.axial_stiffness is None) == bool(self.lengths):
+            field = "lengths" if self.lengths else "axial_stiffness"
+            return [Fault("axial_stiffness needs lengths of the spans, and these need that", (field,))]
+        field = "stiffness" if self.stiffness else "lengths"
+        given, count = len(getattr(self, field)), len(self.wheels)
+        if given and given != count:
+            text = f"{count} wheels have {count} spans, from each to the next and from the last to the first; here are"
+            return [Fault(f"{text} {given}", (field,))]
+        if self.damping is not None and not given:
+            return [Fault("rigid spans have no damping; give them a stiffness too", ("damping",))]
+        return []
+
+    def _tensioner_faults(self) -> list[Fault]:
+        given = [name for name in ("tensioner", "arm", "levers") if getattr(self, name)]
+        if not given:
+            return []
+        if len(given) < 3:
+            return [
+                Fault("a tensioner has three entries: tensioner (the node of its wheel), arm and levers", (given[0],))
+            ]
+        if self.tensioner not in self.wheels:
+            text = f"the tensioner is on one of the wheels: {', '.join(self.wheels)}"
+            return [Fault(text, ("tensioner",))]
+        if len(self.levers) != 2 or not (self.stiffness or self.lengths):
+            return [Fault("a tensioner has two levers, [before, after], and elastic spans", ("levers",))]
+        return []
+
+    def sizes(self, value: Values) -> dict[str, Any]:
+        """Radius of each wheel over that of the first, negative where it turns in the other sense."""
+        raise NotImplementedError
+
+    def first_radius(self, value: Values) -> Any:
+        """Radius in m of the first wheel."""
+        raise NotImplementedError
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        sizes, count = self.sizes(value), len(self.wheels)
+        if not self.stiffness and not self.lengths:
+            first = self.wheels[0]
+            return tuple(Constraint(self._row([(first, 1), (node, -sizes[node])])) for node in self.wheels[1:])
+        radius = self.first_radius(value)
+        parts = []
+        for place, stiffness in enumerate(self._span_stiffnesses(value)):
+            one, other = self.wheels[place], self.wheels[(place + 1) % count]
+            row = self._row([(one, sizes[one]), (other, -sizes[other]), *self._by_arm(one, other, radius, value)])
+            referred = stiffness * radius**2
+            parts.append(Law(row, stiffness=referred, damping=viscous(self.damping, referred, value)))
+        return tuple(parts)
+
+    def _span_stiffnesses(self, value: Values) -> list[Any]:
+        if self.stiffness:
+            return [value(one) for one in self.stiffness]
+        return [value(self.axial_stiffness) / value(length) for length in self.lengths]
+
+    def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
+        """What the arm adds to the shortening of a span over the radius of the first wheel."""
+        levers = zip((other, one), self.levers, strict=False)
+        return [(self.arm, -value(lever) / radius) for end, lever in levers if end == self.tensioner]
+
+    def _row(self, ends: Ends) -> Any:
+        """The row with what the housing does: it takes wheels and arm along."""
+        carried = [] if self.housing is None else [(self.housing, -sum(coefficient for _, coefficient in ends))]
+        return make_row([*ends, *carried])

@@ -1,0 +1,91 @@
+"""Entries that name the nodes an element is attached to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.words import Text, name_fault
+from torsionnet.model.element_base.laws import GROUND
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NodeName(Spec):
+    """The node an element's port is attached to."""
+
+    allow_ground: bool = True
+
+    def coerce(self, raw: Any) -> str:
+        return read_node(raw, allow_ground=self.allow_ground)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.node(value)
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}
+
+
+def read_node(raw: Any, *, allow_ground: bool = True) -> str:
+    if not isinstance(raw, str) or not raw:
+        raise EntryError(f"expected the name of a node, got {raw!r}")
+    fault = name_fault(raw)
+    if fault:
+        raise EntryError(fault)
+    if raw == GROUND and not allow_ground:
+        raise EntryError("ground does not move; attach this to a node")
+    return raw
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ElementName(Text):
+    """An element of the model."""
+
+    what: str = "the name of an element"
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.own(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ReferenceNode(NodeName):
+    """A node of the shaft at which values are quoted: no port."""
+
+    allow_ground: bool = False
+
+
+class NodePair(Spec):
+    """Two nodes; the first defines the sign of the element's twist and torque."""
+
+    def coerce(self, raw: Any) -> tuple[str, str]:
+        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
+            shown = "nothing" if raw is None else repr(raw)
+            raise EntryError(f"expected two nodes [first, second], got {shown}")
+        names = tuple(self._one(entry, index) for index, entry in enumerate(raw))
+        if names[0] == names[1]:
+            raise EntryError(f'both ends are on node "{names[0]}"; the element would do nothing', (1,))
+        return (names[0], names[1])
+
+    @staticmethod
+    def _one(entry: Any, index: int) -> str:
+        try:
+            return read_node(entry)
+        except EntryError as error:
+            raise EntryError(error.fault.under(index)) from None
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return (names.node(value[0]), names.node(value[1]))
+
+    def plain(self, value: Any) -> Any:
+        return list(value)
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "items": {"type": "string"},
+            "minItems": 2,
+            "maxItems": 2,
+            "description": self.description,
+        }

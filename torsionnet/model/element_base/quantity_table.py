@@ -1,0 +1,103 @@
+"""Entries that are several values of one kind: ratios by gear, radii by node, stiffnesses of the spans of a belt."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.words import name_fault
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expressions import Expression
+from torsionnet.model.element_base.several import Several
+
+Named: TypeAlias = tuple[tuple[str, Any], ...]
+"""Values by name, in the order in which they were given."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TableByName(Several):
+    """``{I: 3.77, II: 1.96}``, stored as pairs."""
+
+    names: tuple[str, ...] = ("I", "II")
+    """Names for examples."""
+
+    def coerce(self, raw: Any) -> Named:
+        if raw == self.absent:
+            return self.absent
+        pairs = raw.items() if isinstance(raw, Mapping) else raw if _is_stored(raw) else None
+        if pairs is None or len(pairs) < self.fewest:
+            raise self.refusal(raw)
+        found: list[tuple[str, Any]] = []
+        faults: list[Fault] = []
+        for name, value in pairs:
+            reason = name_fault(str(name))
+            faults += [Fault(reason, (name,), on_key=True)] if reason else []
+            one, wrong = self.of.read(value)
+            found.append((str(name), one))
+            faults += [fault.under(name) for fault in wrong]
+        if faults:
+            raise EntryError(faults)
+        return tuple(found)
+
+    def plain(self, value: Any) -> Any:
+        return {name: self.of.plain(one) for name, one in value}
+
+    def schema(self) -> Schema:
+        return {
+            "type": "object",
+            "description": self.description,
+            "minProperties": self.fewest,
+            "additionalProperties": self.of.schema(),
+        }
+
+    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+        return tuple(
+            ((name, *path), expression, dimension)
+            for name, one in value
+            for path, expression, dimension in self.of.expressions(one)
+        )
+
+
+class TableByNode(TableByName):
+    """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple((names.node(node), names.within(one)) for node, one in value)
+
+
+class ListOf(Several):
+    """``[3 MN/m, 2 MN/m]``."""
+
+    def coerce(self, raw: Any) -> tuple[Any, ...]:
+        if not isinstance(raw, list | tuple) or (raw and len(raw) < self.fewest):
+            raise self.refusal(raw)
+        read = [self.of.read(one) for one in raw]
+        faults = [fault.under(index) for index, (_, found) in enumerate(read) for fault in found]
+        if faults:
+            raise EntryError(faults)
+        return tuple(value for value, _ in read)
+
+    def plain(self, value: Any) -> Any:
+        return [self.of.plain(one) for one in value]
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "items": self.of.schema(),
+            "minItems": self.fewest,
+            "description": self.description,
+        }
+
+    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+        return tuple(
+            ((index, *path), expression, dimension)
+            for index, one in enumerate(value)
+            for path, expression, dimension in self.of.expressions(one)
+        )
+
+
+def _is_stored(raw: Any) -> bool:
+    return isinstance(raw, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in raw)

@@ -1,0 +1,43 @@
+"""The round section of a shaft, solid or hollow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.core.expressions import Number
+from torsionnet.model.element_base.laws import Values
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.element import Element
+
+
+def section_faults(element: Any) -> list[Fault]:
+    """What is wrong with the outer and inner diameter of an element; a spring may do without both."""
+    inner, outer = element.inner_diameter, element.outer_diameter
+    if outer is None:
+        return [] if inner == Number(0) else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",))]
+    if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
+        return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
+    return []
+
+
+def section_fault(element: Element) -> str | None:
+    """Why an element has no shear stress, or None."""
+    if element.diameters is not None:
+        return None
+    return f"{element.name}, a {element.kind}, has no diameter, and so no stress; a shaft has, or measure its torque"
+
+
+def section_modulus(element: Element, value: Values) -> Any:
+    """Polar section modulus in m^3 of a shaft, solid or hollow.
+
+    Raises
+    ------
+    UsageError
+        The element has no diameter.
+    """
+    if element.diameters is None:
+        raise UsageError(str(section_fault(element)))
+    outer, inner = map(value, element.diameters)
+    return value.algebra.pi * (outer**4 - inner**4) / (16 * outer)

@@ -1,0 +1,63 @@
+"""A complex stiffness over frequency by its storage and loss part, interpolated as powers of the frequency."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from torsionnet.model.element_base.stiffness_table import StiffnessTable
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class SampledStiffness(StiffnessTable):
+    """kappa(omega) = k'(f) + j k''(f) of rubber, silicone or oil; all rows are above zero.
+
+    Between the rows k' and k'' are powers of f: straight lines on double logarithmic paper, as such data are drawn.
+    Below the first row k' keeps its value and k'' falls with f, so that kappa is real at rest; above the last both
+    keep their values.
+    """
+
+    @classmethod
+    def of(cls, frequencies: Sequence[float], storage: Sequence[float], loss: Sequence[float]) -> SampledStiffness:
+        """From k' and k'' in N m/rad at frequencies in Hz.
+
+        >>> import numpy as np
+        >>> SampledStiffness.of([1, 100], [10, 1000], [5, 5]).kappa(math.tau * np.array([0.0, 10.0])).round(9)
+        array([ 10.+0.j, 100.+5.j])
+        """
+        damping = tuple(one / (math.tau * f) for f, one in zip(frequencies, loss, strict=True))
+        return cls(tuple(map(float, frequencies)), tuple(map(float, storage)), damping)
+
+    def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s."""
+        import numpy as np
+
+        omega = np.asarray(omega, dtype=float)
+        at = np.log(np.maximum(omega / math.tau, self.frequencies[0]))
+        f, k, c = (np.array(column) for column in (self.frequencies, self.stiffness, self.damping))
+        storage = np.exp(np.interp(at, np.log(f), np.log(k)))
+        loss = np.exp(np.interp(at, np.log(f), np.log(math.tau * f * c)))
+        loss = loss * np.minimum(omega / (math.tau * f[0]), 1.0)
+        return np.asarray(storage + 1j * loss)
+
+    def kappa_rate(self, omega: float) -> complex:
+        """Derivative of kappa to omega, N m s/rad; at a row that of the piece above it."""
+        import numpy as np
+
+        f = omega / math.tau
+        place = int(np.searchsorted(self.frequencies, f, side="right"))
+        if place == 0:
+            return 1j * self.damping[0]
+        if place == len(self.frequencies):
+            return 0j
+        here = complex(self.kappa(np.array([omega]))[0])
+        loss = [math.tau * one * c for one, c in zip(self.frequencies, self.damping, strict=True)]
+        width = math.log(self.frequencies[place] / self.frequencies[place - 1])
+        k, second = (math.log(column[place] / column[place - 1]) / width for column in (self.stiffness, loss))
+        return complex(here.real * k / omega, here.imag * second / omega)

@@ -1,0 +1,228 @@
+"""How fast one shaft turns over another, along the elements between them, in any algebra.
+
+On average no spring winds up: springs pass a mean speed on, and gears divide it. A row of three nodes, of a planetary
+set or of a gear in a housing, passes it on between two of them where the third stands still; an open differential also
+where all three turn, its outputs alike, as of a vehicle that goes straight on. What is referred from one shaft to
+another keeps its energy: angles go with the speeds, torques against them, and stiffness, damping and inertia with their
+squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, Protocol
+
+from torsionnet.core.groups import Groups
+from torsionnet.model.element_base.laws import GROUND, Law, Part, Row, Values
+
+
+class Passing(Protocol):
+    """What passes a mean speed on: an element."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def glyph(self) -> str: ...
+
+    @property
+    def ports(self) -> dict[str, str]: ...
+
+    def holds(self, value: Values) -> tuple[Row, ...]: ...
+
+    def parts(self, value: Values) -> tuple[Part, ...]: ...
+
+
+@dataclass(frozen=True)
+class SpeedStep:
+    """From one node to the next, by a row that an element holds at zero on average.
+
+    ``alike`` says that all nodes of the row turn at one speed, as those of an open differential.
+    """
+
+    element: Passing
+    row: int
+    start: str
+    end: str
+    alike: bool = False
+
+    def ratio(self, value: Values) -> Any:
+        """Speed of the end over that of the start."""
+        if self.alike:
+            return Fraction(1)
+        row = self.element.holds(value)[self.row]
+        return -_quotient(row[self.start], row[self.end])
+
+
+@dataclass(frozen=True)
+class SpeedPath:
+    """The steps from a shaft to the one that values are referred to, but for those of ratio 1 whatever the values."""
+
+    steps: tuple[SpeedStep, ...]
+
+    def ratio(self, value: Values) -> Any:
+        """Speed of the shaft at the end over that at the start, in the algebra of ``value``."""
+        total: Any = Fraction(1)
+        for step in self.steps:
+            total = step.ratio(value) * total
+        return total
+
+    def actual(self, parts: Iterable[Part], value: Values) -> tuple[Part, ...]:
+        """Laws whose values are quoted at the end, with those they have at the start."""
+        if not self.steps:
+            return tuple(parts)
+        factor = self.ratio(value) ** 2
+        return tuple(_scaled(part, factor) if isinstance(part, Law) else part for part in parts)
+
+    def of_own_shaft(self, quoted: Passing) -> _ActualParts:
+        """In place of the method ``parts`` of an element whose values are quoted at the end."""
+        return _ActualParts(quoted, self)
+
+
+@dataclass(frozen=True)
+class _ActualParts:
+    """Laws of an element with the values of its own shaft; constraints as they are."""
+
+    quoted: Passing
+    path: SpeedPath
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        return self.path.actual(self.quoted.parts(value), value)
+
+
+def _quotient(above: Any, below: Any) -> Any:
+    return Fraction(above, below) if isinstance(above, int) and isinstance(below, int) else above / below
+
+
+def _scaled(law: Law, factor: Any) -> Law:
+    given = {"inertia": law.inertia, "damping": law.damping, "stiffness": law.stiffness}
+    return replace(law, **{name: size * factor for name, size in given.items() if size != 0})
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A row that an element holds at zero on average."""
+
+    element: Passing
+    number: int
+    row: Row
+
+    def leads(self, start: str, still: set[str]) -> Iterator[str]:
+        """Nodes whose speed follows from that of ``start``."""
+        if start in self.row:
+            moving = [node for node in self.row if node not in still]
+            if start in moving and (len(moving) == 2 or self.is_alike(still)):
+                yield from (node for node in moving if node != start)
+
+    def is_alike(self, still: set[str]) -> bool:
+        """Whether the row is that of an open differential none of whose members stands still."""
+        outputs = {node for port, node in self.element.ports.items() if port in ("left", "right")}
+        return self.element.glyph == "differential" and outputs < self.row.keys() and still.isdisjoint(self.row)
+
+    @property
+    def is_unity(self) -> bool:
+        """Whether both nodes turn alike whatever the values: such coefficients come from no value."""
+        return len(self.row) == 2 and all(type(a) is int for a in self.row.values()) and sum(self.row.values()) == 0
+
+
+@dataclass(frozen=True)
+class SpeedTree:
+    """By node the next step towards one, over rows in which all other nodes stand still.
+
+    ``closing`` are the steps of the rows that close loops, each in both directions.
+    """
+
+    steps: Mapping[str, SpeedStep | None]
+    closing: tuple[SpeedStep, ...]
+
+
+class SpeedPaths:
+    """The ways between shafts through elements that are switched on, with the values of one algebra."""
+
+    def __init__(self, elements: Sequence[Passing], value: Values) -> None:
+        self.elements, self.value = elements, value
+        self._trees: dict[str, SpeedTree] = {}
+
+    def between(self, start: str, end: str) -> SpeedPath | None:
+        """The way from one node to another, or None."""
+        tree = self.tree(start, end).steps
+        if start not in tree:
+            return None
+        steps = []
+        node = start
+        while node != end:
+            step = tree[node]
+            if step is None:
+                break
+            if not self._is_unity(step):
+                steps.append(step)
+            node = step.end
+        return SpeedPath(tuple(steps))
+
+    def tree(self, start: str, end: str) -> SpeedTree:
+        """All ways to a node, from another one too if any leads there."""
+        if end not in self._trees:
+            self._trees[end] = self._tree(end, ())
+        tree = self._trees[end]
+        return tree if start in tree.steps else self._tree(end, (start,))  # which moves after all
+
+    @cached_property
+    def _rows(self) -> list[_Held]:
+        return [
+            _Held(element, number, row)
+            for element in self.elements
+            for number, row in enumerate(element.holds(self.value))
+        ]
+
+    @cached_property
+    def _at(self) -> dict[str, list[_Held]]:
+        found: dict[str, list[_Held]] = {}
+        for held in self._rows:
+            for node in held.row:
+                found.setdefault(node, []).append(held)
+        return found
+
+    def _is_unity(self, step: SpeedStep) -> bool:
+        return step.alike or any(
+            held.is_unity for held in self._at[step.start] if (held.element, held.number) == (step.element, step.row)
+        )
+
+    def _tree(self, end: str, moving: Sequence[str]) -> SpeedTree:
+        still = self._standing({end, *moving})
+        found: dict[str, SpeedStep | None] = {end: None}
+        closing = []
+        waiting = [end]
+        for node in waiting:
+            for held in self._at.get(node, ()):
+                for other in held.leads(node, still):
+                    step = SpeedStep(held.element, held.number, other, node, alike=held.is_alike(still))
+                    own = found[node]
+                    if other not in found:
+                        found[other] = step
+                        waiting.append(other)
+                    elif own is None or (own.element, own.row) != (held.element, held.number):
+                        closing.append(step)
+        return SpeedTree(found, tuple(closing))
+
+    def _standing(self, moving: set[str]) -> set[str]:
+        """Nodes tied to the ground by clamps and springs; not those that turn with the nodes in question."""
+        tied = Groups[str]()
+        held = set[str]()
+        for one in self._rows:
+            if len(one.row) == 2:
+                tied.join(*one.row)
+            elif len(one.row) == 1:
+                held |= one.row.keys()
+        for element in self.elements:
+            if element.glyph == "clamp":
+                held |= {node for node in element.ports.values() if node != GROUND}
+        turning = {other for node in moving for other in tied.of(node)}
+        return {other for node in held - turning for other in tied.of(node)}
+
+
+def own_node(ports: Mapping[str, str]) -> str:
+    """The node whose shaft the values of an element belong to: the first that turns."""
+    return next((node for node in ports.values() if node != GROUND), GROUND)

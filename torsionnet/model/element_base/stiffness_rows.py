@@ -1,0 +1,29 @@
+"""The rows of a measured dynamic stiffness as an entry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.number_table import NumberTable, RowColumn
+from torsionnet.model.element_base.stiffness_table import StiffnessTable
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TableEntry(NumberTable):
+    """Rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
+
+    columns: tuple[RowColumn, ...] = (
+        RowColumn("frequency", "frequency", negative=False),
+        RowColumn("stiffness", "stiffness", negative=False),
+        RowColumn("damping", "damping"),
+    )
+
+    def coerce(self, raw: Any) -> StiffnessTable:
+        if isinstance(raw, StiffnessTable):
+            return raw
+        columns = zip(*self.rows(raw), strict=True)
+        return StiffnessTable(*(tuple(float(cell.value) for cell in column) for column in columns))
+
+    def plain(self, value: Any) -> Any:
+        return [list(row) for row in zip(value.frequencies, value.stiffness, value.damping, strict=True)]

@@ -1,0 +1,74 @@
+"""A measured dynamic stiffness over frequency: rows of frequency, stiffness and damping, interpolated linearly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class StiffnessTable(DynamicStiffness):
+    """Dynamic stiffness kappa(omega) = k(f) + j omega c(f) from a table.
+
+    Attributes
+    ----------
+    frequencies : tuple of float
+        Hz, strictly increasing, at least one.
+    stiffness : tuple of float
+        k(f), the real part, N m/rad.
+    damping : tuple of float
+        c(f), the imaginary part divided by omega, N m s/rad.
+
+    Between the rows k and c are interpolated linearly, outside they keep the value of the nearest row.
+    """
+
+    frequencies: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    damping: tuple[float, ...]
+
+    def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s."""
+        import numpy as np
+
+        frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
+        k = np.interp(frequency, self.frequencies, self.stiffness)
+        c = np.interp(frequency, self.frequencies, self.damping)
+        return np.asarray(k + 1j * np.asarray(omega) * c)
+
+    def kappa_rate(self, omega: float) -> complex:
+        """Derivative of kappa to omega, N m s/rad; at a row that of the piece above it.
+
+        >>> StiffnessTable((1.0, 3.0), (300.0, 500.0), (2.0, 2.0)).kappa_rate(0.0)
+        2j
+        """
+        import numpy as np
+
+        f, place = omega / (2 * np.pi), np.searchsorted(self.frequencies, omega / (2 * np.pi), side="right")
+        damping = float(np.interp(f, self.frequencies, self.damping))
+        if place in (0, len(self.frequencies)):
+            return 1j * damping
+        width = self.frequencies[place] - self.frequencies[place - 1]
+        k, c = ((column[place] - column[place - 1]) / width for column in (self.stiffness, self.damping))
+        return complex(k / (2 * np.pi) + 1j * (damping + f * c))
+
+    @property
+    def is_passive(self) -> bool:
+        """Whether the table can only take energy out of a vibration (c >= 0 at every row)."""
+        return min(self.damping) >= 0
+
+    @property
+    def holds_at_rest(self) -> bool:
+        """Whether there is stiffness at the lowest frequency."""
+        return self.stiffness[0] > 0
+
+    def in_many_digits(self, s: Any) -> Any:
+        """At ``|Im s|``, and beside the axis with the damping at rest."""
+        import mpmath
+
+        return super().in_many_digits(s) + mpmath.re(s) * mpmath.mpf(self.damping[0])

@@ -1,0 +1,1 @@
+"""Style, sizes, shapes and files that all pictures have in common."""

@@ -1,0 +1,122 @@
+"""What a schematic says about an element: its main values, in the units of engineers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from torsionnet.core.damping import MEASURES, DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec, spec_of
+from torsionnet.core.expressions import Name
+from torsionnet.core.number_text import NumberText, typeset_unit
+from torsionnet.core.units import expected_unit
+from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.teeth import Teeth
+from torsionnet.model.elements import Element
+from torsionnet.symbolic.symbol_names import GREEK
+
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+MOST_LINES = 3
+LONGEST_SYMBOL = 14
+"""Letters of a name that is set as a symbol: a longer one has to be broken."""
+
+LONGEST_EXPRESSION = 14
+STATES = ("state", "engaged")
+"""Entries whose word is what an element does at the moment."""
+
+
+def symbol(name: str) -> str:
+    r"""A name as mathtext if it is that of a symbol: one letter or a Greek one, perhaps with an index.
+
+    >>> symbol("k_1"), symbol("tau"), symbol("speed")
+    ('$k_{\\mathrm{1}}$', '$\\tau$', 'speed')
+    """
+    match = re.fullmatch(r"([A-Za-z][A-Za-z0-9]*)(?:_(\w+))?", name)
+    if match is None or len(name) > LONGEST_SYMBOL:
+        return name
+    base, below = match[1], match[2]
+    if len(base) > 1 and base not in GREEK:
+        return name
+    shown = base if len(base) == 1 else f"\\{base}"
+    escaped = (below or "").replace("_", r"\_")
+    return f"${shown}_{{\\mathrm{{{escaped}}}}}$" if below else f"${shown}$"
+
+
+def quantity(value: float, dimension: str) -> str:
+    """A value with its unit.
+
+    >>> quantity(13300.0, "stiffness"), quantity(0.05, "length")
+    ('13.3 kN·m/rad', '50 mm')
+    """
+    unit = expected_unit(dimension)
+    if unit in ("1", ""):
+        return str(NumberText(value))
+    if unit == "m" and abs(value) < 1:
+        return f"{NumberText(1000 * value)} mm"
+    factor, prefix = 1.0, ""
+    if unit.startswith(("N", "Pa")):
+        factor, prefix = next(((f, p) for f, p in PREFIXES if abs(value) >= f), (1.0, ""))
+    return f"{NumberText(value / factor)} {prefix}{typeset_unit(unit)}"
+
+
+def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
+    """The main values of an element, one to a line; those that are zero say nothing."""
+    if element.kind == "shaft":
+        return _shaft_lines(element, values)
+    given = element.scalars()
+    spec, counts = given.get("teeth", (None, None))
+    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) and counts else []
+    teeth += [raw for field, (_, raw) in given.items() if field in STATES]
+    lines = [
+        _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))
+    ]
+    return [line for line in (*teeth, *lines) if line][:MOST_LINES]
+
+
+def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
+    if isinstance(spec, TableEntry):
+        return "k(f), c(f)"
+    if not isinstance(spec, PhysicalQuantity):
+        return ""
+    if isinstance(raw, DampingMeasure):
+        at = "" if raw.at is None else f" at {NumberText(float(raw.at.evaluate(values)))} Hz"
+        dimension = MEASURES[raw.measure].dimension
+        shown = quantity(float(raw.value.evaluate(values)), dimension)
+        return f"{symbol(MEASURES[raw.measure].symbol)} = {shown}{at}"
+    value = float(raw.evaluate(values))
+    if value == 0:
+        return ""
+    if spec.dimension == "1" and raw.names and not isinstance(raw, Name) and len(str(raw)) <= LONGEST_EXPRESSION:
+        # A parameter of the model may have the symbol of the field: tau of a gear with the ratio -tau.
+        head = "" if spec.symbol in raw.names else f"{symbol(spec.symbol)} = "
+        return f"{head}{expression(str(raw))} = {NumberText(value)}"
+    name = raw.name if isinstance(raw, Name) else spec.symbol
+    return f"{symbol(name)} = {quantity(value, spec.dimension)}"
+
+
+def expression(text: str) -> str:
+    r"""An expression with its names as symbols.
+
+    >>> expression("-z_b/z_a")
+    '−$z_{\\mathrm{b}}$/$z_{\\mathrm{a}}$'
+    """
+    shown = re.sub(r"[A-Za-z]\w*", lambda match: symbol(match[0]), text)
+    return shown.replace("-", "−").replace("*", "·")
+
+
+def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
+    """Ratio as the quotient of the teeth."""
+    ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
+    name = ratio.symbol if isinstance(ratio, PhysicalQuantity) else "tau"
+    sign = "−" if teeth[0] * teeth[1] < 0 else ""
+    return f"{symbol(name)} = {sign}{abs(teeth[1])}/{abs(teeth[0])} = {NumberText(teeth[1] / teeth[0])}"
+
+
+def _shaft_lines(element: Any, values: Mapping[str, Any]) -> list[str]:
+    outer, inner, length = (
+        float(raw.evaluate(values)) for raw in (element.outer_diameter, element.inner_diameter, element.length)
+    )
+    bore = f" × {quantity(inner, 'length')}" if inner else ""
+    return [f"Ø {quantity(outer, 'length')}{bore}", f"{symbol('L')} = {quantity(length, 'length')}"]

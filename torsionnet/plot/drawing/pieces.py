@@ -1,0 +1,205 @@
+"""Pieces of a schematic: strokes and texts with the room they take, in points, put together without overlaps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
+from numpy.typing import NDArray
+
+import torsionnet.plot.drawing.style as style
+
+Point = tuple[float, float]
+Box = tuple[float, float, float, float]
+"""x0, x1, y0, y1."""
+Texts = list[tuple[str, str]]
+"""Lines of a label with their roles, in reading order."""
+
+MARGIN = 6.0
+
+
+@dataclass(frozen=True)
+class Role:
+    """How a text of one kind looks."""
+
+    size: float
+    color: str
+    italic: bool = False
+    bold: bool = False
+
+
+ROLES = {
+    "name": Role(8.5, style.INK),
+    "value": Role(7.6, style.MUTED),
+    "node": Role(7.8, style.MUTED, italic=True),
+    "port": Role(7.0, style.MUTED),
+    "input": Role(9.0, style.PALETTE[1]),
+    "sensor": Role(9.0, style.PALETTE[2]),
+    "what": Role(7.0, style.MUTED),
+    "note": Role(7.6, style.MUTED),
+    "title": Role(13.0, style.INK, bold=True),
+}
+LEADING = 1.3
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """A line or filled shape; ``look`` names an entry of the drawing's table of pens."""
+
+    points: tuple[Point, ...]
+    look: str = "part"
+    closed: bool = False
+    fill: str = ""
+
+    def shifted(self, dx: float, dy: float) -> Stroke:
+        return Stroke(tuple((x + dx, y + dy) for x, y in self.points), self.look, self.closed, self.fill)
+
+
+@dataclass(frozen=True)
+class Label:
+    """A text, centred at x (or beginning there), with its base at y."""
+
+    x: float
+    y: float
+    text: str
+    role: str
+    left: bool = False
+
+    def shifted(self, dx: float, dy: float) -> Label:
+        return Label(self.x + dx, self.y + dy, self.text, self.role, self.left)
+
+
+@dataclass(frozen=True)
+class LooseEnd:
+    """Where a connection that closes a loop leaves; it is either led to the anchor of that number or tagged."""
+
+    loop: int
+    node: str
+    x: float
+    y: float
+    tag: Box
+
+    def shifted(self, dx: float, dy: float) -> LooseEnd:
+        return LooseEnd(self.loop, self.node, self.x + dx, self.y + dy, moved(self.tag, dx, dy))
+
+
+@dataclass
+class Piece:
+    """Part of a drawing. ``boxes`` is room that nothing else may take, ``wires`` lines that others may cross."""
+
+    strokes: list[Stroke] = field(default_factory=list)
+    labels: list[Label] = field(default_factory=list)
+    boxes: list[Box] = field(default_factory=list)
+    wires: list[Box] = field(default_factory=list)
+    ends: list[LooseEnd] = field(default_factory=list)
+    anchors: dict[int, Point] = field(default_factory=dict)
+
+    def shifted(self, dx: float, dy: float) -> Piece:
+        return Piece(
+            [stroke.shifted(dx, dy) for stroke in self.strokes],
+            [label.shifted(dx, dy) for label in self.labels],
+            [moved(box, dx, dy) for box in self.boxes],
+            [moved(box, dx, dy) for box in self.wires],
+            [end.shifted(dx, dy) for end in self.ends],
+            {loop: (x + dx, y + dy) for loop, (x, y) in self.anchors.items()},
+        )
+
+    def add(self, other: Piece) -> None:
+        self.strokes += other.strokes
+        self.labels += other.labels
+        self.boxes += other.boxes
+        self.wires += other.wires
+        self.ends += other.ends
+        self.anchors |= other.anchors
+
+    def line(self, *points: Point, look: str = "shaft") -> None:
+        """A shaft or wire, whose room others may cross."""
+        self.strokes.append(Stroke(points, look))
+        for (x0, y0), (x1, y1) in pairwise(points):
+            self.wires.append((min(x0, x1) - 3, max(x0, x1) + 3, min(y0, y1) - 3, max(y0, y1) + 3))
+
+    def write(self, x: float, y: float, lines: Iterable[tuple[str, str]], *, upward: bool = True) -> float:
+        """Lines of (text, role), in reading order, on top of y or below it; gives the height where they end."""
+        ordered = list(lines)
+        labels: list[Label] = []
+        for text, role in reversed(ordered) if upward else ordered:
+            height = LEADING * ROLES[role].size
+            base = y + 0.3 * height if upward else y - height + 0.3 * height
+            labels.append(Label(x, base, text, role))
+            half = text_width(text, role) / 2
+            low = y if upward else y - height
+            self.boxes.append((x - half, x + half, low, low + height))
+            y += height if upward else -height
+        self.labels += reversed(labels) if upward else labels
+        return y
+
+    @property
+    def extent(self) -> Box:
+        boxes = np.array([*self.boxes, *self.wires, (0, 0, 0, 0)])
+        return (
+            float(boxes[:, 0].min()),
+            float(boxes[:, 1].max()),
+            float(boxes[:, 2].min()),
+            float(boxes[:, 3].max()),
+        )
+
+
+def moved(box: Box, dx: float, dy: float) -> Box:
+    return (box[0] + dx, box[1] + dx, box[2] + dy, box[3] + dy)
+
+
+@lru_cache(maxsize=4096)
+def text_width(text: str, role: str) -> float:
+    """Width in points."""
+    look = ROLES[role]
+    width, _, _ = text_to_path.get_text_width_height_descent(text, font(role, look.size), is_math(text, role))
+    return float(width)
+
+
+def font(role: str, size: float) -> FontProperties:
+    look = ROLES[role]
+    return FontProperties(
+        family="DejaVu Sans",
+        size=size,
+        style="italic" if look.italic else "normal",
+        weight="bold" if look.bold else "normal",
+    )
+
+
+def is_math(text: str, role: str) -> bool:
+    """Dollars are written by :func:`torsionnet.plot.drawing.labels.symbol` only; a title may have its own."""
+    return "$" in text and role != "title"
+
+
+def widest(lines: Iterable[tuple[str, str]]) -> float:
+    return max((text_width(text, role) for text, role in lines), default=0.0)
+
+
+def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: float = MARGIN) -> bool:
+    """Whether any box comes closer to any of the others than the margin."""
+    if not len(boxes) or not len(others):
+        return False
+    a, b = boxes[:, None, :], others[None, :, :]
+    apart = (
+        (a[..., 1] + margin <= b[..., 0])
+        | (b[..., 1] + margin <= a[..., 0])
+        | (a[..., 3] + margin <= b[..., 2])
+        | (b[..., 3] + margin <= a[..., 2])
+    )
+    return not bool(apart.all())
+
+
+def as_array(boxes: Sequence[Box]) -> NDArray[np.float64]:
+    return np.array(boxes, dtype=float).reshape(-1, 4)
+
+
+def arc(x: float, y: float, a: float, b: float, start: float, end: float, steps: int = 24) -> tuple[Point, ...]:
+    """Points on an ellipse, angles in degrees."""
+    angles = [math.radians(start + (end - start) * i / steps) for i in range(steps + 1)]
+    return tuple((x + a * math.cos(angle), y + b * math.sin(angle)) for angle in angles)

@@ -1,0 +1,46 @@
+"""Figures as bytes, and as SVG that stands inside a page beside others."""
+
+from __future__ import annotations
+
+import io
+import re
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from torsionnet.plot.drawing.save import DPI, METADATA, SETTINGS
+
+_ID = re.compile(r'id="([^"]+)"')
+_PATH = re.compile(r'(?<= )d="([^"]+)"')
+_SURPLUS = re.compile(r"-?\d+\.\d{3,}")
+_USED = re.compile(r'(?:xlink:href="#|url\(#)([^")]+)')
+_STYLE = re.compile(r"<defs>\s*<style[^>]*>\*\{stroke-linejoin: round; stroke-linecap: butt\}</style>\s*</defs>\s*")
+
+
+def rendered(figure: Figure, form: str) -> bytes:
+    """A figure as ``svg``, ``png`` or ``pdf``; equal figures give equal bytes."""
+    buffer = io.BytesIO()
+    with mpl.rc_context(SETTINGS):
+        figure.savefig(buffer, format=form, dpi=DPI, metadata=METADATA[form])
+    return buffer.getvalue()
+
+
+def _two_decimals(match: re.Match[str]) -> str:
+    """A coordinate in points, or in 1/64 of them: a hundredth is finer than any printer."""
+    return f"{float(match[0]):.2f}".rstrip("0").rstrip(".")
+
+
+def inline_svg(figure: Figure, prefix: str) -> str:
+    """An ``<svg>`` element without XML head; its names begin with ``prefix``, those nobody refers to are left out."""
+    text = rendered(figure, "svg").decode()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->\s*", "", text, flags=re.DOTALL)
+    # The rule for all elements would hold for the whole page; on the figure itself it says the same.
+    text = _STYLE.sub("", text).replace("<svg ", '<svg stroke-linejoin="round" stroke-linecap="butt" ', 1)
+    used = dict.fromkeys(_USED.findall(text))
+    names = {name: f"{prefix}{number:x}" for number, name in enumerate(used)}
+    text = _ID.sub(lambda match: f'id="{names[match[1]]}"' if match[1] in names else "", text)
+    text = re.sub(r'(xlink:href="#|url\(#)([^")]+)', lambda match: f"{match[1]}{names[match[2]]}", text)
+    text = _PATH.sub(lambda match: f'd="{_SURPLUS.sub(_two_decimals, " ".join(match[1].split()))}"', text)
+    return re.sub(r">\s+<", ">\n<", re.sub(r" +(?=/?>)", "", text)).strip()

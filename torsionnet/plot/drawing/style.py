@@ -1,0 +1,118 @@
+"""One look for all pictures: palette, line styles, axes. Nothing here touches matplotlib's global settings."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import Any
+
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
+
+# Okabe and Ito's colours without the yellow, which is lost on white: told apart with any kind of colour vision.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#444444", "#56B4E9", "#E69F00")
+DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
+INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
+FONT, SMALL, TITLE = 9.0, 8.0, 11.0
+WIDTH = 7.2
+"""Inches: the text width of a page."""
+
+STYLE: dict[str, Any] = {
+    "figure.figsize": (WIDTH, 4.0), "figure.constrained_layout.use": True, "figure.facecolor": PAPER,
+    "axes.prop_cycle": cycler(color=PALETTE[: len(DASHES)], linestyle=DASHES), "lines.linewidth": 1.6,
+    "axes.grid": True, "grid.color": FAINT, "grid.linewidth": 0.7, "axes.axisbelow": True,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": MUTED,
+    "axes.labelsize": FONT, "axes.labelcolor": INK, "axes.titlesize": FONT, "axes.titlecolor": INK,
+    "xtick.labelsize": SMALL, "ytick.labelsize": SMALL, "xtick.color": MUTED, "ytick.color": MUTED,
+    "xtick.labelcolor": INK, "ytick.labelcolor": INK, "legend.frameon": False, "legend.fontsize": SMALL,
+}  # fmt: skip
+"""The look of the pictures as settings of matplotlib, for figures of one's own: ``plt.style.use(plot.STYLE)``."""
+
+FEW_DECADES = 2.5
+FEW_PHASES, MANY_PHASES = 270, 900
+
+
+WIDEST_TITLE = 84
+"""Characters of a title that stand on one line."""
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """A figure that arranges its axes without overlaps; it belongs to no window."""
+    return Figure(figsize=(width, height), layout="constrained", facecolor=PAPER)
+
+
+def bare_figure(width: float, height: float) -> Figure:
+    """A figure whose axes stay where they are put, whatever a user's settings of matplotlib ask for."""
+    figure = Figure(figsize=(width, height), facecolor=PAPER)
+    figure.set_layout_engine("none")
+    return figure
+
+
+def line_style(index: int) -> dict[str, Any]:
+    """Colour and dashes of the curve with this number; both change, so that a print in grey can be read."""
+    styles = [(PALETTE[i % len(PALETTE)], DASHES[(i + i // len(PALETTE)) % len(DASHES)]) for i in range(35)]
+    color, dashes = styles[index % len(styles)]
+    return {"color": color, "linestyle": dashes, "linewidth": 1.6}
+
+
+def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, Any]:
+    """Colour for the first of two counts and dashes for the second, or the other way round where dashes do not suffice.
+
+    ``sizes`` are how many there are of each. Where one of them is a single one, colour and dashes change together.
+
+    >>> one, other = paired_style(0, 0, (2, 3)), paired_style(0, 1, (2, 3))
+    >>> one["color"] == other["color"], one["linestyle"] == other["linestyle"]
+    (True, False)
+    """
+    if min(sizes) == 1:
+        return line_style(max(first, second))
+    if sizes[1] > len(DASHES) >= sizes[0]:
+        first, second, sizes = second, first, (sizes[1], sizes[0])
+    if sizes[0] > len(PALETTE) or sizes[1] > len(DASHES):
+        return line_style(first * sizes[1] + second)
+    return {"color": PALETTE[first], "linestyle": DASHES[second], "linewidth": 1.6}
+
+
+def dress(axes: Axes) -> None:
+    """Light grid, no box, readable ticks."""
+    axes.grid(visible=True, which="major", color=FAINT, linewidth=0.7)
+    axes.set_axisbelow(True)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set_color(MUTED)
+    axes.tick_params(which="both", labelsize=SMALL, color=MUTED, labelcolor=INK)
+    axes.xaxis.label.set(fontsize=FONT, color=INK)
+    axes.yaxis.label.set(fontsize=FONT, color=INK)
+
+
+def log_ticks(axis: Axis, low: float, high: float) -> None:
+    """Plain numbers on a log axis: 1, 2, 5 over few decades, powers of ten over many."""
+    few = 0 < low < high and math.log10(high / low) < FEW_DECADES
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=20 if few else 9))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def phase_ticks(axes: Axes, low: float, high: float) -> None:
+    """Ticks at multiples of 45, 90 or 180 degrees, with limits on them."""
+    span = high - low
+    step = 45 if span <= FEW_PHASES else 90 if span <= MANY_PHASES else 180
+    bottom, top = step * math.floor(low / step + 1e-6), step * math.ceil(high / step - 1e-6)
+    if bottom == top:
+        bottom, top = bottom - step, top + step
+    axes.set_ylim(bottom - 0.1 * step, top + 0.1 * step)
+    axes.yaxis.set_major_locator(MultipleLocator(step * (math.ceil(span / step / 12) or 1)))
+
+
+def plain(value: float) -> str:
+    """A tick as a short number."""
+    return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
+
+
+def heading(figure: Figure, title: str) -> None:
+    if title:
+        lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]
+        figure.suptitle("\n".join(lines), fontsize=TITLE, color=INK)

@@ -1,0 +1,1 @@
+"""The schematic of a drivetrain: stations, shaft lines, emblems, wiring."""

@@ -1,0 +1,78 @@
+"""What sits on a shaft: discs, what hangs below them down to ground or a mass, and what the line ends in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import torsionnet.plot.schematic.outlines as outlines
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Piece, Stroke, Texts, widest
+from torsionnet.plot.schematic.glyphs import inline_glyph
+from torsionnet.plot.schematic.strands import far_end
+
+if TYPE_CHECKING:
+    from torsionnet.plot.schematic.planned_row import PlannedRow
+
+WALL, LEADER = 18.0, 14.0
+
+
+def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
+    """A disc, an element to ground, or the one below the other."""
+    above = line.plan.texts(disc) if disc else []
+    below = line.plan.texts(hanging) if hanging else []
+    scale, piece = line.plan.scale, Piece()
+    half = line.plan.discs.get(disc.name, 0.0) if disc else 0.0
+    if disc:
+        piece.strokes += outlines.disc(0, half, scale * outlines.DISC_WIDTH)
+        piece.boxes.append((-8 * scale, 8 * scale, -half, half))
+        piece.write(0, half + 3, above)
+    if hanging:
+        _hang(line, piece, hanging, -half, below)
+    reach = 10.0 * scale
+    line.put(piece, reach, reach)
+
+
+def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
+    """An element down to its far end, its torques beside the piece that leads there, its texts below."""
+    length, reach = 14.0, 8.0
+    y = _tapped(line, piece, element, y)
+    if element.glyph == "clamp":
+        piece.strokes.append(Stroke(((0, y), (0, y - length))))
+    else:
+        glyph = inline_glyph(element, line.values).scaled(line.plan.scale)
+        length, reach = glyph.length, glyph.reach
+        piece.strokes += glyph.hanging(0, y)
+    end = far_end(element, line.values)
+    foot = outlines.ground(0, y - length) if end == GROUND else outlines.mass(0, y - length) if end else []
+    piece.strokes += foot
+    bottom = min([y - length, *(v for stroke in foot for _, v in stroke.points)]) - 1
+    wide = max(reach, outlines.GROUND_WIDTH / 2 + 1)
+    piece.boxes.append((-wide, wide, bottom, y))
+    piece.write(0, bottom - 2, texts, upward=False)
+
+
+def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
+    """Marks one below the other on the way down to an element; gives where it begins."""
+    for tap in line.plan.taps_of(element):
+        mark = tap.mark(alone=True)
+        texts = mark.texts
+        height = sum(LEADING * ROLES[role].size for _, role in texts) + 4
+        piece.strokes += [Stroke(((0, y), (0, y - height))), *outlines.side_mark(0, y - height / 2, LEADER)]
+        piece.boxes += [(-6, LEADER, y - height / 2 - 5, y - height / 2 + 5), (-4, 4, y - height, y)]
+        piece.write(LEADER + 3 + widest(texts) / 2, y - 2, texts, upward=False)
+        y -= height
+    return y
+
+
+def ending(line: PlannedRow, element: Element) -> float:
+    """The far end of an element the shaft ends in, a clamp by itself; gives where the shaft stops."""
+    texts = line.plan.texts(element)
+    glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)
+    length, reach = (glyph.length, glyph.reach) if glyph else (0.0, 0.0)
+    end = far_end(element, line.values)
+    last = outlines.wall(length / 2, WALL) if end == GROUND else outlines.disc(length / 2 + 4, WALL) if end else []
+    high = max(WALL, reach) if end else reach
+    piece = Piece([*(glyph.along(-length / 2, 0) if glyph else []), *last])
+    piece.boxes.append((-length / 2, length / 2 + 8, -high, high))
+    piece.write(0, high + 4, texts)
+    return line.put(piece, length / 2 + 8, length / 2 + 8) - length / 2

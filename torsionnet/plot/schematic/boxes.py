@@ -1,0 +1,77 @@
+"""Elements with three ports in a schematic: planetary sets and differentials, their ports at the edges of a box."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import torsionnet.plot.schematic.emblems as emblems
+import torsionnet.plot.schematic.outlines as outlines
+from torsionnet.plot.drawing.pieces import Piece, Stroke, text_width, widest
+from torsionnet.plot.schematic.branch_lines import Exit
+from torsionnet.plot.schematic.topology import Link, Vertex
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from torsionnet.plot.schematic.epicyclic import Boxed
+    from torsionnet.plot.schematic.planned_row import PlannedRow
+
+HALF = 35.0
+GAP, STUB = 10.0, 12.0
+
+
+def box(
+    line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
+) -> None:
+    """An element with three ports: in on the left, on to the right, the others below."""
+    element = line.plan.found.boxes[vertex.name]
+    texts = line.plan.texts(element)
+    below = _ports_below(line, vertex, element, leaving)
+    side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
+    slots = [max(30.0, text_width(port, "port") + 8) for port in below]
+    width = max(2 * (emblems.REACH + side), widest(texts) + GAP, sum(slots) + 8)
+    before_x, middle = line.x, line.keep(width)
+    start, end = middle - width / 2, middle + width / 2
+    line.block.line((before_x, 0), (start, 0))
+    line.block.strokes.append(outlines.rectangle(start, end, -HALF, HALF, outlines.BOX))
+    line.block.strokes += emblems.emblem(element, middle, HALF - emblems.REACH - 5)
+    line.block.boxes.append((start, end, -HALF, HALF))
+    line.block.write(middle, HALF + 3, texts)
+    for link, left in ((before, True), (after, False)):
+        if link is not None:
+            half = text_width(link.port, "port") / 2 + 4
+            line.block.write(start + half if left else end - half, -10, [(link.port, "port")])
+    x = middle - sum(slots) / 2
+    for (port, use), slot in zip(below.items(), slots, strict=True):
+        line.block.write(x + slot / 2, -HALF + 2, [(port, "port")])
+        _port(line, x + slot / 2, use)
+        x += slot
+
+
+def _ports_below(
+    line: PlannedRow, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]
+) -> dict[str, Any]:
+    """Port to what is there: another line, a loop, or None for ground."""
+    below: dict[str, Any] = {link.port: child for link, child in leaving}
+    below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
+    return below | {port: None for port, node in element.ports.items() if node == "ground"}
+
+
+def _port(line: PlannedRow, x: float, use: Any) -> None:
+    if isinstance(use, Vertex):
+        line.exits.append(Exit(x, -HALF, use))
+    elif use is None:
+        line.block.strokes += [Stroke(((x, -HALF), (x, -HALF - 10))), *outlines.ground(x, -HALF - 10)]
+        line.block.boxes.append((x - 14, x + 14, -HALF - 17, -HALF))
+    else:
+        line.exits.append(Exit(x, -HALF, _loop(line, *use)))
+
+
+def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
+    """A piece of shaft with a loose end."""
+    piece = type(line)(line.plan, wall=6.0)
+    piece.block.line((0, 0), (STUB, 0))
+    piece.x = STUB
+    piece.marks_on_shaft(piece.beside(end.name, link))
+    piece.loose(number, end)
+    return piece.block

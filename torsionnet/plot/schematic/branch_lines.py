@@ -1,0 +1,157 @@
+"""Lines that leave another line: down a wire or through gear wheels, to the nearest place that is free."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import torsionnet.plot.schematic.outlines as outlines
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.plot.drawing.pieces import Piece, Stroke, arc, as_array, overlap
+from torsionnet.plot.schematic.topology import Vertex
+
+STEP, FARTHEST = 4.0, 3000.0
+SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0
+MESH, ELBOW = 12.0, 12.0
+FLATTEST = 0.45
+"""A wheel is drawn at least so large against its mate, whatever the ratio."""
+
+UP_IF = 0.6
+"""A line goes up where that is so much nearer."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One gear pair between a line and the one that leaves it."""
+
+    element: Element
+    offset: float
+    """From the drop to the middle of the wheels."""
+    texts: Sequence[tuple[str, str]]
+    child_over_parent: float
+    """Radius of the wheel on the leaving line over that of its mate."""
+
+    @property
+    def compliant(self) -> bool:
+        return getattr(self.element, "stiffness", None) is not None
+
+
+@dataclass(frozen=True)
+class Exit:
+    """Where something leaves a line at (x, y): another line, by its head, or a block."""
+
+    x: float
+    y: float
+    what: Vertex | Piece
+    stages: tuple[Stage, ...] = ()
+
+    @property
+    def last(self) -> float:
+        """Where the last of its wheels or wires is."""
+        return self.x + (self.stages[-1].offset if self.stages else 0.0)
+
+
+@dataclass(frozen=True)
+class Drop:
+    """A finished block that leaves a line at (x, y)."""
+
+    x: float
+    y: float
+    block: Piece
+    stages: tuple[Stage, ...] = ()
+    up_if: float = UP_IF
+    """Times the way down that the way up may be long; 0: never up."""
+
+    def connector(self, distance: float) -> Piece:
+        """What joins the line with one at a distance below it; above, if negative."""
+        block = Piece()
+        if not self.stages:
+            block.line((self.x, self.y), (self.x, -distance))
+            dot = Stroke(arc(self.x, self.y, 2.4, 2.4, 0, 360, 12), "part", closed=True, fill="part")
+            block.strokes.append(dot)
+        for stage in self.stages:
+            _wheels(block, stage, self.x + stage.offset, distance)
+        return block
+
+
+def ratio_of(element: Any, parent: str, values: Mapping[str, Any]) -> float:
+    """Radius of the second wheel over the first, seen from the parent."""
+    tau = abs(float(element.ratio_value(dict(values)))) if hasattr(element, "ratio_value") else 1.0
+    ratio = tau if next(iter(element.ports.values())) == parent else 1 / tau
+    return min(max(ratio, FLATTEST), 1 / FLATTEST)
+
+
+def _wheels(block: Piece, stage: Stage, x: float, distance: float) -> None:
+    down = distance > 0
+    mesh = MESH if stage.compliant else 0.0
+    between = abs(distance) if abs(distance) < FARTHEST_WHEELS else LARGEST_WHEELS
+    first = (between - mesh) / (1 + stage.child_over_parent)
+    second = between - mesh - first
+    side = -1 if down else 1
+    block.strokes += [*outlines.wheel(x, 0, first), *outlines.wheel(x, side * between, second)]
+    if between == abs(distance):
+        block.line((x, -distance), (x + ELBOW, -distance))
+    else:
+        block.line((x, side * between), (x + ELBOW, side * between), (x + ELBOW, -distance))
+    if mesh:
+        spring = outlines.zigzag(0, mesh, 0, 4, 2)
+        start = -first if down else first + mesh
+        block.strokes += outlines.Glyph((spring,), mesh, 4).hanging(x, start)
+    low, high = sorted((-side * first, side * (between + second)))
+    half, beyond = 7.0, 3.0
+    if stage.element.ports.get("housing", GROUND) != GROUND:
+        half, beyond = 11.0, 8.0
+        block.strokes.append(outlines.rectangle(x - half, x + half, low - 5, high + 5, look="housing"))
+    block.boxes.append((x - half, x + half, low, high))
+    block.write(x, -side * (first + beyond), stage.texts, upward=down)
+
+
+def attach(base: Piece, drops: Sequence[Drop], *, may_rise: bool) -> None:
+    """Put every block in its place, the rightmost first: those to its left go past it."""
+    for drop in reversed(drops):
+        down = _distance(base, drop, 1)
+        up = _distance(base, drop, -1) if may_rise and drop.up_if and drop.y == 0 else FARTHEST
+        distance = -up if up < drop.up_if * down else down
+        if distance >= FARTHEST:
+            distance = _below(base, drop)
+        base.add(drop.connector(distance))
+        base.add(drop.block.shifted(drop.x, -distance))
+
+
+def _distance(base: Piece, drop: Drop, sign: int) -> float:
+    """How far the block must go so that neither it nor its connector meets anything."""
+    taken = as_array([*base.boxes, *base.wires])
+    # The line itself lies between the wheels and below the start of a wire: that is no collision.
+    own = [box for box in base.wires if box[2] < drop.y < box[3] or box[2] < 0 < box[3]]
+    crossed = as_array(
+        [*(box for box in base.boxes if not _holds(box, drop)), *(w for w in base.wires if w not in own)]
+    )
+    block = as_array([*drop.block.boxes, *drop.block.wires])
+    block[:, :2] += drop.x
+    down = np.array([0, 0, -sign, -sign])
+    distance = (SMALLEST_WHEELS if drop.stages else SHORTEST_WIRE) - drop.y
+    distance += MESH * any(stage.compliant for stage in drop.stages)
+    while distance < FARTHEST:
+        connector = drop.connector(sign * distance)
+        joined = as_array([*connector.boxes, *connector.wires])
+        there = block + distance * down
+        free = not overlap(there, taken) and not overlap(joined, crossed, 2)
+        if free and not overlap(as_array(connector.boxes), there[: len(drop.block.boxes)], 1):
+            return distance
+        distance += max(STEP, STEP * distance / 200)
+    return FARTHEST
+
+
+def _below(base: Piece, drop: Drop) -> float:
+    """Below everything, where the connector has to cross something."""
+    _, _, bottom, _ = base.extent
+    _, _, _, top = drop.block.extent
+    return top - bottom + STEP
+
+
+def _holds(box: tuple[float, float, float, float], drop: Drop) -> bool:
+    """Whether the drop starts at the edge of this box, or under a text inside it."""
+    return drop.y != 0 and box[0] <= drop.x <= box[1] and box[2] - 6 <= drop.y <= box[3]

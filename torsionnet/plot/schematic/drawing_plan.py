@@ -1,0 +1,216 @@
+"""What the lines of a schematic need to know about the drivetrain: what is at which node, how large, and its texts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from torsionnet.model.channels import Input
+from torsionnet.model.elements import GROUND, Element, Law, Values
+from torsionnet.plot.drawing.labels import value_lines
+from torsionnet.plot.drawing.pieces import Texts
+from torsionnet.plot.schematic.epicyclic import Boxed, EpicyclicSet
+from torsionnet.plot.schematic.part_boxes import PartBox
+from torsionnet.plot.schematic.taps import Tap, belongs
+from torsionnet.plot.schematic.texts import broken, set_lines
+from torsionnet.plot.schematic.topology import Connections, Link, Tree, Vertex, connections, trees
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+COMPACT = 40
+"""More nodes than this: only nodes are named."""
+
+SMALL_DISC, LARGE_DISC = 15.0, 34.0
+COMPACT_SCALE = 0.6
+
+Pairs: TypeAlias = list[tuple[Element | None, Element | None]]
+
+
+@dataclass
+class DrawingPlan:
+    """A drivetrain as its lines see it."""
+
+    drivetrain: Drivetrain
+    found: Connections
+    page: float
+    """Width of the drawing in points, beyond which lines go on below."""
+    compact: bool
+    discs: Mapping[str, float]
+    """Half the height of each inertia's disc, by name."""
+    loops: dict[Vertex, list[tuple[int, Link, Vertex]]] = field(default_factory=dict)
+    """Links that close loops, at the vertex from which they are drawn."""
+    targets: dict[str, list[int]] = field(default_factory=dict)
+    """Numbers of the loops that end at a node."""
+
+    @property
+    def scale(self) -> float:
+        """Size of the symbols."""
+        return COMPACT_SCALE if self.compact else 1.0
+
+    @cached_property
+    def homes(self) -> dict[str, str]:
+        """Nodes that are not drawn, and where their inputs and sensors go.
+
+        Stations within a shaft go to the shaft's first end, planets to the carrier.
+        """
+        shafts = {
+            inner: next(node for node in element.ports.values() if node != GROUND)
+            for element in self.drivetrain.elements.values()
+            for inner in element.internal_nodes
+        }
+        sets = [box for box in self.found.boxes.values() if isinstance(box, EpicyclicSet)]
+        return shafts | {planet: each.ports["carrier"] for each in sets for planet in each.planets}
+
+    @cached_property
+    def housings(self) -> dict[str, list[str]]:
+        """Gears whose housing is on a node, by node."""
+        found: dict[str, list[str]] = {}
+        inside = {element.name for box in self.found.boxes.values() for element in getattr(box, "elements", ())}
+        for element in self.drivetrain.elements.values():
+            node = element.ports.get("housing", GROUND)
+            if node != GROUND and element.name not in inside and not isinstance(element, PartBox):
+                found.setdefault(node, []).append(element.name)
+        return found
+
+    @cached_property
+    def inputs(self) -> dict[str, list[tuple[str, str]]]:
+        """(input, what it is) by node."""
+        return self._by_node((name, _input_words(given), given.of) for name, given in self.drivetrain.inputs.items())
+
+    @cached_property
+    def reactions(self) -> dict[str, list[tuple[str, str]]]:
+        """(input, what it is) by the second node of inputs between two."""
+        return self._by_node(
+            (name, f"of {given.of}", given.against)
+            for name, given in self.drivetrain.inputs.items()
+            if given.against is not None
+        )
+
+    @cached_property
+    def motions(self) -> dict[str, list[tuple[str, str]]]:
+        """(sensor, quantity) of the motion of nodes, by node."""
+        return self._by_node(
+            (name, f"{sensor.quantity}{f' against {sensor.against}' if sensor.against else ''}", sensor.of)
+            for name, sensor in self.drivetrain.sensors.items()
+            if not sensor.is_on_element
+        )
+
+    def _by_node(self, channels: Iterable[tuple[str, str, str]]) -> dict[str, list[tuple[str, str]]]:
+        """What is at a node that is not drawn says so."""
+        found: dict[str, list[tuple[str, str]]] = {}
+        for name, what, node in channels:
+            text = f"{what} at {node}" if node in self.homes else what
+            found.setdefault(self.homes.get(node, node), []).append((name, text))
+        return found
+
+    @cached_property
+    def taps(self) -> dict[str, list[Tap]]:
+        """Torques and twists by the node where they are taken."""
+        found: dict[str, list[Tap]] = {}
+        for name, sensor in self.drivetrain.sensors.items():
+            element = self.drivetrain.elements.get(sensor.of)
+            if not sensor.is_on_element or element is None:
+                continue
+            port, node = _taken(element, sensor.at)
+            found.setdefault(self.homes.get(node, node), []).append(Tap(name, sensor.quantity, element.name, port))
+        return found
+
+    def taps_of(self, element: Element) -> list[Tap]:
+        """What is taken from one element."""
+        return [tap for taps in self.taps.values() for tap in taps if tap.element == element.name]
+
+    def leads_on(self, tap: Tap, node: str) -> bool:
+        """Whether a tap is of something that leads on from a node, and is drawn beside it."""
+        return any(belongs(tap, link) for link in self._links[node])
+
+    @cached_property
+    def _links(self) -> dict[str, list[Link]]:
+        found: dict[str, list[Link]] = {node: [] for node in self.drivetrain.nodes}
+        for link in self.found.links:
+            for vertex in (link.first, link.second):
+                if not vertex.is_box:
+                    found[vertex.name].append(link)
+        return found
+
+    def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
+        """Discs with what hangs below them, and what the line ends in: a clamp or an element to ground."""
+        attached = self.found.attached[node]
+        discs = [element for element in attached if element.glyph == "disc"]
+        others = [element for element in attached if element.glyph != "disc"]
+        last = next((element for element in others if element.glyph != "damper"), None) if at_end else None
+        hanging = [element for element in others if element is not last]
+        return list(zip_longest(discs, hanging)), last
+
+    def node_texts(self, node: str) -> Texts:
+        """Name of a node, with the gears whose housing it is."""
+        gears = self.housings.get(node, []) if not self.compact else []
+        return broken([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
+
+    def texts(self, element: Boxed) -> Texts:
+        """Name and main values of an element."""
+        if self.compact:
+            return []
+        if isinstance(element, PartBox):
+            return broken([(element.name, "name"), (element.description, "what")])
+        if isinstance(element, EpicyclicSet):
+            return set_lines(element, self.drivetrain.exact_values)
+        lines = [(text, "value") for text in value_lines(element, self.drivetrain.exact_values)]
+        if getattr(element, "locked", False):
+            lines.append(("locked", "value"))
+        housing = element.ports.get("housing", GROUND)
+        if housing != GROUND:
+            lines.append((f"housing: {housing}", "node"))
+        return broken([(element.name, "name"), *lines])
+
+
+def _taken(element: Element, at: str | None) -> tuple[str, str]:
+    """Port and node where a sensor is drawn: where it is, unless that is the ground."""
+    ports = list(element.ports.items())
+    return next(((port, node) for port, node in ports if at in (port, node) and node != GROUND),
+                next(pair for pair in ports if pair[1] != GROUND))  # fmt: skip
+
+
+def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tree]]:
+    """The plan, and the connected parts as trees."""
+    found = connections(drivetrain)
+    compact = len(drivetrain.nodes) > COMPACT
+    plan = DrawingPlan(drivetrain, found, page, compact, disc_sizes(drivetrain, COMPACT_SCALE if compact else 1.0))
+    grown, left = trees(found, [node for node in drivetrain.nodes if node not in plan.homes])
+    places = {vertex: place for tree in grown for place, vertex in enumerate(tree.order)}
+    for number, link in enumerate(left):
+        start, end = sorted((link.first, link.second), key=lambda vertex: (not vertex.is_box, places[vertex]))
+        plan.loops.setdefault(start, []).append((number, link, end))
+        plan.targets.setdefault(end.name, []).append(number)
+    return plan, grown
+
+
+def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
+    """Half heights between two limits, by the logarithm of the inertia."""
+    discs = [element for element in drivetrain.elements.values() if element.glyph == "disc"]
+    values = {element.name: inertia_of(element, drivetrain.exact_values) for element in discs}
+    logs = {name: math.log10(value) for name, value in values.items() if value > 0}
+    low, high = min(logs.values(), default=0), max(logs.values(), default=0)
+    # Within a decade or two a small difference should not look like a large one.
+    span = max(high - low, 2.0)
+    middle = (low + high) / 2
+    return {
+        name: scale * (SMALL_DISC + (LARGE_DISC - SMALL_DISC) * (0.5 + (logs.get(name, low) - middle) / span))
+        for name in values
+    }
+
+
+def inertia_of(element: Element, values: Mapping[str, Any]) -> float:
+    """What an element adds to the inertia of the nodes it is on, kg m^2."""
+    laws = [part for part in element.parts(Values(values)) if isinstance(part, Law)]
+    return sum(float(law.inertia) * sum(float(factor) ** 2 for factor in law.row.values()) for law in laws)
+
+
+def _input_words(channel: Input) -> str:
+    """What an input is, beside its arrow."""
+    what = {"torque": "torque", "angle": "imposed angle"}[channel.quantity]
+    return what if channel.against is None else f"{what} against {channel.against}"

@@ -1,0 +1,127 @@
+"""The symbols of elements in a schematic, each along a line from (0, 0); where it stands turns and moves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import torsionnet.plot.schematic.machine_glyphs as machine_glyphs
+from torsionnet.model.elements import Element, Law, Values
+from torsionnet.plot.drawing.pieces import Point, Stroke, arc
+from torsionnet.plot.schematic.emblems import emblem
+from torsionnet.plot.schematic.outlines import BODY, BOX, Glyph, rectangle, wheel
+from torsionnet.plot.schematic.strands import network
+
+
+def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """Its springs and dashpots, between two discs if both ends have an inertia."""
+    between = network(element, values, "spring")
+    ends = [*element.ports.values()]
+    heavy = {
+        node
+        for part in element.parts(Values(values))
+        if isinstance(part, Law) and part.inertia != 0 and len(part.row) == 1
+        for node in part.row
+    }
+    return _between_discs(between) if len(ends) == 2 and heavy.issuperset(ends) else between
+
+
+def _between_discs(inner: Glyph) -> Glyph:
+    """A glyph with a disc at either end."""
+    first, width, half = 4.0, 8.0, max(16.0, inner.reach)
+    start = first + width
+    end = start + inner.length
+    leads = (Stroke(((0, 0), (first, 0)), "shaft"), Stroke(((end + width, 0), (end + start, 0)), "shaft"))
+    discs = (rectangle(first, start, -half, half, BODY), rectangle(end, end + width, -half, half, BODY))
+    return Glyph((*leads, *inner.along(start, 0), *discs), end + start, half + 1)
+
+
+def _damper(element: Element, values: Mapping[str, Any]) -> Glyph:
+    return network(element, values, "damper")
+
+
+def _disc(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A mass between two ends."""
+    del element, values
+    return Glyph((Stroke(((0, 0), (30, 0)), "shaft"), rectangle(8.5, 21.5, -15, 15, BODY)), 30, 16)
+
+
+def _coupling(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """Two flanges face to face."""
+    del element, values
+    flanges = (rectangle(10, 15, -13, 13, BODY), rectangle(15, 20, -13, 13, BODY))
+    return Glyph((Stroke(((0, 0), (10, 0)), "shaft"), *flanges, Stroke(((20, 0), (30, 0)), "shaft")), 30, 14)
+
+
+def _shaft(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A thin cylinder, with a line between its segments."""
+    del values
+    start, end, half = 5.0, 55.0, 6.0
+    outline = (*arc(start, 0, 2.5, half, 90, 270, 8), *arc(end, 0, 2.5, half, -90, 90, 8))
+    given = getattr(element, "segments", 1)
+    count = min(given, 6) if isinstance(given, int) else 1
+    cuts = [start + (end - start) * i / count for i in range(1, count)]
+    body = Stroke(outline, "part", closed=True, fill=BODY)
+    rings = [Stroke(arc(x, 0, 2.5, half, -90, 90, 8), "thin") for x in (*cuts, end - 0.01)]
+    leads = [Stroke(((0, 0), (start - 2.5, 0)), "shaft"), Stroke(((end + 2.5, 0), (60, 0)), "shaft")]
+    return Glyph((*leads, body, *rings[:-1]), 60, 8)
+
+
+def _gear(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A stage in line, where there is no room for two shafts."""
+    del element, values
+    out: tuple[Point, ...] = ((15, -16), (30, -16), (30, 0), (42, 0))
+    return Glyph(
+        (Stroke(((0, 0), (15, 0)), "shaft"), Stroke(out, "shaft"), *wheel(15, 0, 8), *wheel(15, -16, 8)), 42, 26
+    )
+
+
+def _pendulum(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A rod on a pin, and the path on which its end swings."""
+    del element, values
+    pin = Stroke(arc(13, 0, 3, 3, 0, 360), "part", closed=True, fill="#ffffff")
+    path = Stroke(arc(13, 0, 28, 28, -32, 32), "thin")
+    return Glyph((Stroke(((0, 0), (10, 0))), pin, Stroke(((16, 0), (48, 0))), path), 48, 15)
+
+
+def _boxed(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A picture in a box."""
+    del values
+    leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((64, 0), (72, 0)), "shaft"))
+    return Glyph((*leads, rectangle(8, 64, -24, 24, BOX), *emblem(element, 36, 0)), 72, 25)
+
+
+def _other(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """Any element without a symbol of its own."""
+    del element, values
+    leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((40, 0), (48, 0)), "shaft"))
+    return Glyph((*leads, rectangle(8, 40, -10, 10, "#ffffff")), 48, 11)
+
+
+_MACHINES: dict[str, Callable[[], Glyph]] = {
+    "crank": machine_glyphs.crank,
+    "machine": machine_glyphs.machine,
+    "load": machine_glyphs.load,
+    "controller": machine_glyphs.controller,
+    "sheet": machine_glyphs.sheet,
+}
+"""Those that look the same whatever the element."""
+_INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
+    "disc": _disc,
+    "spring": _spring,
+    "damper": _damper,
+    "coupling": _coupling,
+    "shaft": _shaft,
+    "gear": _gear,
+    "pendulum": _pendulum,
+    "gearbox": _boxed,
+    "belt": _boxed,
+    "hydrodynamic": _boxed,
+}
+
+
+def inline_glyph(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """The symbol of an element between two ends."""
+    if element.glyph in _MACHINES:
+        return _MACHINES[element.glyph]()
+    return _INLINE.get(element.glyph, _other)(element, values)

@@ -1,0 +1,194 @@
+"""Where everything in a schematic goes: shaft lines from left to right, branches and gear stages on lines of their own.
+
+A line is built from its head onwards, every piece in a stretch of its own that is as wide as its symbol and texts; the
+lines that leave it are then moved down (or up) to the nearest free place. A line that would leave the page is cut, and
+goes on below; a branch for which no room is left begins a band of its own, with flags at both ends. All in points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from itertools import pairwise, zip_longest
+from typing import TYPE_CHECKING
+
+from torsionnet.plot.drawing.pieces import Piece
+from torsionnet.plot.schematic.branch_lines import UP_IF, Drop, Exit
+from torsionnet.plot.schematic.drawing_plan import DrawingPlan, make_plan
+from torsionnet.plot.schematic.flags import flag
+from torsionnet.plot.schematic.line_routes import Course, Leaving, RouteStep, courses, cuts, needed
+from torsionnet.plot.schematic.shaft_lines import Line
+from torsionnet.plot.schematic.topology import Link, Tree, Vertex
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+PAGE = 545.0
+"""Width of a drawing unless another is asked for."""
+
+MARGIN = 24.0
+"""Room for the lines that lead from one piece of a cut line to the next."""
+
+WIRES = 30.0
+"""Room at the sides for wires that close loops."""
+
+NARROWEST = 0.45
+"""Part of the page that a branch gets before it begins a band of its own."""
+
+UP_IF_CUT = 1.5
+INDENT = 26.0
+"""Pieces of a line that comes from gears stay clear of the wheels."""
+
+
+def blocks(drivetrain: Drivetrain, page: float = PAGE) -> list[list[Piece]]:
+    """For each connected part its bands, from top to bottom."""
+    plan, grown = make_plan(drivetrain, page)
+    if plan.loops:
+        plan.page -= WIRES
+    return [Sheet(tree, plan).bands() for tree in grown]
+
+
+class Sheet:
+    """One connected part: its lines, how wide they are, and those that wait for a band of their own."""
+
+    def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
+        self.tree, self.plan = tree, plan
+        self.courses = courses(tree)
+        self.starts: dict[Vertex, float] = {}
+        self.steps: dict[Vertex, list[RouteStep]] = {}
+        self.needs: dict[Vertex, float] = {}
+        self.waiting: deque[Vertex] = deque([tree.root])
+        for head in reversed(self.courses):
+            self._measure(head)
+
+    def _measure(self, head: Vertex) -> None:
+        """Widths of a line whose branches have been measured before."""
+        self._steps(head)
+        room = self.plan.page - MARGIN - INDENT
+        wide = zip(self.courses[head].vertices, self.steps[head], strict=True)
+        crowded = {vertex: math.ceil(step.whole / (0.8 * room)) for vertex, step in wide if step.whole > room}
+        if crowded:
+            self.courses[head] = self.courses[head].split(crowded)
+            self._steps(head)
+        self.needs[head] = needed(self.starts[head], self.steps[head])
+
+    def _steps(self, head: Vertex) -> None:
+        course, line = self.courses[head], Line(self.plan)
+        if course.incoming is not None:
+            line.begin(course.incoming, course.parent)
+        self.starts[head] = line.x
+        self.steps[head] = [self._step(line, course.cut(place, place + 1)) for place in range(len(course.vertices))]
+
+    def _step(self, line: Line, course: Course) -> RouteStep:
+        """Go on by one vertex, and measure what that took."""
+        start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
+        self._fill(line, course)
+        taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
+        left = start - min((box[0] for box in taken), default=start)
+        right = max((box[1] for box in taken), default=line.x) - line.x
+        heads = ((each, each.what) for each in line.exits[exits:])
+        leaving = [Leaving(each.x - start, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
+        return RouteStep(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
+
+    def bands(self) -> list[Piece]:
+        """The main line first, then those for which it had no room."""
+        found = []
+        while self.waiting:
+            head = self.waiting.popleft()
+            found.append(self._band(head))
+        return found
+
+    def _band(self, head: Vertex) -> Piece:
+        course = self.courses[head]
+        if course.incoming is None:
+            return self._course(head, self.plan.page, top=True)
+        came = course.incoming
+        line = Line(self.plan)
+        line.x = flag(line.block, 0.0, self._shared_node(head)) + 6
+        line.block.line((line.x - 6, 0), (line.x, 0))
+        if not came.is_gear:
+            line.arrive(came, course.parent)
+        return self._course(head, self.plan.page, top=True, begun=line)
+
+    def _course(self, head: Vertex, room: float, *, top: bool = False, begun: Line | None = None) -> Piece:
+        """A line with everything that leaves it, cut into pieces if it is wider than the room."""
+        course = self.courses[head]
+        start = begun.x if begun is not None else self.starts[head]
+        indent = INDENT if begun is None and course.incoming is not None and course.incoming.is_gear else 0.0
+        begins = cuts(start, self.steps[head], room, MARGIN + indent)
+        narrow = room if len(begins) == 1 else room - MARGIN - indent
+        built = []
+        for first, last in zip_longest(begins, begins[1:], fillvalue=len(course.vertices)):
+            piece = course.cut(first, last)
+            line = Line(self.plan)
+            if first == 0 and begun is not None:
+                line = begun
+            elif piece.incoming is not None:
+                line.begin(piece.incoming, piece.parent)
+            self._fill(line, piece)
+            built.append(
+                self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices))
+            )
+        return _stacked(built, indent)
+
+    def _fill(self, line: Line, course: Course) -> None:
+        before = course.incoming or course.before
+        for place, (vertex, onward) in enumerate(zip_longest(course.vertices, course.links)):
+            leaving = [pair for pair in self.tree.children[vertex] if self._leaves(pair)]
+            line.vertex(vertex, before, onward, leaving, course.share(place))
+            if onward is not None:
+                line.gap(onward)
+            before = onward
+
+    def _leaves(self, pair: tuple[Link, Vertex]) -> bool:
+        return pair[1] in self.courses and self.courses[pair[1]].incoming is pair[0]
+
+    def _finished(self, line: Line, room: float, *, may_rise: bool, loops_up: bool) -> Piece:
+        overhang = max(0.0, -min((box[0] for box in line.block.boxes), default=0.0))
+        # Where the line goes on below, what leads a loop around it stays out of its way.
+        return line.finish(
+            lambda each: self._settled(each, room - overhang - each.x, UP_IF_CUT if loops_up else UP_IF),
+            may_rise=may_rise,
+        )
+
+    def _settled(self, leaving: Exit, room: float, loops_up_if: float) -> Drop:
+        """What leaves with its block: the line itself, or a flag where there is no room for it."""
+        x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
+        if isinstance(what, Piece):
+            return Drop(x, y, what, stages, up_if=loops_up_if)
+        if self.needs[what] <= room or self._may_be_cut(what, room):
+            return Drop(x, y, self._course(what, room), stages, up_if=UP_IF if self.needs[what] <= room else 0.0)
+        self.waiting.append(what)
+        block = Piece()
+        begin = stages[-1].offset + 18 if stages else 12.0
+        block.line((0, 0), (begin, 0))
+        flag(block, begin, self._shared_node(what))
+        return Drop(x, y, block, stages)
+
+    def _shared_node(self, head: Vertex) -> str:
+        """What the flags say: gears are drawn where the line leaves, a shaft belongs to the line itself."""
+        course = self.courses[head]
+        shaft = course.incoming is not None and course.incoming.elements and not course.incoming.is_gear
+        return course.parent.name if shaft and course.parent is not None else head.name
+
+    def _may_be_cut(self, head: Vertex, room: float) -> bool:
+        """Whether a line that is cut even on a page of its own needs no more pieces here."""
+        steps, start = self.steps[head], self.starts[head]
+        if room < max(NARROWEST * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
+            return False
+        return len(cuts(start, steps, room, MARGIN + INDENT)) <= len(cuts(start, steps, self.plan.page, MARGIN)) > 1
+
+
+def _stacked(built: list[Piece], indent: float) -> Piece:
+    """Pieces of a line below each other, each led on to the next."""
+    whole = built[0]
+    for before, piece in pairwise(built):
+        bottom = whole.extent[2]
+        drop, lane, edge = bottom - 30 - piece.extent[3], bottom - 14, indent - 14
+        begin, x_before = indent - piece.extent[0], indent - before.extent[0] if before is not built[0] else 0.0
+        x, y = whole.anchors.pop(-1)
+        far = x_before + before.extent[1] + 8
+        whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (begin, drop))
+        whole.add(piece.shifted(begin, drop))
+    whole.anchors.pop(-1, None)
+    return whole

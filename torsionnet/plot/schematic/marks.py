@@ -1,0 +1,50 @@
+"""Inputs and sensors on a shaft, with their names above it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torsionnet.plot.schematic.outlines as outlines
+from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts
+from torsionnet.plot.schematic.texts import broken
+
+TOPS = {"input": 19.0, "reaction": 19.0, "motion": 20.0, "torque": 20.0}
+"""Points above the shaft where the name of each kind of mark begins."""
+
+ARROW = 17.0
+"""Half the height of a torque arrow."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An input, what it does oppositely to a second node, or a sensor of motion or torque."""
+
+    kind: str
+    name: str
+    what: str
+
+    def drawn(self, lift: float = 0.0) -> Piece:
+        """Around x = 0, with the name so much higher than usual."""
+        top = TOPS[self.kind] + lift
+        piece = Piece()
+        if self._is_arrow:
+            piece.strokes += outlines.torque_arrow(0.0, opposite=self.kind == "reaction")
+            piece.boxes.append((-8, 8, -ARROW - 2, TOPS["input"]))
+        else:
+            piece.strokes += outlines.sensor_mark(0.0, torque=self.kind == "torque", leader=top)
+            piece.boxes.append((-5, 5, -5, TOPS["torque"]))
+        if lift:
+            leader = Stroke(((0, ARROW), (0, top)), "leader")
+            piece.strokes += [leader] if self._is_arrow else []
+            piece.boxes.append((-1.5, 1.5, 0, top))
+        piece.write(0, top, self.texts)
+        return piece
+
+    @property
+    def _is_arrow(self) -> bool:
+        return self.kind in ("input", "reaction")
+
+    @property
+    def texts(self) -> Texts:
+        """Its name and what it is."""
+        return broken([(self.name, "input" if self._is_arrow else "sensor"), (self.what, "what")])

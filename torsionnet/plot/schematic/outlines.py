@@ -1,0 +1,115 @@
+"""Outlines that the symbols of a schematic are made of: rectangles, wheels, springs, dashpots, marks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from torsionnet.plot.drawing.pieces import Stroke, arc
+
+DISC_WIDTH, WHEEL_WIDTH = 13.0, 12.0
+GROUND_WIDTH = 26.0
+BODY, WHEEL, BOX = "#dbe5ee", "#efe6d8", "#fbf9f5"
+
+
+@dataclass(frozen=True)
+class Glyph:
+    """Strokes from (0, 0) to (length, 0), staying within ``reach`` of that line."""
+
+    strokes: tuple[Stroke, ...]
+    length: float
+    reach: float
+
+    def along(self, x: float, y: float) -> list[Stroke]:
+        """To the right from a point."""
+        return [stroke.shifted(x, y) for stroke in self.strokes]
+
+    def scaled(self, factor: float) -> Glyph:
+        strokes = (
+            Stroke(tuple((factor * u, factor * v) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
+            for stroke in self.strokes
+        )
+        return Glyph(tuple(strokes), factor * self.length, factor * self.reach)
+
+    def hanging(self, x: float, y: float) -> list[Stroke]:
+        """Down from a point."""
+        return [
+            Stroke(tuple((x + v, y - u) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
+            for stroke in self.strokes
+        ]
+
+
+def rectangle(x0: float, x1: float, y0: float, y1: float, fill: str = "", look: str = "part") -> Stroke:
+    return Stroke(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), look, closed=True, fill=fill)
+
+
+def disc(x: float, half: float, width: float = DISC_WIDTH) -> list[Stroke]:
+    """An inertia seen from the side."""
+    return [rectangle(x - width / 2, x + width / 2, -half, half, BODY)]
+
+
+def wheel(x: float, y: float, radius: float) -> list[Stroke]:
+    """A gear wheel seen from the side: its teeth are the short lines at the rims."""
+    half = WHEEL_WIDTH / 2
+    teeth = [
+        Stroke(((x - half, y + side * (radius - 3.5)), (x + half, y + side * (radius - 3.5))), "thin")
+        for side in (-1, 1)
+    ]
+    return [rectangle(x - half, x + half, y - radius, y + radius, WHEEL), *teeth]
+
+
+def ground(x: float, y: float) -> list[Stroke]:
+    """A line with hatching below."""
+    half = GROUND_WIDTH / 2
+    hatches = [Stroke(((x + u + 4, y), (x + u - 1, y - 6)), "thin") for u in (-10.0, -4.0, 2.0, 8.0)]
+    return [Stroke(((x - half, y), (x + half, y))), *hatches]
+
+
+def mass(x: float, y: float) -> list[Stroke]:
+    """An inertia below what it hangs on."""
+    return [rectangle(x - GROUND_WIDTH / 2, x + GROUND_WIDTH / 2, y - DISC_WIDTH, y, BODY)]
+
+
+def wall(x: float, half: float = 18.0) -> list[Stroke]:
+    """A line with hatching to the right."""
+    count = int(2 * half / 6)
+    hatches = [Stroke(((x, -half + 6 * i + 6), (x + 6, -half + 6 * i + 1)), "thin") for i in range(count)]
+    return [Stroke(((x, -half), (x, half))), *hatches]
+
+
+def torque_arrow(x: float, *, opposite: bool = False) -> list[Stroke]:
+    """An arrow around the shaft, or the opposite one."""
+    way = -1 if opposite else 1
+    path = arc(x, 0, 6.5, 17, way * 150, way * -150)
+    x1, y1 = path[-1]
+    head = ((x1 - 1.6, y1 + way * 6.5), (x1 - 3.2, y1 - way * 2.5), (x1 + 4.8, y1 - way * 0.5))
+    return [Stroke(path, "input"), Stroke(head, "input", closed=True, fill="input")]
+
+
+def sensor_mark(x: float, *, torque: bool, leader: float = 20.0) -> list[Stroke]:
+    """A dot for motion, a diamond for torque, with a leader to the name above."""
+    dot = ((x - 4.5, 0.0), (x, 4.5), (x + 4.5, 0.0), (x, -4.5)) if torque else arc(x, 0, 3.8, 3.8, 0, 360)
+    return [Stroke(((x, 4), (x, leader)), "sensor"), Stroke(dot, "sensor", closed=True, fill="#ffffff")]
+
+
+def side_mark(x: float, y: float, leader: float) -> list[Stroke]:
+    """A diamond for the torque of what hangs below a shaft, with a leader to the name beside it."""
+    diamond = ((x - 4.5, y), (x, y + 4.5), (x + 4.5, y), (x, y - 4.5))
+    return [Stroke(((x + 4, y), (x + leader, y)), "sensor"), Stroke(diamond, "sensor", closed=True, fill="#ffffff")]
+
+
+def zigzag(start: float, end: float, y: float, amplitude: float = 6.0, teeth: int = 4) -> Stroke:
+    lead = 0.12 * (end - start)
+    step = (end - start - 2 * lead) / (2 * teeth)
+    middle = [(start + lead + (i + 0.5) * step, y + amplitude * (-1) ** i) for i in range(2 * teeth)]
+    return Stroke(((start, y), (start + lead, y), *middle, (end - lead, y), (end, y)))
+
+
+def dashpot(start: float, end: float, y: float, half: float = 6.0) -> list[Stroke]:
+    a, b = start + 0.36 * (end - start), start + 0.66 * (end - start)
+    piston = start + 0.5 * (end - start)
+    return [
+        Stroke(((start, y), (piston, y))),
+        Stroke(((piston, y - half + 1.5), (piston, y + half - 1.5))),
+        Stroke(((a, y + half), (b, y + half), (b, y - half), (a, y - half))),
+        Stroke(((b, y), (end, y))),
+    ]

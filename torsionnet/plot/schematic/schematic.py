@@ -1,0 +1,118 @@
+"""The picture of a drivetrain: what is on which shaft, and what joins the shafts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from torsionnet.core.errors import UsageError
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Label, Piece, text_width
+from torsionnet.plot.schematic.canvas import POINTS_PER_INCH, painted
+from torsionnet.plot.schematic.drawing_plan import COMPACT
+from torsionnet.plot.schematic.layout import blocks
+from torsionnet.plot.schematic.part_boxes import boxed
+from torsionnet.plot.schematic.texts import wrapped
+from torsionnet.plot.schematic.wiring import connect
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0
+MILLIMETRES_PER_INCH = 25.4
+PAPER_WIDTH, LEGIBLE = 170.0, 6.0
+"""Millimetres between the margins of an A4 page; points that the smallest text still has at that width."""
+
+NARROWEST_PAGE = 100.0
+
+
+def schematic(
+    drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH, boxes: bool = False
+) -> Figure:
+    r"""Draw a drivetrain.
+
+    Shafts run from left to right in the order of the model's nodes, whose names stand above them. Inertias are discs
+    whose height grows with the logarithm of the inertia; gear stages and branches go on on lines of their own, and an
+    element that closes a loop is led back to its node. Curved arrows are inputs, dots and diamonds are sensors of
+    motion and of torque. Lines wider than the page go on below, a branch without room begins a line of its own, with
+    flags at both ends. Gears on one moving housing that make up sun, planets and ring are drawn as a planetary set.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        Only elements that are switched on are drawn. With more than 40 nodes only the nodes are named.
+    title : str, optional
+        By default name and configuration of the drivetrain.
+    width : float, optional
+        Width of the page in mm, at least 100: lines are broken so that the smallest text has 6 points when the figure
+        is printed that wide. By default the text width of an A4 page.
+
+    boxes : bool, optional
+        Draw each part that the model uses as one box; else all that is in it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One axes without ticks; a unit is a point. Its own width is at most 7/6 of the page's.
+
+    Raises
+    ------
+    UsageError
+        The page is narrower than 100 mm.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> figure = schematic(tn.load("amt_rig"))
+    >>> [text.get_text() for text in figure.axes[0].texts if "460" in text.get_text()]
+    ['$k_{\\mathrm{1}}$ = 460 N·m/rad']
+    """
+    page = _page(width)
+    whole = _arranged(boxed(drivetrain) if boxes else drivetrain, page)
+    x0, x1, y0, y1 = whole.extent
+    shown = drivetrain.title if title is None else title
+    for line in reversed(wrapped(shown, "title", page)):
+        whole.labels.append(Label(x0, y1 + 16, line, "title", left=True))
+        y1 += LEADING * ROLES["title"].size
+        x1 = max(x1, x0 + text_width(line, "title"))
+    y1 += 16 if shown else 0
+    return painted(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
+
+
+def _page(width: float) -> float:
+    """Points that a drawing may be wide."""
+    if not width >= NARROWEST_PAGE:
+        raise UsageError(f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}")
+    smallest = min(role.size for role in ROLES.values())
+    return width / MILLIMETRES_PER_INCH * POINTS_PER_INCH * smallest / LEGIBLE - 2 * EDGE
+
+
+def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
+    """All parts below each other, with the lines that close loops."""
+    parts = []
+    for bands in blocks(drivetrain, page):
+        part = _packed(bands, page)
+        connect(part)
+        parts.append(part)
+    whole = _packed(parts, page)
+    if len(drivetrain.nodes) > COMPACT:
+        note = f"{len(drivetrain.nodes)} nodes: elements are drawn without names and values"
+        x0, _, y0, _ = whole.extent
+        whole.labels.append(Label(x0, y0 - 14, note, "note", left=True))
+        whole.boxes.append((x0, x0 + text_width(note, "note"), y0 - 18, y0 - 4))
+    return whole
+
+
+def _packed(given: Sequence[Piece], page: float) -> Piece:
+    """Blocks from left to right and from top to bottom, like words on a page."""
+    whole = Piece()
+    x = top = bottom = 0.0
+    for block in given:
+        x0, x1, y0, y1 = block.extent
+        if x and x + x1 - x0 > page:
+            x, top = 0.0, bottom - BETWEEN
+        whole.add(block.shifted(x - x0, top - y1))
+        bottom = min(bottom, top + y0 - y1)
+        x += x1 - x0 + BESIDE
+    return whole

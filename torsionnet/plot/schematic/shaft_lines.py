@@ -1,0 +1,188 @@
+"""One shaft line of a schematic: nodes, the elements between them, and what leaves the line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, TypeAlias
+
+from torsionnet.plot.drawing.labels import symbol
+from torsionnet.plot.drawing.pieces import Piece, widest
+from torsionnet.plot.schematic.bodies import body, ending
+from torsionnet.plot.schematic.boxes import box
+from torsionnet.plot.schematic.branch_lines import ELBOW, Drop, Exit, Stage, attach, ratio_of
+from torsionnet.plot.schematic.gaps import between
+from torsionnet.plot.schematic.marks import Mark
+from torsionnet.plot.schematic.planned_row import PlannedRow
+from torsionnet.plot.schematic.topology import Link, Vertex
+
+if TYPE_CHECKING:
+    from torsionnet.model.elements import Element
+
+GAP = 9.0
+
+
+Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
+Thing: TypeAlias = "Mark | tuple[Element | None, Element | None]"
+"""A mark on the shaft, or a disc with what hangs below it."""
+
+Settle: TypeAlias = Callable[[Exit], Drop]
+"""Gives what leaves a line its block."""
+
+
+class Line(PlannedRow):
+    """Builds a line along y = 0 from left to right; ``x`` is how far it has come."""
+
+    def begin(self, incoming: Link, parent: Vertex | None) -> None:
+        """Come from another line: beside its gears, else by the elements after a wire."""
+        if incoming.is_gear:
+            widths = self.gear_widths(incoming)
+            self.x = sum(widths) - (widths[0] + widths[-1]) / 2 + ELBOW + 4
+            self.wall = self.x + 2
+            self.block.line((ELBOW, 0), (self.x, 0))
+            return
+        self.wall = 6.0
+        self.arrive(incoming, parent)
+        if not incoming.elements:
+            self.block.line((self.x, 0), (self.x + 10, 0))
+            self.x += 10
+
+    def arrive(self, incoming: Link, parent: Vertex | None) -> None:
+        """What leads here from a node of another line, with the torques that are taken there."""
+        if parent is not None and not parent.is_box:
+            self.marks_on_shaft(self.beside(parent.name, incoming))
+        if incoming.elements:
+            self.gap(incoming)
+
+    def gear_widths(self, link: Link) -> list[float]:
+        return [max(26.0, widest(self.plan.texts(element)) + GAP) for element in link.elements]
+
+    def vertex(
+        self,
+        vertex: Vertex,
+        before: Link | None,
+        after: Link | None,
+        leaving: Leaving,
+        share: tuple[int, int] = (0, 1),
+    ) -> None:
+        if vertex.is_box:
+            box(self, vertex, before, after, leaving)
+        elif share[0] == share[1] - 1:
+            self.station(vertex, before, after, leaving, share)
+        else:
+            self.crowd(vertex, before, share)
+
+    def crowd(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
+        """Part of what is at a node with too much for one line."""
+        start = self.x
+        self.marks(self.beside(vertex.name, before))
+        self.things(self.present(vertex.name, at_end=False)[0], share)
+        named = self.name(start, self.plan.node_texts(vertex.name))
+        self.block.line((start, 0), (self.x, 0))
+        self.brackets.append((start, named, vertex.name))
+
+    def present(self, node: str, *, at_end: bool) -> tuple[list[Thing], Element | None]:
+        """What is at a node in the order of the shaft, and what the line ends in.
+
+        Torques of what leads on from the node or down to ground are not among it: they stand beside that.
+        """
+        bodies, held = self.plan.bodies(node, at_end=at_end)
+        placed = {element.name for element in (held, *(hanging for _, hanging in bodies)) if element is not None}
+        others = [
+            tap.mark(alone=False)
+            for tap in self.plan.taps.get(node, ())
+            if tap.element not in placed and not self.plan.leads_on(tap, node)
+        ]
+        return [*self.inputs_and_motion(node), *bodies, *others], held
+
+    def things(self, things: Sequence[Thing], share: tuple[int, int]) -> None:
+        """A part of what is at a node; marks beside each other stand in two rows if there are many."""
+        part, parts = share
+        size = -(-len(things) // parts)
+        for _, group in groupby(things[part * size : (part + 1) * size], lambda thing: isinstance(thing, Mark)):
+            alike = list(group)
+            self.marks([thing for thing in alike if isinstance(thing, Mark)])
+            for pair in (thing for thing in alike if not isinstance(thing, Mark)):
+                body(self, *pair)
+
+    def station(
+        self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving, share: tuple[int, int]
+    ) -> None:
+        """Everything at one node."""
+        start, node = self.x, vertex.name
+        loops, targets = self.plan.loops.get(vertex, ()), self.plan.targets.get(node, ())
+        branches = bool(leaving or loops or targets)
+        things, held = self.present(node, at_end=not (after or branches))
+        self.marks(self.beside(node, before))
+        self.things(things, share)
+        late = self.beside(node, after)
+        if held is not None:
+            late = [tap.mark(alone=True) for tap in self.plan.taps_of(held)]
+        if not branches:
+            self.marks(late)
+        named = self.name(start, self.plan.node_texts(node)) if held is None else self.x
+        for place, (link, child) in enumerate(leaving, 1):
+            self.leave(link, child, vertex, alone=place == len(leaving) and not (after or loops or targets))
+        for number, link, target in loops:
+            self.close(number, link, target)
+        for number in targets:
+            self.block.anchors[number] = (self.keep(14), 0)
+        if branches:
+            self.marks(late)
+        end = self.x
+        if held is not None:
+            end = ending(self, held)
+            named = self.name(start, self.plan.node_texts(node))
+        elif leaving and leaving[-1][0].is_gear and not (after or loops or targets):
+            end = self.exits[-1].last
+        self.block.line((start, 0), (end, 0))
+        self.brackets.append((start, named, node))
+
+    def inputs_and_motion(self, node: str) -> list[Mark]:
+        inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
+        inputs += [Mark("reaction", f"\u2212{symbol(name)}", what) for name, what in self.plan.reactions.get(node, ())]
+        return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
+
+    def leave(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
+        """A line that leaves this one; ``alone`` if nothing else goes on from here."""
+        if not link.is_gear:
+            self.exits.append(Exit(self.keep(16), 0, child))
+            return
+        self.marks(self.beside(parent.name, link, alone=alone))
+        widths, stages = self.gear_widths(link), []
+        places = [self.keep(width) for width in widths]
+        first = places[0]
+        for element, offset in zip(link.elements, (place - first for place in places), strict=True):
+            ratio = ratio_of(element, parent.name, self.values)
+            stages.append(Stage(element, offset, self.plan.texts(element), ratio))
+        self.exits.append(Exit(first, 0, child, tuple(stages)))
+
+    def close(self, number: int, link: Link, end: Vertex) -> None:
+        """An element that closes a loop, on a line of its own with a loose end."""
+        line = Line(self.plan, wall=6.0)
+        line.arrive(link, link.other(end))
+        line.marks_on_shaft(line.beside(end.name, link))
+        line.loose(number, end)
+        self.exits.append(Exit(self.keep(16), 0, line.block))
+
+    def gap(self, link: Link) -> None:
+        """The elements of a link, in parallel; a port of a box is a short piece of shaft."""
+        if not link.elements:
+            self.block.line((self.x, 0), (self.x + 12, 0))
+            self.x += 12
+            return
+        piece, span, columns = between(self.plan, link)
+        start, left, right = self.x, -span / 2, span / 2
+        middle = self.put(piece, span / 2 + 3, span / 2 + 3, columns)
+        self.block.line((start, 0), (middle + left, 0))
+        self.block.line((middle + right, 0), (self.x, 0))
+
+    def finish(self, settle: Settle, *, may_rise: bool) -> Piece:
+        """Name the nodes above everything else on the line, then let the other lines leave."""
+        top = max((box[3] for box in self.block.boxes), default=0.0) + 5
+        for x0, x1, node in self.brackets:
+            self.bracket(x0 + 3, x1 - 3, top)
+            self.block.write((x0 + x1) / 2, top + 1, self.plan.node_texts(node))
+        attach(self.block, [settle(each) for each in self.exits], may_rise=may_rise)
+        self.block.anchors[-1] = (self.x, 0)
+        return self.block

@@ -1,0 +1,230 @@
+"""The nodes of a drivetrain along an axis, in the order of its schematic, with the ratios between them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import permutations, zip_longest
+from typing import TYPE_CHECKING
+
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.elements import GROUND, Gear
+from torsionnet.model.speeds import speeds_with
+from torsionnet.plot.schematic.line_routes import Course, courses
+from torsionnet.plot.schematic.topology import Connections, Link, Vertex, connections, trees
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+BRANCHING = 3
+"""Ways on from a node that make it a place where something branches off."""
+BETWEEN = 0.7
+"""Room between two branches, in distances between nodes."""
+
+
+@dataclass(frozen=True)
+class Station:
+    """A node at a place of the axis; a branch begins with the node it leaves, once more."""
+
+    x: float
+    node: str
+    again: bool = False
+
+
+@dataclass(frozen=True)
+class Join:
+    """Stations beside each other that share an element: a shaft, a gear of some ratio, or a set with three ports."""
+
+    first: int
+    second: int
+    kind: str
+    label: str = ""
+
+
+@dataclass
+class Axis:
+    """Stations from left to right, what joins them, and the borders between branches."""
+
+    stations: list[Station] = field(default_factory=list)
+    joins: list[Join] = field(default_factory=list)
+    borders: list[float] = field(default_factory=list)
+    begins: bool = False
+    """Whether the next station begins a branch."""
+
+    @property
+    def end(self) -> float:
+        return self.stations[-1].x if self.stations else 0.0
+
+    def add(self, node: str, kind: str = "", label: str = "", *, again: bool = False) -> None:
+        """One distance further on; joined with the station before if the kind says how."""
+        x = self.end + 1.0 if self.stations else 0.0
+        self.stations.append(Station(x + (BETWEEN if self.begins else 0.0), node, again))
+        if kind:
+            place = len(self.stations) - 1
+            self.joins.append(Join(place - 1, place, kind, label))
+        self.begins = False
+
+    def border(self) -> None:
+        """Begin another branch."""
+        if self.stations:
+            self.borders.append(self.end + (1.0 + BETWEEN) / 2)
+            self.begins = True
+
+
+def plain_axis(nodes: Iterable[str]) -> Axis:
+    """Nodes in their own order, joined by nothing."""
+    return Axis([Station(float(place), node) for place, node in enumerate(nodes)])
+
+
+def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
+    """Main line first, then the branches in the order of the schematic; what a schematic hides in a box comes last."""
+    found = connections(drivetrain)
+    found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
+    hidden = {*_hidden(found, drivetrain), *without}
+    grown, _ = trees(found, [node for node in drivetrain.nodes if node not in hidden])
+    axis = Axis()
+    for tree in grown:
+        for course in _in_depth(courses(tree)):
+            _line(axis, course, drivetrain)
+    left = [node for node in drivetrain.nodes if node not in {*without, *(station.node for station in axis.stations)}]
+    for place, node in enumerate(left):
+        if place == 0:
+            axis.border()
+        axis.add(node)
+    return axis
+
+
+def _in_depth(found: Mapping[Vertex, Course]) -> Iterator[Course]:
+    """Every line followed by what leaves it, first what leaves its end."""
+    leaving: dict[Vertex | None, list[Course]] = {}
+    for course in found.values():
+        leaving.setdefault(course.parent, []).append(course)
+    stack = leaving.get(None, [])[::-1]
+    while stack:
+        course = stack.pop()
+        yield course
+        following = [other for vertex in reversed(course.vertices) for other in leaving.get(vertex, ())]
+        stack += following[::-1]
+
+
+def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
+    drawn = [*drivetrain.elements.values(), *found.boxes.values()]
+    return {node for element in drawn for node in element.internal_nodes}
+
+
+def _line(axis: Axis, course: Course, drivetrain: Drivetrain) -> None:
+    """The nodes of one line; boxes are passed through."""
+    kind, label = "", ""
+    if course.incoming is None or course.parent is None:
+        axis.border()
+    else:
+        # A gear at the end of a line is no branch: the line goes on behind it.
+        if not axis.stations or course.parent.name != axis.stations[-1].node:
+            axis.border()
+            if not course.parent.is_box:
+                axis.add(course.parent.name, again=True)
+        if not course.parent.is_box:
+            label = _ratio_label(course.incoming, drivetrain)
+            kind = _through(axis, course.incoming, course.vertices[0])
+    for vertex, onward in zip_longest(course.vertices, course.links):
+        if not vertex.is_box:
+            axis.add(vertex.name, kind, label)
+        if onward is not None:
+            label = ""
+            following = onward.other(vertex)
+            kind = "" if vertex.is_box and not axis.stations else _through(axis, onward, following)
+
+
+def _through(axis: Axis, link: Link, end: Vertex) -> str:
+    """Stations within a shaft on the way; gives how the next node is joined."""
+    if not link.elements:
+        return "box"
+    if link.is_gear:
+        return "gear"
+    inner = list(link.elements[0].internal_nodes)
+    ports = list(link.elements[0].ports.values())
+    for node in inner if ports[-1] == end.name else reversed(inner):
+        axis.add(node, "shaft")
+    return "shaft"
+
+
+def _ratio_label(link: Link, drivetrain: Drivetrain) -> str:
+    """The ratio of a gear as the model gives it, speed of its first node over that of its second."""
+    gear = link.elements[0] if link.elements else None
+    if not isinstance(gear, Gear):
+        return ""
+    return f"{float(gear.ratio_value(dict(drivetrain.exact_values))):.3g}".replace("-", "−")
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """Speed of a reference over that of each node."""
+
+    of: dict[str, float]
+    free: tuple[str, ...]
+    """Nodes that turn independently of the reference: their ratio is that of the shaft beside them."""
+    standing: tuple[str, ...]
+    """Nodes that stand still while the reference turns: theirs is one."""
+
+
+def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
+    """Ratios from a node to all others, by mean speeds; where there is none, that of the shaft beside it is kept."""
+    speeds = speeds_with(drivetrain.definition, drivetrain.exact_values, reference)
+    standing = tuple(node for node, speed in speeds.items() if speed == 0)
+    known = {node: speeds[reference] / speed for node, speed in speeds.items() if speed}
+    free = tuple(node for node in drivetrain.nodes if node not in speeds)
+    _spread(drivetrain, known, free)
+    return Ratios({node: known.get(node, 1.0) for node in drivetrain.nodes}, free, standing)
+
+
+def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]) -> None:
+    """Give every node in ``free`` the ratio of one it shares an element with."""
+    missing = set(free)
+    beside: dict[str, list[str]] = {}
+    for element in drivetrain.elements.values():
+        for one, other in permutations(dict.fromkeys((*element.ports.values(), *element.internal_nodes)), 2):
+            beside.setdefault(one, []).append(other)
+    waiting = list(known)
+    for node in waiting:
+        for other in beside.get(node, ()):
+            if other in missing:
+                missing.discard(other)
+                known[other] = known[node]
+                waiting.append(other)
+
+
+def idle_nodes(drivetrain: Drivetrain) -> set[str]:
+    """Gear wheels that only run along: a rigid gear leads there from a node with other ways on, and nothing further.
+
+    What drives, measures or loads the drivetrain is no idler.
+    """
+    channels: tuple[Input | Sensor, ...] = (*drivetrain.inputs.values(), *drivetrain.sensors.values())
+    used = {name for channel in channels for name in (channel.of, *channel.nodes)}
+    used |= {*drivetrain.mean_torques, *drivetrain.definition.operating_point.speed}
+    ways = _ways(drivetrain)
+    left = {node: set(names) for node, names in ways.items()}
+    idle: set[str] = set()
+    waiting = list(drivetrain.nodes)
+    while waiting:
+        node = waiting.pop()
+        gear = drivetrain.elements[next(iter(left[node]))] if len(left[node]) == 1 else None
+        if node in used | idle or not isinstance(gear, Gear) or gear.stiffness is not None or node not in gear.nodes:
+            continue
+        other = gear.nodes[1 - gear.nodes.index(node)]
+        if other in ways and len(ways[other]) >= BRANCHING:
+            idle.add(node)
+            left[other].discard(gear.name)
+            waiting.append(other)
+    return idle
+
+
+def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
+    """Of each node the elements that lead on from it or hold it; inertia and drag do neither."""
+    found: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
+    for element in drivetrain.elements.values():
+        ends = set(element.ports.values())
+        holds = element.glyph == "clamp" or (GROUND in ends and element.glyph != "damper")
+        if holds or len(ends - {GROUND}) > 1:
+            for node in ends & found.keys():
+                found[node].append(element.name)
+    return found

@@ -1,0 +1,70 @@
+"""Labels of several lines: names too long for one are broken, sets of gears say what they are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from torsionnet.model.elements import Element
+from torsionnet.plot.drawing.labels import value_lines
+from torsionnet.plot.drawing.pieces import Texts, is_math, text_width
+from torsionnet.plot.schematic.epicyclic import EpicyclicSet
+
+WIDEST = {"input": 64.0, "sensor": 64.0, "what": 70.0}
+"""Points per line by role, where a mark stands closer to the next than an element would."""
+
+WIDEST_OTHER, WIDEST_SET = 104.0, 150.0
+
+
+def broken(lines: Iterable[tuple[str, str]]) -> Texts:
+    """Lines broken behind underscores, commas and spaces where they are too wide; joined, they read as before.
+
+    >>> broken([("speed", "sensor"), ("angular_velocity_of_the_rotor", "sensor")])
+    [('speed', 'sensor'), ('angular_', 'sensor'), ('velocity_of_', 'sensor'), ('the_rotor', 'sensor')]
+    """
+    return [(piece, role) for text, role in lines for piece in _pieces(text, role, WIDEST.get(role, WIDEST_OTHER))]
+
+
+def wrapped(text: str, role: str, limit: float) -> list[str]:
+    """A text in lines of a width in points, as far as it has places to break; none if it is empty."""
+    pieces = [""]
+    for word in _parts(text, " "):
+        for part in _parts(word, "_") if text_width(word, role) > limit else [word]:
+            if pieces[-1] and text_width(pieces[-1] + part.rstrip(), role) > limit:
+                pieces.append("")
+            pieces[-1] += part
+    return [piece.strip() for piece in pieces if piece]
+
+
+def _pieces(text: str, role: str, limit: float) -> list[str]:
+    if text_width(text, role) <= limit:
+        return [text]
+    if is_math(text, role):
+        head, equals, tail = text.partition(" = ")
+        return [f"{head} =", tail] if equals else [text]
+    return wrapped(text, role, limit)
+
+
+def _parts(text: str, mark: str) -> list[str]:
+    """The text cut behind every mark but a last one."""
+    *parts, last = text.split(mark)
+    whole = [part + mark for part in parts]
+    return whole if whole and not last else [*whole, last]
+
+
+def set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
+    """The meshes of a planetary set and its planets, like ones together."""
+    lines = [*_alike(drawn.sun_meshes, values), *_alike(drawn.ring_meshes, values), *_alike(drawn.bodies, values)]
+    planets = f"{'planets' if len(drawn.planets) > 1 else 'planet'}: {', '.join(drawn.planets)}"
+    return [(piece, role) for text, role in [*lines, (planets, "node")] for piece in _pieces(text, role, WIDEST_SET)]
+
+
+def _alike(elements: Sequence[Element], values: Mapping[str, Any]) -> Texts:
+    """Names of elements with equal values, then the values."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for element in elements:
+        groups.setdefault(tuple(value_lines(element, values)), []).append(element.name)
+    lines: Texts = []
+    for shown, names in groups.items():
+        lines += [(", ".join(names), "name"), *((text, "value") for text in shown)]
+    return lines

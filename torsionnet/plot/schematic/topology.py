@@ -1,0 +1,223 @@
+"""What is connected with what in a schematic: a spanning tree of nodes and boxes, and the links that close loops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import networkx as nx
+
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.plot.schematic.epicyclic import Boxed, epicyclic_sets
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+
+class Vertex(NamedTuple):
+    """A node of the drivetrain, or an element with three ports drawn as a box."""
+
+    name: str
+    is_box: bool = False
+
+
+@dataclass(frozen=True)
+class Link:
+    """Elements in parallel between two vertices; without elements, a port of a box on its node."""
+
+    first: Vertex
+    second: Vertex
+    elements: tuple[Element, ...] = ()
+    port: str = ""
+
+    @property
+    def is_gear(self) -> bool:
+        return bool(self.elements) and _steps(self.elements[0])
+
+    def other(self, vertex: Vertex) -> Vertex:
+        return self.second if vertex == self.first else self.first
+
+    @property
+    def rank(self) -> int:
+        """Shafts first: a walk along them gives the lines of a drawing; dampers close loops."""
+        if not self.elements:
+            return 1
+        return 2 if all(element.glyph == "damper" for element in self.elements) else 1 if self.is_gear else 0
+
+
+@dataclass
+class Connections:
+    """Links between vertices, and what is attached to single nodes."""
+
+    links: list[Link] = field(default_factory=list)
+    attached: dict[str, list[Element]] = field(default_factory=dict)
+    boxes: dict[str, Boxed] = field(default_factory=dict)
+
+
+@dataclass
+class Tree:
+    """One connected part: children in the order of the walk, and the links that close loops."""
+
+    root: Vertex
+    children: dict[Vertex, list[tuple[Link, Vertex]]]
+    order: list[Vertex]
+    """Parents before children."""
+
+
+def _steps(element: Element) -> bool:
+    return element.glyph == "gear" and GROUND not in list(element.ports.values())[:2]
+
+
+def connections(drivetrain: Drivetrain) -> Connections:
+    """Sort the elements by how many nodes they join."""
+    found = Connections(attached={node: [] for node in drivetrain.nodes})
+    parallel: dict[tuple[frozenset[str], bool], list[Element]] = {}
+    sets = epicyclic_sets(drivetrain)
+    found.boxes |= {each.name: each for each in sets}
+    inside = {element.name for each in sets for element in each.elements}
+    for element in drivetrain.elements.values():
+        if element.name in inside:
+            continue
+        ends = _ends(element)
+        if _is_box(element):
+            found.boxes[element.name] = element
+        elif len(ends) == 1:
+            found.attached[ends[0]].append(element)
+        elif ends:
+            parallel.setdefault((frozenset(ends), _steps(element)), []).append(element)
+    for group in parallel.values():
+        first, second = _ends(group[0])
+        found.links.append(Link(Vertex(first), Vertex(second), tuple(group)))
+    for name, drawn in found.boxes.items():
+        for port, node in drawn.ports.items():
+            if node != GROUND:
+                found.links.append(Link(Vertex(name, is_box=True), Vertex(node), port=port))
+    return found
+
+
+def _is_box(element: Element) -> bool:
+    """Three ports and more do not lie on a line; a gear stage is drawn beside its housing."""
+    ports = [port for port in element.ports if element.glyph != "gear" or port != "housing"]
+    return len(ports) > 2
+
+
+def _ends(element: Element) -> list[str]:
+    """The nodes an element lies between; a gear's moving housing counts only where a shaft is held."""
+    nodes = [node for node in dict.fromkeys(element.ports.values()) if node != GROUND]
+    return nodes[:2]
+
+
+def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Link]]:
+    """A tree for each connected part, and the links left over."""
+    table: dict[Vertex, list[Link]] = {Vertex(node): [] for node in nodes}
+    table |= {Vertex(name, is_box=True): [] for name in found.boxes}
+    for link in sorted(found.links, key=lambda link: link.rank):
+        table[link.first].append(link)
+        table[link.second].append(link)
+    grown: list[Tree] = []
+    seen: set[Vertex] = set()
+    used: set[int] = set()
+    for start in table:
+        if start in seen:
+            continue
+        joined = _walk(start, table, seen)
+        _open_at_shafts(found.links, joined)
+        used |= {id(link) for links in joined.values() for link, _ in links}
+        grown.append(_rooted(_best_root(start, joined), joined))
+    return grown, [link for link in found.links if id(link) not in used]
+
+
+def _walk(
+    start: Vertex, table: Mapping[Vertex, list[Link]], seen: set[Vertex]
+) -> dict[Vertex, list[tuple[Link, Vertex]]]:
+    """Depth first, so that lines get long; both directions of every link of the tree."""
+    joined: dict[Vertex, list[tuple[Link, Vertex]]] = {start: []}
+    seen.add(start)
+    stack = [(start, iter(table[start]))]
+    while stack:
+        vertex, links = stack[-1]
+        link = next((link for link in links if link.other(vertex) not in seen), None)
+        if link is None:
+            stack.pop()
+            continue
+        new = link.other(vertex)
+        seen.add(new)
+        joined[vertex].append((link, new))
+        joined[new] = [(link, vertex)]
+        stack.append((new, iter(table[new])))
+    return joined
+
+
+def _open_at_shafts(links: Iterable[Link], joined: dict[Vertex, list[tuple[Link, Vertex]]]) -> None:
+    """Let shafts close the loops, not gears: a gear stage is a pair of wheels, which no wire can replace."""
+    for link in links:
+        if not link.is_gear or link.first not in joined or any(link is other for other, _ in joined[link.first]):
+            continue
+        way = _way(joined, link.first, link.second)
+        opened = min((step for step in way if step.elements and not step.is_gear), key=_loose, default=None)
+        if opened is not None:
+            for old in (opened.first, opened.second):
+                joined[old] = [pair for pair in joined[old] if pair[0] is not opened]
+            joined[link.first].append((link, link.second))
+            joined[link.second].append((link, link.first))
+
+
+def _loose(link: Link) -> int:
+    """Dampers open first, then single shafts."""
+    return len(link.elements) - 10 * (link.rank > 0)
+
+
+def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
+    """The links of the tree between two vertices, from the end backwards."""
+    tree = nx.Graph((vertex, other, {"link": link}) for vertex, links in joined.items() for link, other in links)
+    return [tree.edges[step]["link"] for step in pairwise(nx.shortest_path(tree, end, start))]
+
+
+def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
+    """The first node, unless it is in the midst of a line: then the nearer end of the longest way."""
+    tree = _rooted(start, joined)
+    height = heights(tree)
+    ways = sorted((height[child] + 1 for link, child in tree.children[start] if not link.is_gear), reverse=True)
+    if len(ways) < 2 or 2 * ways[1] < ways[0]:
+        return start
+    one = _farthest(start, joined)
+    other = _farthest(one, joined)
+    depth = _depths(tree)
+    return min((other, one), key=lambda vertex: depth[vertex])
+
+
+def _farthest(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
+    tree = _rooted(start, joined)
+    depth = _depths(tree)
+    return max((vertex for vertex in tree.order if not vertex.is_box), key=lambda vertex: depth[vertex])
+
+
+def _depths(tree: Tree) -> dict[Vertex, int]:
+    depth = {tree.root: 0}
+    for vertex in tree.order:
+        for _, child in tree.children[vertex]:
+            depth[child] = depth[vertex] + 1
+    return depth
+
+
+def _rooted(root: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Tree:
+    children: dict[Vertex, list[tuple[Link, Vertex]]] = {}
+    order, stack, parent = [], [root], {root: root}
+    while stack:
+        vertex = stack.pop()
+        order.append(vertex)
+        children[vertex] = [(link, other) for link, other in joined[vertex] if other != parent[vertex]]
+        for _, child in children[vertex]:
+            parent[child] = vertex
+            stack.append(child)
+    return Tree(root, children, order)
+
+
+def heights(tree: Tree) -> dict[Vertex, int]:
+    """Length of the longest way from each vertex to an end."""
+    found: dict[Vertex, int] = {}
+    for vertex in reversed(tree.order):
+        found[vertex] = 1 + max((found[child] for _, child in tree.children[vertex]), default=-1)
+    return found

@@ -1,0 +1,160 @@
+"""Connecting lines for the loops of a drivetrain: the shortest way with few corners and crossings, on a grid."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Point, Stroke, arc
+
+CELL = 5.0
+CORNER, CROSSING, CROWD = 6, 12, 2
+MOST_LOOPS = 8
+"""With more than these, lines would help nobody: all are tagged."""
+
+MOST_CORNERS = 4
+"""A wire that winds more, or has to cross a shaft, is harder to follow than a tag."""
+
+OWN = 3
+"""Cells at each end of a wire that lie on the lines it joins."""
+
+MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of a drawing: what a step onto each costs, -1 where none is possible."""
+
+    left: float
+    bottom: float
+    cost: NDArray[np.int64]
+
+    def cell(self, point: Point) -> tuple[int, int]:
+        return round((point[0] - self.left) / CELL), round((point[1] - self.bottom) / CELL)
+
+    def point(self, cell: tuple[int, int]) -> Point:
+        return self.left + CELL * cell[0], self.bottom + CELL * cell[1]
+
+
+def connect(block: Piece) -> None:
+    """Lead every loose end to its node, or put a tag with the node's name on it."""
+    ends, block.ends = block.ends, []
+    for end in ends:
+        way = _route(block, end) if len(ends) <= MOST_LOOPS else None
+        if way is None:
+            _tag(block, end)
+        else:
+            block.boxes.remove(end.tag)
+            block.line(*way, look="wire")
+            x, y = way[-1]
+            block.strokes.append(Stroke(arc(x, y, 2.4, 2.4, 0, 360, 12), "wire", closed=True, fill="wire"))
+
+
+def _tag(block: Piece, end: LooseEnd) -> None:
+    x0, x1, y0, y1 = end.tag
+    outline = ((x0, end.y), (x0 + 4, y0), (x1, y0), (x1, y1), (x0 + 4, y1))
+    block.strokes.append(Stroke(outline, "thin", closed=True, fill="#ffffff"))
+    block.write((x0 + x1) / 2 + 2, end.y - 5.5, [(end.node, "node")])
+
+
+def _route(block: Piece, end: LooseEnd) -> list[Point] | None:
+    target = block.anchors[end.loop]
+    grid = _grid(block, end, target)
+    way = _shortest(grid, grid.cell((end.x, end.y)), grid.cell(target))
+    if way is None or _winds(grid, way):
+        return None
+    # The grid need not pass exactly through the ends: pull the first and last straight pieces onto them.
+    return _cornered([grid.point(cell) for cell in way], (end.x, end.y), target)
+
+
+def _grid(block: Piece, end: LooseEnd, target: Point) -> Grid:
+    x0, x1, y0, y1 = block.extent
+    left, bottom = x0 - 4 * CELL, y0 - 4 * CELL
+    shape = (int((x1 - x0) / CELL) + 9, int((y1 - y0) / CELL) + 9)
+    cost = np.ones(shape, dtype=np.int64)
+    grid = Grid(left, bottom, cost)
+    for box in block.boxes:
+        if box != end.tag:
+            cost[_cells(grid, box, 9)] = np.maximum(cost[_cells(grid, box, 9)], CROWD)
+    for wire in block.wires:
+        cost[_cells(grid, wire, 1)] = CROSSING
+    for box in block.boxes:
+        if box != end.tag:
+            cost[_cells(grid, box, 3)] = -1
+    for x, y in ((end.x, end.y), target):
+        column, row = grid.cell((x, y))
+        cost[column, row] = 1
+    return grid
+
+
+def _cells(grid: Grid, box: Box, margin: float) -> tuple[slice, slice]:
+    x0, x1, y0, y1 = box
+    low = (x0 - margin - grid.left) / CELL, (y0 - margin - grid.bottom) / CELL
+    high = (x1 + margin - grid.left) / CELL, (y1 + margin - grid.bottom) / CELL
+    first = [max(0, int(np.ceil(value))) for value in low]
+    last = [int(np.floor(value)) + 1 for value in high]
+    return slice(first[0], last[0]), slice(first[1], last[1])
+
+
+def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]] | None:
+    """Dijkstra over (cell, direction), leaving to the right and arriving up or down."""
+    begin = (*start, 0)
+    best = {begin: 0}
+    came: dict[tuple[int, int, int], tuple[int, int, int]] = {}
+    queue = [(0, begin)]
+    while queue:
+        cost, state = heapq.heappop(queue)
+        if cost > best[state]:
+            continue
+        x, y, heading = state
+        if (x, y) == goal and heading % 2 == 1:
+            return _traced(state, came)
+        for turn, (dx, dy) in enumerate(MOVES):
+            if (turn - heading) % 4 == 2 or not _inside(grid, x + dx, y + dy):
+                continue
+            step = int(grid.cost[x + dx, y + dy])
+            new = (x + dx, y + dy, turn)
+            total = cost + step + CORNER * (turn != heading)
+            if step > 0 and total < best.get(new, 1 << 60):
+                best[new], came[new] = total, state
+                heapq.heappush(queue, (total, new))
+    return None
+
+
+def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
+    """Whether a way has many corners, or crosses a line between its ends, where it touches its own."""
+    turns = sum((a[0] == b[0]) != (b[0] == c[0]) for a, b, c in zip(way, way[1:], way[2:], strict=False))
+    return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[OWN:-OWN])
+
+
+def _inside(grid: Grid, x: int, y: int) -> bool:
+    columns, rows = grid.cost.shape
+    return bool(0 <= x < columns and 0 <= y < rows)
+
+
+def _traced(
+    state: tuple[int, int, int], came: dict[tuple[int, int, int], tuple[int, int, int]]
+) -> list[tuple[int, int]]:
+    way = [state[:2]]
+    while state in came:
+        state = came[state]
+        way.append(state[:2])
+    return way[::-1]
+
+
+def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
+    """Corners only, moved sideways so that the first piece meets the start and the last, a vertical one, the end."""
+    corners = [points[0]]
+    for before, here, after in zip(points, points[1:], points[2:], strict=False):
+        if (before[0] == here[0]) != (here[0] == after[0]):
+            corners.append(here)
+    corners.append(points[-1])
+    if len(corners) == 2:
+        return [start, (end[0], start[1]), end]
+    level = points[0][1] == points[1][1]
+    corners[1] = (corners[1][0], start[1]) if level else (start[0], corners[1][1])
+    corners[-2] = (end[0], corners[-2][1])
+    return [start, *corners[1:-1], end]

@@ -1,0 +1,219 @@
+"""A quantity over two parameters as contours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.number_text import on_screen, typeset_unit
+from torsionnet.plot.study.study_axes import (
+    ALIKE,
+    BEYOND,
+    axis_label,
+    broken,
+    by_factors,
+    ends_of,
+    in_factors,
+    is_wide,
+    known,
+    label_with,
+    lines_of,
+    panel_columns,
+    say,
+    titled,
+)
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+if TYPE_CHECKING:
+    from torsionnet.study.answers.map_of_study import MapFound
+    from torsionnet.study.answers.parameter_map import ParameterMap
+
+LINES = 9
+COLOURS = 64
+WIDE = 100.0
+"""Ratio of the largest to the smallest value from which colours and lines have equal factors."""
+HEIGHTS = {1: 2.9, 2: 2.1, 3: 1.6, 4: 1.25}
+"""Inches of a panel without its labels, by how many stand in a row."""
+HEADING, TICKS, BAR, GAP = 0.5, 0.35, 0.75, 0.15
+"""Inches of the title of all, of the numbers along an axis, of the bar of colours with its numbers, between panels."""
+LINE = 0.155
+"""Inches of a line of a label."""
+
+
+def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Contours of equal values with the same colours in all configurations; a limit of the quantity in red.
+
+    Axes have equal factors where the values of a parameter have, and colours where the values span decades.
+
+    Parameters
+    ----------
+    found : MapFound
+        What the answer ``map`` of a study found.
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    scale = units.scale(*found.quantity)
+    every = scale * known(one.values for one in found.maps.values())
+    levels, norm = _levels(every)
+    columns = panel_columns(len(found.maps))
+    rows = math.ceil(len(found.maps) / columns)
+    share_x, share_y = (_alike(getattr(one, side) for one in found.maps.values()) for side in "xy")
+    labels = _Labels.within(found, units, columns, rows, apart=0.0 if share_y else TICKS)
+    figure = style.new_figure(style.WIDTH, labels.height)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y)
+    panels = grid.ravel()[: len(found.maps)].tolist()
+    for axes, (case, one) in zip(panels, found.maps.items(), strict=True):
+        _panel(axes, _axes_of(found, one, units), scale * one.values.T, levels, norm, labels.width)
+        _limits(axes, found, _axes_of(found, one, units), scale * one.values.T, scale)
+        if len(panels) > 1:
+            titled(axes, case, labels.width)
+    for axes in grid.ravel()[len(panels) :]:
+        axes.remove()
+    for axes in grid[:, 0]:
+        axes.set_ylabel(labels.y)
+    for axes in panels[-columns:]:
+        axes.set_xlabel(labels.x)
+        axes.tick_params(labelbottom=True)
+    if len(every):
+        _bar(figure, found, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+@dataclass(frozen=True)
+class _Labels:
+    """Labels of the axes and of the bar in lines that fit, the width of a panel, and the height of all, in inches."""
+
+    x: str
+    y: str
+    bar: str
+    width: float
+    height: float
+
+    @classmethod
+    def within(cls, found: MapFound, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
+        """For so many panels, whose numbers along y take the room ``apart`` where each has its own."""
+        high = HEIGHTS[columns]
+        y = axis_label(found.y[0], units.unit(*found.y), high)
+        bar = label_with(found.quantity[0], units.unit(*found.quantity), _besides(found), 0.8 * rows * high)
+        sides = TICKS + LINE * lines_of([y]) + BAR + LINE * lines_of([bar])
+        width = (style.WIDTH - sides) / columns - GAP - apart
+        x = axis_label(found.x[0], units.unit(*found.x), width)
+        titles = lines_of(broken(case, width) for case in found.maps) if len(found.maps) > 1 else 0
+        below = LINE * lines_of([x]) * (2 if len(found.maps) % columns else 1)
+        height = HEADING + rows * (high + TICKS + LINE * titles) + below
+        return cls(x, y, bar, width, height)
+
+
+def _besides(found: MapFound) -> str:
+    """What the bar of colours says besides the quantity."""
+    over = "" if found.others == "fixed" else f"{found.others} over the others"
+    blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else "blank where there is none"
+    return ", ".join(filter(None, (over, blank)))
+
+
+def _alike(points: Iterable[FloatArray]) -> bool:
+    """Whether an axis is the same in all configurations: values in per cent are those of each."""
+    first, *others = points
+    return all(np.array_equal(first, one) for one in others)
+
+
+def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
+    low, high = ends_of(every)
+    if is_wide(every, WIDE):
+        return np.geomspace(low, high, COLOURS + 1), LogNorm(low, high)
+    return np.linspace(low, high, COLOURS + 1), Normalize(low, high)
+
+
+def _axes_of(found: MapFound, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
+    return one.x * units.scale(*found.x), one.y * units.scale(*found.y)
+
+
+def _panel(
+    axes: Axes,
+    at: tuple[FloatArray, FloatArray],
+    values: FloatArray,
+    levels: FloatArray,
+    norm: Normalize,
+    width: float,
+) -> None:
+    for side, points in zip("xy", at, strict=True):
+        if in_factors(points):
+            by_factors(axes, side, points[0], points[-1], width)
+        else:
+            (axes.xaxis if side == "x" else axes.yaxis).set_major_formatter(
+                FuncFormatter(lambda at, _: style.plain(at))
+            )
+    # Rounding of the levels must not leave out the ends.
+    filled = axes.contourf(*at, np.clip(values, levels[0], levels[-1]), levels=levels, norm=norm, cmap="viridis")
+    filled.set_edgecolor("face")
+    here = values[np.isfinite(values)]
+    if not len(here):
+        say(axes, "no point has a value")
+    elif np.ptp(here) > ALIKE * np.abs(here).max():
+        lines = axes.contour(*at, values, levels=_lines(here), colors=style.PAPER, linewidths=0.8)
+        axes.clabel(lines, fontsize=style.SMALL, fmt=style.plain)
+    axes.set(xlim=(at[0][0], at[0][-1]), ylim=(at[1][0], at[1][-1]))
+    style.dress(axes)
+    axes.grid(visible=False)
+
+
+def _lines(here: FloatArray) -> Any:
+    """Where lines of equal values are drawn: at round numbers, or at powers of ten."""
+    if not is_wide(here, WIDE):
+        return MaxNLocator(LINES).tick_values(float(here.min()), float(here.max()))
+    first, last = math.floor(math.log10(here.min())), math.ceil(math.log10(here.max()))
+    return 10.0 ** np.arange(first, last + 1, max(1, (last - first) // LINES))
+
+
+def _limits(axes: Axes, found: MapFound, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
+    here = values[np.isfinite(values)]
+    if found.limit is None or not len(here):
+        return
+    for side in (found.limit.below, found.limit.above):
+        if side is not None and here.min() < scale * side < here.max():
+            axes.contour(*at, values, levels=[scale * side], colors=BEYOND, linewidths=2.2)
+
+
+def _bar(
+    figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
+) -> None:
+    unit, scale = units.unit(*found.quantity), units.scale(*found.quantity)
+    bar: Colorbar = figure.colorbar(colours, ax=panels, shrink=0.9)
+    low, high = bar.ax.get_ylim()
+    if bar.ax.get_yscale() == "log":
+        style.log_ticks(bar.ax.yaxis, low, high)
+        bar.ax.minorticks_off()
+    else:
+        bar.ax.yaxis.set_major_locator(MaxNLocator(7))
+    bar.set_label(label, fontsize=style.FONT)
+    bar.ax.tick_params(labelsize=style.SMALL)
+    sides = [] if found.limit is None else [found.limit.below, found.limit.above]
+    for side in sides:
+        if side is None:
+            continue
+        if low < side * scale < high:
+            bar.ax.axhline(side * scale, color=BEYOND, linewidth=2.2)
+        else:
+            text = f"limit {on_screen(side * scale, 4)}\n{typeset_unit(unit)}".rstrip()
+            place, ends = (1.02, "bottom") if side * scale >= high else (-0.02, "top")
+            bar.ax.text(
+                0.0, place, text, transform=bar.ax.transAxes, ha="left", va=ends, fontsize=style.SMALL, color=BEYOND
+            )

@@ -1,0 +1,208 @@
+"""Pictures of designs: an optimum within its bounds, a damper for all conditions, a front, designs under tolerances."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.study.study_axes import axis_label, by_factors, is_wide, key_below, named_rows, told_rows
+from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.study.optimum.conditions_damper import DamperOverConditions
+from torsionnet.study.optimum.design_goals import DesignObjective
+from torsionnet.study.optimum.design_optimum import DesignOptimum
+from torsionnet.study.optimum.pareto_front import ParetoFront
+from torsionnet.study.optimum.robust_design import RobustOptimum
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+WIDE = 3.0
+"""Bounds whose ratio is larger are shown by equal factors."""
+ROOM = 2.6
+"""Inches of a label."""
+NEAR = 0.2
+"""Distance from a bound at which a value stands beside its place and not above it."""
+LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
+
+
+def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Parameters within their bounds as given and as found, and the best by the number of designs calculated.
+
+    Parameters
+    ----------
+    found : DesignOptimum
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+        By default that of the result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = style.new_figure(style.WIDTH, 1.6 + max(1.4, 0.4 * len(found.parameters)))
+    places, course = figure.subplots(1, 2, width_ratios=(1.6, 1))
+    _draw_places(places, found.parameters, units)
+    style.dress(course)
+    calculated, merits = found.history.T
+    scale, label = (1.0, "squared deviations [-]") if found.goals.targets else _shown(found.goals.objectives[0], units)
+    sign = 1.0 if found.goals.targets else found.goals.objectives[0].sign
+    course.step(calculated, sign * scale * merits, where="post", **style.line_style(0))
+    course.set_xlabel("designs calculated")
+    course.set_ylabel(label)
+    if found.goals.targets and is_wide(merits[np.isfinite(merits)]):
+        by_factors(course, "y", merits.min(), merits.max())
+    style.heading(figure, f"{found.title}: optimum".removeprefix(": ") if title is None else title)
+    return figure
+
+
+def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
+    """Each parameter on a line from its lower to its upper bound."""
+    style.dress(axes)
+    for row, one in enumerate(parameters):
+        axes.plot([0, 1], [row, row], color=style.FAINT, linewidth=5, solid_capstyle="round", zorder=1)
+        given, best = ("as given", "found") if row == 0 else ("", "")
+        axes.plot([_place(one, one.start)], [row], "o", color=style.MUTED, mfc=style.PAPER, label=given, zorder=2)
+        axes.plot([_place(one, one.value)], [row], "o", color=style.PALETTE[1], label=best, zorder=3)
+        text = _value(one, units)
+        side = "left" if _place(one, one.value) < NEAR else "right" if _place(one, one.value) > 1 - NEAR else "center"
+        axes.annotate(text, (_place(one, one.value), row), (0, 6), textcoords="offset points", ha=side, **LABELLED)
+    named_rows(axes, [one.name for one in parameters], style.WIDTH / 3)
+    axes.set_ylim(len(parameters) - 0.4, -0.8)
+    axes.set_xticks([0, 1], ["lower bound", "upper bound"])
+    axes.set_xlim(-0.06, 1.06)
+    axes.legend(fontsize=style.SMALL, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+
+
+def _value(one: DesignParameter, units: ShownUnits) -> str:
+    value, unit = one.value * units.scale(one.name, one.unit), units.unit(one.name, one.unit)
+    return f"{style.plain(float(f'{value:.4g}'))} {typeset_unit(unit)}".strip()
+
+
+def _shown(objective: DesignObjective, units: ShownUnits) -> tuple[float, str]:
+    """Factor from SI and label of what is to be small or large."""
+    first = objective.quantities[0]
+    return units.scale(first), axis_label(objective.name, units.unit(first), ROOM)
+
+
+def _place(one: DesignParameter, value: float) -> float:
+    """Of a value between its bounds, 0 to 1."""
+    by_factors = one.lower > 0 and one.upper > WIDE * one.lower
+    low, high, at = np.log([one.lower, one.upper, value]) if by_factors else (one.lower, one.upper, value)
+    return float(np.clip((at - low) / (high - low), -0.04, 1.04))
+
+
+def damper_over_conditions(
+    found: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
+) -> Figure:
+    """The largest level in every condition: as given, with one damper for all, with one for this condition alone.
+
+    Parameters
+    ----------
+    found : DamperOverConditions
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+        By default that of the result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = style.new_figure(style.WIDTH, 1.4 + 0.45 * len(found.conditions))
+    axes = figure.subplots()
+    style.dress(axes)
+    rows = np.arange(len(found.conditions))
+    marks = (("as given", "before", "s"), ("best for all", "after", "o"), ("best alone", "alone", "|"))
+    scale, unit = (
+        units.scale(found.channel.name, found.channel.unit),
+        units.unit(found.channel.name, found.channel.unit),
+    )
+    for number, (label, what, mark) in enumerate(marks):
+        levels = [scale * getattr(one, what).level for one in found.conditions]
+        axes.plot(levels, rows, mark, markersize=7, color=style.PALETTE[(4, 1, 0)[number]], label=label)
+    axes.axvline(scale * found.worst.after.level, color=style.MUTED, linewidth=0.8)
+    told_rows(axes, [one.condition or found.title for one in found.conditions], style.WIDTH)
+    axes.set_xlabel(f"largest {axis_label(found.channel.name, unit)}")
+    key_below(figure, *axes.get_legend_handles_labels())
+    best = ", ".join(f"{one.name} = {_value(one, units)}" for one in found.parameters)
+    style.heading(figure, f"{found.title}: {best}" if title is None else title)
+    return figure
+
+
+def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """The first two objectives of every design of the front, further ones one against the next.
+
+    Parameters
+    ----------
+    found : ParetoFront
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+        By default that of the result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    count = len(found.objectives) - 1
+    figure = style.new_figure(style.WIDTH, 3.6)
+    for number, axes in enumerate(np.atleast_1d(figure.subplots(1, count)).tolist()):
+        style.dress(axes)
+        (x, across_label), (y, up_label) = (_shown(one, units) for one in found.objectives[number : number + 2])
+        across, up = found.values[:, number] * x, found.values[:, number + 1] * y
+        axes.plot(across, up, "o", markersize=4, color=style.PALETTE[0], label="best compromises")
+        middle = found.compromise
+        axes.plot(across[middle], up[middle], "D", color=style.PALETTE[1], label="near the best of all")
+        if np.isfinite(found.given[number : number + 2]).all():
+            given = found.given[number : number + 2] * (x, y)
+            axes.plot(*given, "s", color=style.MUTED, mfc=style.PAPER, label="as given")
+        axes.set_xlabel(f"{across_label}, {found.objectives[number].sense}d")
+        axes.set_ylabel(f"{up_label}, {found.objectives[number + 1].sense}d")
+    key_below(figure, *figure.axes[0].get_legend_handles_labels())
+    style.heading(figure, f"{found.title}: best compromises".removeprefix(": ") if title is None else title)
+    return figure
+
+
+def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Mean and standard deviation under tolerances of each design, and the share that keeps the limits.
+
+    Parameters
+    ----------
+    found : RobustOptimum
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+        By default that of the result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    shown = list(found.designs[0].mean)
+    panels = len(shown) + found.limited
+    figure = style.new_figure(style.WIDTH, 3.2)
+    every = np.atleast_1d(figure.subplots(1, panels)).tolist()
+    labels = [one.label for one in found.designs]
+    for name, axes in zip(shown, every, strict=False):
+        means, deviations = ([getattr(one, what)[name] for one in found.designs] for what in ("mean", "deviation"))
+        scale = units.scale(name)
+        axes.errorbar(
+            range(len(labels)), scale * np.array(means), scale * np.array(deviations), fmt="o", capsize=5,
+            color=style.PALETTE[0],
+        )  # fmt: skip
+        axes.set_ylabel(f"{axis_label(name, units.unit(name), ROOM)}\nmean and standard deviation")
+    if found.limited:
+        shares = 100 * np.array([one.share_kept for one in found.designs])
+        ends = np.abs(shares[:, 1:].T - shares[:, 0])
+        every[-1].errorbar(range(len(labels)), shares[:, 0], ends, fmt="o", capsize=5, color=style.PALETTE[2])
+        every[-1].set_ylabel("keep all limits [%]\n95 % confidence")
+    for axes in every:
+        style.dress(axes)
+        axes.set_xticks(range(len(labels)), labels)
+        axes.set_xlim(-0.5, len(labels) - 0.5)
+    style.heading(figure, f"{found.title}: robust optimum".removeprefix(": ") if title is None else title)
+    return figure

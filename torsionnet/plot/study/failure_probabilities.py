@@ -1,0 +1,74 @@
+"""Small probabilities with their intervals."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.study.study_axes import BEYOND, by_factors, told_rows
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+if TYPE_CHECKING:
+    from torsionnet.study.answers.failure_probability import FailureFound
+    from torsionnet.study.answers.rare_event import RareEvent
+
+FEW_TICKS = 4.0
+"""Ratio of the ends of an axis by factors below which it would have hardly a number on it."""
+
+
+def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Probability that a limit is not kept in each configuration; hollow where it is not to be trusted.
+
+    Parameters
+    ----------
+    found : FailureFound
+        What the answer ``failure_probability`` of a study found.
+    units : ShownUnits, optional
+        Probabilities have none.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    del units
+    events = list(found.events.items())
+    ends = [
+        side for _, one in events for side in (one.low, one.high, one.probability) if np.isfinite(side) and side > 0
+    ]
+    figure = style.new_figure(style.WIDTH, 1.3 + 0.34 * len(events))
+    axes = figure.subplots()
+    style.dress(axes)
+    for place, (_, one) in enumerate(events):
+        _drawn(axes, place, one)
+    if ends:
+        low, high = min(ends) / 1.5, max(ends) * 1.5
+        axes.set_xlim(low, high)
+        if high > FEW_TICKS * low:
+            by_factors(axes, "x", low, high)
+    else:
+        axes.set_xticks([])
+    told_rows(axes, [case for case, _ in events], style.WIDTH)
+    words = textwrap.fill(f"probability of {typeset_unit(found.beyond)} [-]", style.WIDEST_TITLE)
+    axes.set_xlabel(f"{words}\n{100 * found.confidence:g} % interval")
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _drawn(axes: Axes, place: int, one: RareEvent) -> None:
+    color = BEYOND if one.doubts else style.PALETTE[0]
+    if np.isfinite(one.low):
+        axes.hlines(place, one.low, one.high, color=color, linewidth=2.0)
+    if one.probability:
+        axes.plot(one.probability, place, "o", color=color, markerfacecolor=style.PAPER if one.doubts else color)
+    else:
+        axes.text(
+            0.02, place, "no failure was met", transform=axes.get_yaxis_transform(), fontsize=style.SMALL,
+            color=style.MUTED, va="center",
+        )  # fmt: skip

@@ -1,0 +1,100 @@
+"""Variants as lines across axes, those beyond a limit in red."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.number_text import on_screen
+from torsionnet.plot.study.study_axes import BEYOND, WITHIN, axis_label, ends_of, is_wide, key_below, known, say, titled
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+if TYPE_CHECKING:
+    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.study.answers.parallel_coordinates_of_study import ParallelFound
+
+WIDE = 100.0
+"""Ratio of the largest to the smallest value from which an axis has equal factors."""
+ABOVE = 15.0
+"""Points between the axes and a title, where the values at the ends stand."""
+AXIS, HIGH, LOW, FEW = 0.95, 2.6, 1.5, 4
+"""Inches between two axes, and of a panel where there are few and where there are more."""
+
+
+def parallel_coordinates(found: ParallelFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """An axis for every parameter and quantity, over its values in all configurations; a panel for each of these.
+
+    Parameters
+    ----------
+    found : ParallelFound
+        What the answer ``parallel_coordinates`` of a study found.
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    names = list(found.units)
+    scales = {name: units.scale(name, si) for name, si in found.units.items()}
+    every = {name: scales[name] * known(one[name] for one in found.variants.values()) for name in names}
+    width = max(style.WIDTH, AXIS * len(names))
+    height = HIGH if len(found.variants) <= FEW else LOW
+    figure = style.new_figure(width, 1.2 + height * len(found.variants))
+    panels = figure.subplots(len(found.variants), 1, squeeze=False)[:, 0]
+    for axes, (case, columns) in zip(panels, found.variants.items(), strict=True):
+        shares = np.column_stack([_shares(columns[name] * scales[name], every[name]) for name in names])
+        _lines(axes, shares, found.beyond[case])
+        _scales(axes, [ends_of(every[name]) if len(every[name]) else None for name in names])
+        if not np.isfinite(shares).any():
+            say(axes, "no variant has a value")
+        labels = [axis_label(name, units.unit(name, found.units[name]), width / len(names) - 0.1) for name in names]
+        axes.set_xticks(range(len(names)), labels if axes is panels[-1] else [""] * len(names))
+        axes.tick_params(axis="x", labelsize=style.SMALL, length=0, pad=14)
+        if len(found.variants) > 1:
+            titled(axes, case, width, pad=ABOVE)
+    if any(outside.any() for outside in found.beyond.values()):
+        handles = [Line2D([], [], color=color) for color in (WITHIN, BEYOND)]
+        key_below(figure, handles, ["within limits", "beyond a limit"])
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _shares(values: FloatArray, every: FloatArray) -> FloatArray:
+    """Heights on an axis, 0 to 1; by equal factors where values are decades apart."""
+    low, high = ends_of(every)
+    if is_wide(every, WIDE):
+        return np.asarray(np.log(values / low) / np.log(high / low))
+    return (values - low) / (high - low)
+
+
+def _lines(axes: Axes, shares: FloatArray, beyond: np.ndarray) -> None:
+    places = np.arange(shares.shape[1])
+    for which, color in ((~beyond, WITHIN), (beyond, BEYOND)):
+        segments = [np.column_stack([places, row]) for row in shares[which]]
+        alpha = min(0.7, 0.1 + 20 / max(len(segments), 1))
+        axes.add_collection(LineCollection(segments, colors=color, alpha=alpha, linewidths=0.7, rasterized=True))
+    axes.set_xlim(-0.3, len(places) - 0.7)
+    axes.set_ylim(0, 1)
+
+
+def _scales(axes: Axes, ends: list[tuple[float, float] | None]) -> None:
+    """Each axis with the values at its ends."""
+    for place, pair in enumerate(ends):
+        axes.axvline(place, color=style.INK, linewidth=0.9)
+        texts = ("no values", "") if pair is None else tuple(on_screen(value, 4) for value in pair)
+        for height, text, side in ((0, texts[0], "top"), (1, texts[1], "bottom")):
+            axes.annotate(
+                text, (place, height), xytext=(0, -3 if height == 0 else 3), textcoords="offset points",
+                ha="center", va=side, fontsize=style.SMALL, color=style.MUTED, annotation_clip=False,
+            )  # fmt: skip
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_visible(False)

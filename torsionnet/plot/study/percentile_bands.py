@@ -1,0 +1,92 @@
+"""Percentiles of curves over frequency or speed as bands."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.units import RPM
+from torsionnet.plot.study.study_axes import (
+    axis_label,
+    by_factors,
+    is_wide,
+    key_below,
+    known,
+    panel_columns,
+    say,
+    titled,
+)
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+if TYPE_CHECKING:
+    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.study.answers.percentile_bands_of_study import BandsFound
+
+MOST_COLUMNS = 3
+HEIGHT = 2.3
+
+
+def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """The outer percentiles as bands, one within the other, the middle one as a line; a panel for each configuration.
+
+    Parameters
+    ----------
+    found : BandsFound
+        What the answer ``percentile_bands`` of a study found.
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    count, quantity = len(found.lines), (found.quantity, found.measure.unit)
+    columns = panel_columns(count, MOST_COLUMNS)
+    rows = math.ceil(count / columns)
+    figure = style.new_figure(style.WIDTH, 1.1 + HEIGHT * rows)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    panels = grid.ravel()[:count].tolist()
+    over_speed = found.measure.over == "speed"
+    points = found.measure.points * RPM if over_speed else found.measure.points
+    scale = units.scale(*quantity)
+    for axes, (case, lines) in zip(panels, found.lines.items(), strict=True):
+        _bands(axes, points, lines * scale, found.percentiles)
+        if count > 1:
+            titled(axes, case, style.WIDTH / columns - 0.5)
+    for axes in grid.ravel()[count:]:
+        axes.remove()
+    for axes in grid[:, 0]:
+        axes.set_ylabel(axis_label(quantity[0], units.unit(*quantity), HEIGHT))
+    every = known(found.lines.values()) * scale
+    if is_wide(every):
+        by_factors(panels[0], "y", every.min(), every.max())
+    if points[0] > 0 and is_wide(points):
+        by_factors(panels[0], "x", points[0], points[-1])
+    panels[0].set_xlim(points[0], points[-1])
+    for axes in panels[-columns:]:
+        axes.set_xlabel("speed [r/min]" if over_speed else "frequency [Hz]")
+        axes.tick_params(labelbottom=True)
+    handles, labels = panels[0].get_legend_handles_labels()
+    key_below(figure, handles, labels)
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _bands(axes: Axes, points: FloatArray, lines: FloatArray, shares: tuple[float, ...]) -> None:
+    pairs = len(shares) // 2
+    for pair in range(pairs):
+        label = f"{shares[pair]:g} to {shares[-1 - pair]:g} % of the variants"
+        alpha = 0.18 + 0.3 * pair / max(pairs - 1, 1)
+        axes.fill_between(
+            points, lines[pair], lines[-1 - pair], color=style.PALETTE[0], alpha=alpha, linewidth=0, label=label
+        )
+    if len(shares) % 2:
+        axes.plot(points, lines[pairs], color=style.PALETTE[0], linewidth=1.6, label=f"{shares[pairs]:g} % are below")
+    if not len(known([lines])):
+        say(axes, "no variant has a value")
+    style.dress(axes)

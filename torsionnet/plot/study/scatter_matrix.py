@@ -1,0 +1,142 @@
+"""Quantities against parameters: points, or their density where there are many."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.errors import UsageError
+from torsionnet.plot.study.study_axes import axis_label, by_factors, ends_of, is_wide, key_below, known, say
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+if TYPE_CHECKING:
+    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.study.answers.scatter_of_study import ScatterFound
+
+MANY = 3000
+"""Points from which their density is drawn."""
+CELLS = 40
+LARGEST = 8
+"""Parameters, those with the largest rank correlations, beyond which a picture would be too small."""
+PANEL = 1.4, 1.6
+"""Inches."""
+WIDE = 30.0
+"""Ratio of the largest to the smallest value from which an axis has equal factors."""
+
+
+def scatter_matrix(
+    found: ScatterFound, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
+) -> Figure:
+    """Every quantity over every parameter, the rank correlation in the corner.
+
+    Parameters
+    ----------
+    found : ScatterFound
+        What the answer ``scatter`` of a study found.
+    configuration : str, optional
+        By default all, told apart by colours; densities are drawn of all together.
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        No such configuration.
+    """
+    cases = list(found.points) if configuration is None else [configuration]
+    if not set(cases) <= set(found.points):
+        raise UsageError(f'there is no configuration "{configuration}"; there are {", ".join(found.points)}')
+    shown = _strongest(found, cases)
+    si = {**found.parameter_units, **found.units}
+    columns = {name: _columns(found, cases, name, units.scale(name, si[name])) for name in (*shown, *found.units)}
+    width = max(style.WIDTH, PANEL[0] * len(shown))
+    figure = style.new_figure(width, 0.9 + PANEL[1] * len(found.units))
+    panels = figure.subplots(len(found.units), len(shown), squeeze=False, sharex="col", sharey="row")
+    for row, quantity in zip(panels, found.units, strict=True):
+        for axes, parameter in zip(row, shown, strict=True):
+            _points(axes, columns[parameter], columns[quantity])
+            _coefficient(axes, found, cases, parameter, quantity)
+            style.dress(axes)
+        _scaled(row[0], "y", columns[quantity])
+        row[0].set_ylabel(axis_label(quantity, units.unit(quantity, si[quantity]), PANEL[1]))
+    for axes, parameter in zip(panels[-1], shown, strict=True):
+        _scaled(axes, "x", columns[parameter])
+        axes.set_xlabel(axis_label(parameter, units.unit(parameter, si[parameter]), width / len(shown) - 0.2))
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    if len(labels) > 1:
+        key_below(figure, handles, labels, larger=3)
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _strongest(found: ScatterFound, cases: list[str]) -> list[str]:
+    sizes = np.nan_to_num(
+        np.max([np.abs(one.coefficients) for (case, _), one in found.correlations.items() if case in cases], axis=0)
+    )
+    kept = sorted(np.argsort(-sizes, kind="stable")[:LARGEST].tolist())
+    return [list(found.parameter_units)[place] for place in kept]
+
+
+def _columns(found: ScatterFound, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
+    return {case: scale * found.points[case][name] for case in cases}
+
+
+def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> None:
+    across, up = (np.concatenate(list(one.values())) for one in (x, y))
+    there = np.isfinite(across) & np.isfinite(up)
+    if not there.any():
+        say(axes, "no values")
+    elif len(across) >= MANY:
+        bins = [_bins(one[there]) for one in (across, up)]
+        axes.hist2d(across[there], up[there], bins=bins, cmap="Blues", cmin=1, rasterized=True)
+    else:
+        for number, case in enumerate(x):
+            color = style.PALETTE[number % len(style.PALETTE)]
+            axes.plot(
+                x[case], y[case], _MARKS[number // len(style.PALETTE) % len(_MARKS)], markersize=2.5, alpha=0.6,
+                color=color, label=case, markeredgewidth=0, rasterized=True,
+            )  # fmt: skip
+
+
+_MARKS = "o^s"
+"""Beyond as many configurations as there are colours."""
+
+
+def _bins(values: FloatArray) -> FloatArray:
+    low, high = ends_of(values)
+    return (np.geomspace if is_wide(values, WIDE) else np.linspace)(low, high, CELLS + 1)
+
+
+def _scaled(axes: Axes, side: str, columns: dict[str, FloatArray]) -> None:
+    """Equal factors over decades; room around what is everywhere the same."""
+    values = known(columns.values())
+    ends = ends_of(values)
+    if is_wide(values, WIDE):
+        by_factors(axes, side, *ends)
+    else:
+        (axes.xaxis if side == "x" else axes.yaxis).set_major_locator(MaxNLocator(3))
+    if len(values) and ends[0] < values.min():
+        (axes.set_xlim if side == "x" else axes.set_ylim)(*ends)
+
+
+def _coefficient(axes: Axes, found: ScatterFound, cases: list[str], parameter: str, quantity: str) -> None:
+    place = list(found.parameter_units).index(parameter)
+    values = np.array([found.correlations[case, quantity].coefficients[place] for case in cases])
+    if np.isnan(values).all():
+        return
+    low, high = (round(float(value), 2) + 0.0 for value in (np.nanmin(values), np.nanmax(values)))
+    text = f"{low:.2f}" if high - low < 0.01 else f"{low:.2f} to {high:.2f}"
+    axes.text(
+        0.97, 0.97, text, transform=axes.transAxes, ha="right", va="top", fontsize=style.SMALL,
+        bbox={"facecolor": style.PAPER, "alpha": 0.75, "edgecolor": "none", "pad": 1.0},
+    )  # fmt: skip

@@ -1,0 +1,103 @@
+"""What each parameter alone does to the quantities of a study."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.number_text import bracketed, on_screen, typeset_unit
+from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
+from torsionnet.plot.study.study_axes import (
+    ALIKE,
+    axis_label,
+    bar_panels,
+    key_below,
+    named_rows,
+    say,
+    takes_a_page,
+    titled,
+)
+from torsionnet.study.shown_units import IN_SI, ShownUnits
+
+if TYPE_CHECKING:
+    from torsionnet.study.answers.one_at_a_time import Swings
+    from torsionnet.study.answers.tornado_of_study import TornadoFound
+
+MOST_PARAMETERS = 12
+
+
+def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Bars from the value at the low end of each parameter to that at its high end, the widest on top.
+
+    Parameters
+    ----------
+    found : TornadoFound
+        What the answer ``tornado`` of a study found.
+    units : ShownUnits, optional
+        By default SI.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    quantities, cases = list(found.units), list(found.spans)
+    names = list(found.parameter_units)
+    pairs = [(case, quantity) for quantity in quantities for case in cases]
+    if takes_a_page(len(pairs), min(MOST_PARAMETERS, len(names))):
+        figure = _matrix(found, units)
+        style.heading(figure, found.title if title is None else title)
+        return figure
+    figure, panels, width = bar_panels(len(pairs), min(MOST_PARAMETERS, len(names)), names)
+    for axes, (case, quantity) in zip(panels, pairs, strict=True):
+        scale, unit = units.scale(quantity, found.units[quantity]), units.unit(quantity, found.units[quantity])
+        one = found.swings[case, quantity]
+        _bars(axes, one, list(found.spans[case]), scale, width)
+        axes.set_xlabel(axis_label(quantity, unit, width))
+        middle = "" if np.isnan(one.middle) else f"{on_screen(one.middle * scale, 4)} in the middle"
+        told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
+        titled(axes, ": ".join(told), width - 0.4)
+    handles, labels = next(
+        ((handles, labels) for axes in panels for handles, labels in [axes.get_legend_handles_labels()] if labels),
+        ((), ()),
+    )
+    if labels:
+        key_below(figure, handles, labels)
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _matrix(found: TornadoFound, units: ShownUnits) -> Figure:
+    """From the low to the high end of each parameter, up in one colour and down in the other."""
+    names, cases = list(found.parameter_units), list(found.spans)
+    changes, scales = {}, {}
+    for quantity, si in found.units.items():
+        swings = [found.swings[case, quantity] for case in cases]
+        changes[quantity] = units.scale(quantity, si) * np.column_stack([one.at_high - one.at_low for one in swings])
+        most = float(np.abs(np.nan_to_num(changes[quantity])).max()) or 1.0
+        label = f"change from low to high end {bracketed(typeset_unit(units.unit(quantity, si)))}".rstrip()
+        scales[quantity] = ColourScale(label, "RdBu_r", -most, most)
+    return parameter_matrix(changes, names, cases, scales)
+
+
+def _bars(axes: Axes, one: Swings, names: list[str], scale: float, width: float) -> None:
+    shown = one.order[:MOST_PARAMETERS]
+    style.dress(axes)
+    named_rows(axes, [names[place] for place in shown], width)
+    ends = np.array([one.at_low[shown], one.at_high[shown]])
+    if not (np.abs(ends - one.middle) > ALIKE * abs(one.middle)).any():
+        say(axes, "no value" if np.isnan(one.middle) else "moved by no parameter")
+        axes.set_xticks([])
+        return
+    for values, color, label in (
+        (ends[0], style.PALETTE[5], "parameter at its low end"),
+        (ends[1], style.PALETTE[1], "at its high end"),
+    ):
+        widths = (values - one.middle) * scale
+        axes.barh(range(len(shown)), widths, left=one.middle * scale, color=color, height=0.7, alpha=0.9, label=label)
+    axes.axvline(one.middle * scale, color=style.INK, linewidth=0.9)
+    axes.locator_params(axis="x", nbins=4)

@@ -1,0 +1,105 @@
+"""Transfer functions of many variants of a drivetrain: those with the same rows are solved together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.response import FrequencyResponses
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.batch_plan import batch_plan
+from torsionnet.solve.batch.batched_responses import batched_responses
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.responses.grid import Adaptive
+from torsionnet.solve.responses.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
+
+
+def frequency_responses(
+    drivetrain: AssembledModel,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    frequencies: ArrayLike | Adaptive,
+    variants: Mapping[str, ArrayLike],
+    *,
+    excitation: str | Sequence[str] | None = None,
+    method: str = "auto",
+) -> FrequencyResponses:
+    """See :meth:`torsionnet.Drivetrain.frequency_responses`."""
+    known_method(method)
+    parameters = _columns(variants)
+    request = remembered(drivetrain, output, input, excitation)
+    f = chosen_frequencies(drivetrain, frequencies, request)
+    batch = _batch(drivetrain, parameters)
+    if batch is None:
+
+        def ask(copy: AssembledModel) -> TransferRequest:
+            return remembered(copy, output, input, excitation)
+
+        values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)
+    else:
+        values, conditioning = batched_responses(batch, request, f, method)
+    warn_infinite(values, conditioning, f)
+    return FrequencyResponses(
+        parameters,
+        f,
+        values,
+        tuple(reading.channel for reading in request.outputs),
+        tuple(reading.channel for reading in request.measured),
+        drivetrain.title,
+        conditioning if request.is_measured else None,
+        request.notes,
+    )
+
+
+def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> Batch | None:
+    """All variants in arrays, or None where most have rows or acting laws of their own.
+
+    Raises
+    ------
+    ModelError
+        A variant is impossible.
+    """
+    plan = batch_plan(drivetrain, parameters)
+    if plan is None:
+        return None
+    batch = plan.batch(parameters)
+    if batch.impossible.any():
+        batch.model(int(np.argmax(batch.impossible)))
+    return None if 2 * batch.apart.sum() > len(batch) else batch
+
+
+def _grouped(
+    copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
+) -> Evaluated:
+    """Variants made one by one; neighbours with the same request are solved together."""
+    parts: list[Evaluated] = []
+    requests = [ask(copy) for copy in copies]
+    for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
+        alike = list(group)
+        parts.append(responses([copy for copy, _ in alike], alike[0][1], f, method))
+    return Evaluated(*(np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields))
+
+
+def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
+    """Values by parameter, all of one length; one value alone holds for all variants."""
+    try:
+        columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in variants.items()}
+        spread = list(np.broadcast_arrays(*columns.values()))
+    except (TypeError, ValueError):
+        spread = []
+    if not spread or any(column.ndim != 1 for column in spread) or not len(spread[0]):
+        raise UsageError(
+            "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}"
+        )
+    return dict(zip(columns, (column.copy() for column in spread), strict=True))
+
+
+def _rows(columns: Mapping[str, FloatArray]) -> Iterator[dict[str, float]]:
+    return (dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True))

@@ -1,0 +1,279 @@
+"""The numbers of a tape in a compiled loop: few points at a time, so that all registers stay in the cache.
+
+numba compiles the loop when it is first used and keeps it on disk.
+"""
+
+# ruff: noqa: FURB136  (``min`` looks for NaN, which keeps compilers from making vector instructions of a loop)
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import torsionnet.solve.dynamic_stiffness.tape as ops
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import MissingExtraError
+from torsionnet.solve.dynamic_stiffness.doubt import LARGE, SHARE
+from torsionnet.solve.dynamic_stiffness.reading_table import ReadingTable
+from torsionnet.solve.dynamic_stiffness.tape import Tape
+
+try:
+    import numba
+except ModuleNotFoundError as error:
+    raise MissingExtraError('the compiled solver needs numba: pip install "torsionnet[fast]"') from error
+except ImportError as error:
+    raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
+
+POINTS = 128
+"""Points worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
+
+LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
+QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
+SQUARE, SHARE_SQUARE = LARGE * LARGE, SHARE * SHARE
+LEAST, MOST = 1e-290, 1e290
+"""Squares beyond which a quotient is NaN: numpy, which scales it, does better."""
+
+
+def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
+    """As :func:`torsionnet.solve.dynamic_stiffness.sweep.sweep`."""
+    values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
+    doubtful = np.zeros(kappa.n_points, dtype=bool)
+    _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, doubtful)
+    return values, doubtful
+
+
+def read(
+    tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness
+) -> tuple[ComplexArray, FloatArray, NDArray[np.bool_]]:
+    """Readings or their quotients, without a stop between the tape and them.
+
+    Parameters
+    ----------
+    tape : Tape
+    slots, kappa : LawStiffness
+        Of the slots of the plan, and of the laws that are read.
+    table : ReadingTable
+
+    Returns
+    -------
+    (n_points, n_out, n_exc) array, (n_points,) array, (n_points,) boolean array
+        Readings, or quotients by the last one where it is measured; the conditioning of that; points in doubt.
+    """
+    values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
+    conditioning, doubtful = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
+    own = _numbers(kappa)
+    _read(tape.operations, tape.factors, *_numbers(slots), *own[:-1], _registers(tape), tape.n_values,
+          table.n_excitations, table.is_measured, table.whole, table.factors, table.applied,
+          values, conditioning, doubtful)  # fmt: skip
+    return values, conditioning, doubtful
+
+
+def _registers(tape: Tape) -> FloatArray:
+    return np.empty((tape.n_registers, 2, POINTS))
+
+
+def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
+    """J, c and k (n_variants, n_laws); where each law has its sampled part (-1: it has none), and these; omega.
+
+    Omega has one row, or one for each variant.
+    """
+    place = np.full(kappa.n_laws, -1)
+    place[[law for law, _ in kappa.sampled]] = np.arange(len(kappa.sampled))
+    shape = (len(kappa.stiffness), kappa.n_frequencies)
+    sampled = np.empty((len(kappa.sampled), *shape), dtype=complex)
+    for number, (_, values) in enumerate(kappa.sampled):
+        sampled[number] = values
+    parts = (np.ascontiguousarray(part) for part in (kappa.inertia, kappa.damping, kappa.stiffness))
+    return *parts, place, sampled, np.ascontiguousarray(np.atleast_2d(kappa.omega))
+
+
+def _walk(
+    operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: Any,
+    w: Any, first: int, n: int, r: Any, left: Any, y: Any,
+) -> None:  # fmt: skip
+    """All operations for POINTS points of one variant, of which the first ``n`` count; outputs into ``y``.
+
+    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
+    """
+    for number in range(operations.shape[0]):
+        code, t, a, b = operations[number]
+        f = factors[number]
+        if code == PRODUCT:
+            for i in range(POINTS):
+                real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
+                imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
+                r[t, 0, i] = real
+                r[t, 1, i] = imag
+        elif code == SUM:
+            for i in range(POINTS):
+                more, beside = f * r[b, 0, i], f * r[b, 1, i]
+                real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
+                r[t, 0, i] = real
+                r[t, 1, i] = imag
+                spare = SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
+                left[i] = spare if spare < left[i] else left[i]
+        elif code == PIVOT:
+            for i in range(POINTS):
+                r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
+                r[t, 1, i] = r[a, 1, i] + f * r[b, 1, i]
+        elif code == LAW:
+            k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
+            if at < 0:
+                for i in range(POINTS):
+                    r[t, 0, i] = k - J * w2[i]
+                    r[t, 1, i] = c * w[i]
+            else:
+                for i in range(POINTS):
+                    value = sampled[at, first + min(i, n - 1)]
+                    r[t, 0, i] = k - J * w2[i] + value.real
+                    r[t, 1, i] = c * w[i] + value.imag
+            if J != 0.0 and (k != 0.0 or at >= 0):
+                for i in range(POINTS):
+                    size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
+                    spare = SQUARE * size - (J * w2[i]) * (J * w2[i])
+                    left[i] = spare if spare < left[i] else left[i]
+        elif code == QUOTIENT:
+            for i in range(POINTS):
+                scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
+                real = r[a, 0, i] * r[b, 0, i] + r[a, 1, i] * r[b, 1, i]
+                imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
+                r[t, 0, i] = real * scale
+                r[t, 1, i] = imag * scale
+        elif code == WATCH:
+            for i in range(POINTS):
+                size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
+                spare = SHARE_SQUARE - f * f * size
+                left[i] = spare if spare < left[i] else left[i]
+        elif code == INVERSE:
+            for i in range(POINTS):
+                scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
+                real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
+                r[t, 0, i] = real
+                r[t, 1, i] = imag
+        elif code == CONSTANT:
+            for i in range(POINTS):
+                r[t, 0, i] = f
+                r[t, 1, i] = 0.0
+        else:
+            for i in range(POINTS):
+                y[t, 0, i] = f * r[a, 0, i]
+                y[t, 1, i] = f * r[a, 1, i]
+
+
+def _sweeping(
+    operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
+    r: Any, values: Any, doubtful: Any,
+) -> None:  # fmt: skip
+    """All points of all variants."""
+    n_variants, n_f = inertia.shape[0], omega.shape[1]
+    w, w2, left = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
+    y = np.zeros((values.shape[0], 2, POINTS))
+    for variant in range(n_variants):
+        offset = variant * n_f
+        for first in range(0, n_f, POINTS):
+            n = min(POINTS, n_f - first)
+            _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
+            _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
+                    sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
+            for t in range(values.shape[0]):
+                for i in range(n):
+                    values[t, offset + first + i] = complex(y[t, 0, i], y[t, 1, i])
+            for i in range(n):
+                doubtful[offset + first + i] = left[i] < 0.0
+
+
+def _starting(omega: Any, first: int, n: int, w: Any, w2: Any, left: Any) -> None:
+    """The frequencies of some points; the last one again for those that do not count."""
+    for i in range(POINTS):
+        w[i] = omega[first + min(i, n - 1)]
+        w2[i] = w[i] * w[i]
+        left[i] = 0.0
+
+
+def _reading(
+    operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
+    own_inertia: Any, own_damping: Any, own_stiffness: Any, own_place: Any, own_sampled: Any,
+    r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
+    values: Any, conditioning: Any, doubtful: Any,
+) -> None:  # fmt: skip
+    """All points of all variants, read at once.
+
+    Rows of ``whole`` are, for each reading and then for each term of the measured one: the number of what is solved, a
+    power of s or -1, a law or -1.
+    """
+    n_variants, n_f = inertia.shape[0], omega.shape[1]
+    n_out = values.shape[1]
+    n_readings = n_out + is_measured
+    w, w2, left = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
+    y, z = np.zeros((n_values, 2, POINTS)), np.empty((whole.shape[0], n_exc, 2, POINTS))
+    c, size = np.empty((2, POINTS)), np.empty(POINTS)
+    for variant in range(n_variants):
+        for first in range(0, n_f, POINTS):
+            n = min(POINTS, n_f - first)
+            _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
+            _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
+                    sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
+            for t in range(n_values):
+                for i in range(POINTS):
+                    total = abs(y[t, 0, i]) + abs(y[t, 1, i])
+                    left[i] = left[i] if total <= MOST else -1.0
+            for number in range(whole.shape[0]):
+                solved, power, law = whole[number]
+                f = shares[number]
+                for i in range(POINTS):
+                    c[0, i] = f if power <= 0 else 0.0 if power == 1 else -f * w2[i]
+                    c[1, i] = f * w[i] if power == 1 else 0.0
+                if law >= 0:
+                    k, J, d = own_stiffness[variant, law], own_inertia[variant, law], own_damping[variant, law]
+                    for i in range(POINTS):
+                        c[0, i] = f * (k - J * w2[i])
+                        c[1, i] = f * (d * w[i])
+                    if own_place[law] >= 0:
+                        for i in range(n):
+                            value = own_sampled[own_place[law], variant, first + i]
+                            c[0, i] += f * value.real
+                            c[1, i] += f * value.imag
+                for e in range(n_exc):
+                    t = solved * n_exc + e
+                    for i in range(POINTS):
+                        real = c[0, i] * y[t, 0, i] - c[1, i] * y[t, 1, i]
+                        imag = c[0, i] * y[t, 1, i] + c[1, i] * y[t, 0, i]
+                        z[number, e, 0, i] = real
+                        z[number, e, 1, i] = imag
+            offset = variant * n_f + first
+            if is_measured:
+                for i in range(POINTS):
+                    size[i] = applied
+                for number in range(n_readings, whole.shape[0]):
+                    for i in range(POINTS):
+                        size[i] += math.sqrt(z[number, 0, 0, i] ** 2 + z[number, 0, 1, i] ** 2)
+                for i in range(POINTS):
+                    a, b = z[n_out, 0, 0, i], z[n_out, 0, 1, i]
+                    square = a * a + b * b
+                    size[i] = math.sqrt(square) / size[i] if size[i] > 0.0 else 0.0
+                    scale = 1.0 / square if LEAST < square < MOST else math.nan
+                    left[i] = -1.0 if math.isnan(scale) else left[i]
+                    c[0, i], c[1, i] = a * scale, -b * scale
+                for number in range(n_out):
+                    for i in range(POINTS):
+                        real = z[number, 0, 0, i] * c[0, i] - z[number, 0, 1, i] * c[1, i]
+                        imag = z[number, 0, 0, i] * c[1, i] + z[number, 0, 1, i] * c[0, i]
+                        z[number, 0, 0, i] = real
+                        z[number, 0, 1, i] = imag
+                for i in range(n):
+                    conditioning[offset + i] = size[i]
+            for number in range(n_out):
+                for e in range(n_exc):
+                    for i in range(n):
+                        values[offset + i, number, e] = complex(z[number, e, 0, i], z[number, e, 1, i])
+            for i in range(n):
+                doubtful[offset + i] = left[i] < 0.0
+
+
+_jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+_points, _start = _jit(_walk), _jit(_starting)
+_sweep, _read = _jit(_sweeping), _jit(_reading)

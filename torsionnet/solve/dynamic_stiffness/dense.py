@@ -1,0 +1,78 @@
+"""Reference solver: the assembled dynamic stiffness, solved by LAPACK for a block of frequencies at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray
+from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
+from torsionnet.solve.dynamic_stiffness.sweep import Sweep
+
+BLOCK_BYTES = 32 * 2**20
+
+
+def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
+    """As :func:`torsionnet.solve.dynamic_stiffness.starmesh.respond`, without a word on digits lost."""
+    by_law, n_points = kappa.by_law, kappa.n_points
+    values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)
+    block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
+    with np.errstate(all="ignore"):
+        for start in range(0, n_points, block):
+            part = slice(start, min(start + block, n_points))
+            values[:, :, part] = np.moveaxis(_respond(problem, by_law[:, part].T), 0, 2)
+    return Sweep(values, np.zeros(n_points, dtype=bool))
+
+
+def _columns(problem: ResponseProblem) -> int:
+    given = [j for row in problem.laws for j in row]
+    given += [j for one in problem.excitations for j in (*one.load, *one.motion)]
+    return max([problem.n_free, *(j + 1 for j in given), *(j + 1 for j in problem.reactions)])
+
+
+def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
+    """Outputs and reactions (n_f, n_read, n_exc)."""
+    n, free = _columns(problem), slice(0, problem.n_free)
+    given, n_exc = slice(problem.n_free, n), len(problem.excitations)
+    D = _assembled(problem, kappa, n)
+    load, motion = np.zeros((n, n_exc)), np.zeros((len(kappa), n, n_exc), dtype=complex)
+    for number, excitation in enumerate(problem.excitations):
+        load[list(excitation.load), number] = list(excitation.load.values())
+        motion[:, list(excitation.motion), number] = list(excitation.motion.values())
+    motion[:, free] = _solve(D[:, free, free], load[free] - D[:, free, given] @ motion[:, given])
+    rows = np.zeros((len(problem.outputs), n))
+    for number, row in enumerate(problem.outputs):
+        rows[number, list(row)] = list(row.values())
+    reacted = list(problem.reactions)
+    return np.concatenate([rows @ motion, load[reacted] - D[:, reacted] @ motion], axis=1)
+
+
+def _assembled(problem: ResponseProblem, kappa: ComplexArray, n: int) -> ComplexArray:
+    """D (n_f, n, n): each law adds kappa a a^T, which touches the few entries where its row is not zero."""
+    stiffness = np.zeros((len(kappa), n, n), dtype=complex)
+    for law, row in enumerate(problem.laws):
+        for i, a in row.items():
+            for j, b in row.items():
+                stiffness[:, i, j] += kappa[:, law] * (a * b)
+    return stiffness
+
+
+def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
+    """Scaled by its own diagonal, which makes rows of very different stiffness comparable."""
+    scale = np.sqrt(np.abs(np.einsum("fii->fi", stiffness)))
+    scale[scale == 0] = 1.0
+    scaled = stiffness / (scale[:, :, None] * scale[:, None, :])
+    right = np.broadcast_to(loads, (len(stiffness), *loads.shape[-2:])) / scale[:, :, None]
+    try:
+        return np.asarray(np.linalg.solve(scaled, right) / scale[:, :, None])
+    except np.linalg.LinAlgError:
+        solved = np.stack([_one(matrix, load) for matrix, load in zip(scaled, right, strict=True)])
+        return np.asarray(solved / scale[:, :, None])
+
+
+def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
+    """At an undamped resonance met exactly, a rounding error of damping stands in for the missing pivot."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, load))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.solve(matrix + 1j * np.finfo(float).eps * np.eye(len(matrix)), load))

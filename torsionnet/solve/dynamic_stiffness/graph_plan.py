@@ -1,0 +1,286 @@
+r"""The order of elimination on the graph of a row system, worked out once for all frequencies and parameters.
+
+With D = sum_e kappa_e a_e a_e^T, eliminating coordinate v with S = sum_e kappa_e a_ev^2 leaves
+
+    D' = sum_{e<f} kappa_e kappa_f / S  b b^T,    b = a_fv a_e - a_ev a_f
+
+one row b for each pair of rows that touch v. Among links and grounds this is star-mesh: two links y_vi, y_vj give the
+link y_vi y_vj / S, a link and the ground g_v give the ground y_vi g_v / S. Nothing is subtracted, so that a drivetrain
+that turns freely keeps its full accuracy however slow it is. Ratios, and laws over three and more coordinates, are rows
+like any other. Loads are rows with a weight, f = sum_l w_l l, and pass to the same rows as motions r q that are read:
+
+    w_l l  ->  w_l (kappa_e a_ev / S) b_e,                    b_e = a_ev l - l_v a_e
+    r q    =   r_v f_v / S + sum_e (kappa_e a_ev / S) b_e q,  b_e = a_ev r - r_v a_e,  f_v = sum_l w_l l_v
+
+Given columns (imposed angles, gaps of rigid connections) are in all rows and never eliminated. A motion over them alone
+is known. The reaction on one of them, g, is what arrives there, sum_l w_l l_g - sum_e kappa_e a_eg (a_e q); it is taken
+as soon as a single row is left that knows g, so that nothing is subtracted there either.
+
+Coordinates with few rows go first: on a tree the leaves, without fill.
+"""
+
+from __future__ import annotations
+
+import collections
+import heapq
+from collections.abc import Iterable, Sequence
+
+from torsionnet.solve.dynamic_stiffness.elimination_plan import (
+    EliminatedPair,
+    EliminationPlan,
+    EliminationStep,
+    MotionStep,
+    Passed,
+    ReactionStep,
+)
+from torsionnet.solve.dynamic_stiffness.row_algebra import (
+    DOUBLE,
+    Accuracy,
+    Row,
+    RowTable,
+    clique,
+    combined,
+    common_motion,
+)
+
+MOST_ROWS = 2
+"""Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
+ALWAYS = 30
+"""Up to so many rows stay as they are: what is split subtracts."""
+
+
+def make_plan(
+    laws: Sequence[Row],
+    n_free: int,
+    loads: Sequence[Row],
+    motions: Sequence[Row],
+    outputs: Sequence[Row],
+    reactions: Sequence[int],
+    *,
+    turned: bool = False,
+    accuracy: Accuracy = DOUBLE,
+) -> EliminationPlan:
+    """Plan for the motion of ``outputs`` and the torque on given columns.
+
+    Parameters
+    ----------
+    laws : sequence of rows
+        The row of every law; columns from ``n_free`` on are given.
+    n_free : int
+    loads, motions : sequences of rows
+        Of every excitation: torques on columns, and motions of given columns.
+    outputs : sequence of rows
+    reactions : sequence of int
+        Given columns.
+    turned : bool
+        Eliminate towards another root than the first load.
+    accuracy : Accuracy
+        Of the coefficients.
+    """
+    planner = _Planner(laws, n_free, loads, motions, outputs, reactions, accuracy)
+    if turned:
+        planner.turn()
+    return planner.plan()
+
+
+class _Planner:
+    def __init__(
+        self,
+        laws: Sequence[Row],
+        n_free: int,
+        loads: Sequence[Row],
+        motions: Sequence[Row],
+        outputs: Sequence[Row],
+        reactions: Sequence[int],
+        accuracy: Accuracy,
+    ) -> None:
+        self.n_free, self.accuracy = n_free, accuracy
+        self.driving, self.driven = motions, {j for motion in motions for j in motion}
+        self.reactions, self.open = reactions, set(reactions)
+        self.taken: dict[int, ReactionStep] = {}
+        self.laws, self.loads, self.motions = (RowTable(accuracy) for _ in range(3))
+        self.scale: dict[int, float] | None = None
+        self.sources = self._sources(laws)
+        self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
+        self.outputs = tuple(self._output(row) for row in outputs)
+        self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
+
+    def turn(self) -> None:
+        """Take a coordinate for the root that is read, or none."""
+        free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
+        self.last = next(free, None) if self.last is None else None
+
+    def plan(self) -> EliminationPlan:
+        steps = tuple(self._step(coordinate) for coordinate in self._order())
+        for column in self.open:
+            self.taken[column] = self._reaction(column)
+        weights = [(found[0], e, found[1]) for e, found in self.weights if found]
+        return EliminationPlan(
+            sources=self.sources,
+            n_slots=len(self.laws.rows),
+            n_loads=len(self.loads.rows),
+            n_motions=len(self.motions.rows),
+            n_excitations=len(self.driving),
+            weights=tuple(weights),
+            given=tuple(self._given()),
+            steps=steps,
+            outputs=self.outputs,
+            reactions=tuple(self.taken[column] for column in self.reactions),
+            subtracts=self.scale is not None,
+        )
+
+    # --- rows -------------------------------------------------------------------------------------------------------
+
+    def _sources(self, laws: Sequence[Row]) -> tuple[tuple[tuple[int, float], ...], ...]:
+        sources: list[list[tuple[int, float]]] = []
+        for index, row in enumerate(laws):
+            found = self._law(row)
+            if found:
+                slot, factor = found
+                sources += [[] for _ in range(slot + 1 - len(sources))]
+                sources[slot].append((index, factor * factor))
+        return tuple(tuple(source) for source in sources)
+
+    def _law(self, row: Row) -> tuple[int, float] | None:
+        """Slot and factor of a law's row; nothing where it resists given motions only and nobody reads that."""
+        row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven or j in self.open}
+        between_given = any(j in self.driven for j in row) and any(j in self.open for j in row)
+        if any(j < self.n_free for j in row) or between_given:
+            return self.laws.add(row)
+        return None
+
+    def _load(self, row: Row) -> tuple[int, float] | None:
+        row = {j: a for j, a in row.items() if j < self.n_free or j in self.open}
+        return self.loads.add(row) if row else None
+
+    def _motion(self, row: Row) -> tuple[int, float] | None:
+        row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven}
+        return self.motions.add(row) if row else None
+
+    def _output(self, row: Row) -> tuple[int, float]:
+        return self._motion(row) or (-1, 0.0)
+
+    def _given(self) -> Iterable[tuple[int, tuple[float, ...]]]:
+        """Motions over given columns alone, under every excitation."""
+        for slot, row in enumerate(self.motions.rows):
+            if min(row) >= self.n_free:
+                yield slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving)
+
+    # --- order ------------------------------------------------------------------------------------------------------
+
+    def _order(self) -> Iterable[int]:
+        """Coordinates as they come to have the fewest rows; each is eliminated before the next is asked for.
+
+        Among links and grounds these are those with the fewest neighbours: on a tree the leaves, without fill.
+        """
+        touched = {*self.laws.touching, *self.loads.touching, *self.motions.touching}
+        names = {j for j in touched if j < self.n_free} - {self.last}
+        waiting = [(self._rows_on(v), v) for v in names]
+        heapq.heapify(waiting)
+        while waiting:
+            expected, v = heapq.heappop(waiting)
+            if v not in names:
+                continue
+            now = self._rows_on(v)
+            if now > expected:
+                heapq.heappush(waiting, (now, v))
+                continue
+            names.discard(v)
+            around = self._neighbours(v) & names
+            yield v
+            for j in around:
+                heapq.heappush(waiting, (self._rows_on(j), j))
+        if self.last is not None:
+            yield self.last
+
+    def _rows_on(self, coordinate: int) -> int:
+        return len(self.laws.touching.get(coordinate, ()))
+
+    def _neighbours(self, coordinate: int) -> set[int]:
+        rows = self.laws.rows
+        return {j for number in self.laws.touching.get(coordinate, ()) for j in rows[number]} - {coordinate}
+
+    # --- steps ------------------------------------------------------------------------------------------------------
+
+    def _step(self, v: int) -> EliminationStep:
+        handed_on = (*self._settled(), *self._split(v))
+        slots, loads = self.laws.take(v), self.loads.take(v)
+        rows = [self.laws.rows[slot] for slot in slots]
+        pairs = tuple(self._pairs(v, rows))
+        passed = tuple(part for slot in loads for part in self._passed(v, slot, rows))
+        motions = tuple(self._read(v, number, rows, bool(loads)) for number in self.motions.take(v))
+        shared = {*(pair.i for pair in pairs), *(part.i for part in passed)}
+        shared |= {i for motion in motions for i, _, _ in motion.parts}
+        return EliminationStep(
+            coordinate=v,
+            handed_on=handed_on,
+            terms=tuple((slot, row[v] * row[v]) for slot, row in zip(slots, rows, strict=True)),
+            pairs=pairs,
+            loads=tuple((slot, self.loads.rows[slot][v]) for slot in loads),
+            passed=passed,
+            motions=motions,
+            shared=tuple(sorted(shared)),
+        )
+
+    def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[EliminatedPair]:
+        for i, first in enumerate(rows):
+            for j in range(i + 1, len(rows)):
+                found = self._law(combined(first, rows[j], v, self.accuracy))
+                if found:
+                    yield EliminatedPair(i, j, found[1] * found[1], found[0])
+
+    def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[Passed]:
+        row = self.loads.rows[slot]
+        for i, law in enumerate(rows):
+            found = self._load(combined(row, law, v, self.accuracy))
+            if found:
+                yield Passed(slot, i, law[v] * found[1], found[0])
+
+    def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> MotionStep:
+        row, parts = self.motions.rows[number], []
+        for i, law in enumerate(rows):
+            found = self._motion(combined(row, law, v, self.accuracy))
+            if found:
+                parts.append((i, law[v] * found[1], found[0]))
+        return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
+
+    def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
+        """Where rows on v would multiply, hand those that are not along the common motion to links and grounds."""
+        numbers = self.laws.touching.get(v, set())
+        if len(numbers) <= max(ALWAYS, MOST_ROWS * (len(self._neighbours(v)) + 1)):
+            return
+        if self.scale is None:
+            self.scale = collections.defaultdict(lambda: 1.0, common_motion(self.laws.rows))
+        for number in sorted(numbers):
+            row = self.laws.rows[number]
+            shares = list(clique(row, self.scale, self.accuracy)) if len(row) > 1 else []
+            if len(shares) > 1:
+                yield self._handed_on(number, shares)
+
+    def _handed_on(self, slot: int, shares: Iterable[tuple[Row, float]]) -> tuple[int, tuple[tuple[int, float], ...]]:
+        """Rows with a weight in the place of one."""
+        self.laws.remove(slot)
+        found = ((self._law(row), weight) for row, weight in shares)
+        return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in found if there)
+
+    # --- reactions --------------------------------------------------------------------------------------------------
+
+    def _settled(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
+        """Reactions that hang on a single row: taken now, so that the row need no longer know of that column."""
+        for column in sorted(self.open):
+            slots = self.laws.touching.get(column, set())
+            if len(slots) == 1 and not self.loads.touching.get(column):
+                (slot,) = slots
+                self.taken[column] = self._reaction(column)
+                self.open.discard(column)
+                yield self._handed_on(slot, [(self.laws.rows[slot], 1.0)])
+
+    def _reaction(self, column: int) -> ReactionStep:
+        laws = []
+        for slot in sorted(self.laws.touching.get(column, ())):
+            row = self.laws.rows[slot]
+            found = self._motion({j: a for j, a in row.items() if j != column})
+            if found:
+                laws.append((slot, -row[column] * found[1], found[0]))
+        loads = [(slot, self.loads.rows[slot][column]) for slot in sorted(self.loads.touching.get(column, ()))]
+        return ReactionStep(tuple(laws), tuple(loads))

@@ -1,0 +1,197 @@
+"""Readings in many digits, from the exact values of a model: for the few places where double precision is not enough.
+
+All numbers are the rationals an author wrote, s may be any complex number. The tape is that of the same plan, made from
+exact rows, and a third walk along it does in mpmath what the others do in numpy and numba. What cancels to less than
+the digits left of its terms is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import torsionnet.solve.dynamic_stiffness.tape as ops
+from torsionnet.assembly.action_law import ActionLaw, polynomial
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import SolveError
+from torsionnet.model.elements import Law
+from torsionnet.model.elimination import exact
+from torsionnet.solve.dynamic_stiffness.posed import ReadingPart, pose
+from torsionnet.solve.dynamic_stiffness.row_algebra import Accuracy
+from torsionnet.solve.dynamic_stiffness.tape import Tape
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+
+DIGITS = 200
+TRUSTED = 0.55
+"""Share of the digits that mean something in a sum: the others are for poles near s and for spreads of the values."""
+CERTAIN = 0.9
+"""Share of the digits of coefficients in rows that are known: products around a loop lose few."""
+
+Number: TypeAlias = Any
+"""A number of mpmath."""
+
+
+class ManyDigits:
+    """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
+
+    def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
+        self.request, self.laws, self.actions = request, assembly.laws, assembly.system.actions
+        measured = request.measured if request.is_measured else ()
+        self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
+
+    def transfer(self, s: Number) -> list[list[Number]] | None:
+        """Outputs over inputs at one s; None where the measured inputs do not tell the excitations apart.
+
+        Raises
+        ------
+        SolveError
+            No digits are left.
+        """
+        kappa = [_dynamic_stiffness(law, s) for law in self.laws]
+        readings, n_out = self._readings(kappa, s), len(self.request.outputs)
+        return _quotient(readings[:n_out], readings[n_out:]) if self.request.is_measured else readings
+
+    def _readings(self, kappa: Sequence[Number], s: Number) -> list[list[Number]]:
+        """Every reading under every excitation."""
+        problem = self.posed.problem
+        solved = [[number(0)] * len(problem.excitations) for _ in range(problem.n_read)]
+        for excitations, part in problem.parts:
+            slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
+            for value, found in walked(part.tape, slots).items():
+                reading, place = divmod(value, len(excitations))
+                solved[reading][excitations[place]] = found
+        solved, torques = self._closed(solved, s) if self.actions else (solved, [])
+        readings = [[_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.posed.parts]
+        for values, driven in zip(readings, self.posed.driven, strict=True):
+            for action, factor in driven.items():
+                values[:] = [value + number(factor) * t for value, t in zip(values, torques[action], strict=True)]
+        return readings
+
+    def _closed(self, solved: list[list[Number]], s: Number) -> tuple[list[list[Number]], list[list[Number]]]:
+        """What is solved with the actions at work, and their torques."""
+        n, gains = self.posed.n_excitations, [_action_gain(one, s) for one in self.actions]
+        sensed = [[gain * value for value in solved[row]] for gain, row in zip(gains, self.posed.sensed, strict=True)]
+        places = range(len(gains))
+        loop = [[_left([number(int(i == j)), -sensed[i][n + j]]) for j in places] for i in places]
+        transposed = [[loop[j][i] for j in places] for i in places]
+        excited = [[sensed[i][e] for i in places] for e in range(n)]
+        by_excitation = _quotient(excited, transposed)
+        if by_excitation is None:
+            raise SolveError("the loop of a controller is at a pole here; ask for another frequency")
+        torques = [[row[i] for row in by_excitation] for i in places]
+        every = [[_left([row[e], *(row[n + i] * torques[i][e] for i in places)]) for e in range(n)] for row in solved]
+        return every, torques
+
+
+def _accuracy() -> Accuracy:
+    """Of rows in as many digits as there are."""
+    import mpmath
+
+    digits = round(CERTAIN * mpmath.mp.dps)
+    return Accuracy(mpmath.mpf(10) ** -digits, lambda value: mpmath.nstr(value, digits))
+
+
+def walked(tape: Tape, kappa: Sequence[Number]) -> dict[int, Number]:
+    """The values of a tape, by number, for dynamic stiffnesses of its slots.
+
+    Raises
+    ------
+    SolveError
+        A pivot vanishes.
+    """
+    r: list[Number] = [None] * tape.n_registers
+    values: dict[int, Number] = {}
+    for (code, t, a, b), factor in zip(tape.operations.tolist(), tape.factors.tolist(), strict=True):
+        if code == ops.LAW:
+            r[t] = kappa[a]
+        elif code == ops.CONSTANT:
+            r[t] = number(0) + factor
+        elif code in (ops.SUM, ops.PIVOT):
+            r[t] = _left([r[a], factor * r[b]])
+        elif code == ops.PRODUCT:
+            r[t] = r[a] * r[b]
+        elif code in (ops.QUOTIENT, ops.INVERSE):
+            above, below = (r[a], r[b]) if code == ops.QUOTIENT else (1, r[a])
+            if not below:
+                raise SolveError("the response cannot be told from rounding; ask for another frequency")
+            r[t] = above / below
+        elif code == ops.OUTPUT:
+            values[t] = factor * r[a]
+    return values
+
+
+def _factor(part: ReadingPart, kappa: Sequence[Number], s: Number) -> Number:
+    """What makes a reading of what was solved."""
+    if part.term is None:
+        return number(part.factor)
+    return number(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
+
+
+def _action_gain(action: ActionLaw, s: Number) -> Number:
+    """Torque per angle sensed."""
+    import mpmath
+
+    above, below = (polynomial([number(value) for value in part], s) for part in (action.numerator, action.denominator))
+    if not below:
+        raise SolveError(f"the law of {action.owner} has a pole here; ask for another frequency")
+    return above / below * (mpmath.exp(-s * number(action.delay)) if action.delay else 1)
+
+
+def _dynamic_stiffness(law: Law, s: Number) -> Number:
+    import mpmath
+
+    loss = mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0
+    total = number(law.stiffness) * (1 + loss) + s * (number(law.damping) + s * number(law.inertia))
+    if law.table is not None:
+        total += law.table.in_many_digits(s)
+    return total
+
+
+def number(value: Any) -> Number:
+    """A rational or float with all its digits; the ratio of two integers keeps 10 * 0.1 at 1."""
+    import mpmath
+
+    fraction = exact(value)
+    return mpmath.mpf(fraction.numerator) / fraction.denominator
+
+
+def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list[list[Number]] | None:
+    """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0.
+
+    By Cramer's rule: an elimination would leave rounding in place of zeros of the inverse.
+    """
+    places = range(len(measured))
+    every = (1 << len(measured)) - 1
+    whole = _minors(measured).get(every, number(0))
+    if not whole:
+        return None
+    inverse: list[list[Number]] = [[number(0)] * len(measured) for _ in places]
+    for j in places:
+        minors = _minors([*measured[:j], *measured[j + 1 :]])
+        for k in places:
+            inverse[k][j] = (-1) ** (k + j) * minors.get(every ^ (1 << k), number(0)) / whole
+    parts = [[[row[k] * inverse[k][j] for k in places] for j in places] for row in outputs]
+    return [[_left(terms) for terms in row] for row in parts]
+
+
+def _minors(rows: Sequence[Sequence[Number]]) -> dict[int, Number]:
+    """Determinants of all these rows in as many columns, by the bits of the columns; those not there are 0."""
+    found = {0: number(1)}
+    for row in rows:
+        terms: dict[int, list[Number]] = {}
+        for chosen, minor in found.items():
+            for column, value in enumerate(row):
+                if value and minor and not chosen >> column & 1:
+                    sign = (-1) ** (chosen >> column).bit_count()
+                    terms.setdefault(chosen | 1 << column, []).append(sign * value * minor)
+        found = {chosen: _left(parts) for chosen, parts in terms.items()}
+    return found
+
+
+def _left(terms: Sequence[Number]) -> Number:
+    """Their sum, exactly 0 where all digits cancel that mean something."""
+    import mpmath
+
+    total = sum(terms)
+    least = mpmath.mpf(10) ** -round(TRUSTED * mpmath.mp.dps) * sum(abs(term) for term in terms)
+    return total if abs(total) > least else number(0)

@@ -1,0 +1,144 @@
+"""Readings of points, and transfer functions as one reading over another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+import torsionnet.solve.dynamic_stiffness.dense as dense
+import torsionnet.solve.dynamic_stiffness.starmesh as starmesh
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.solve.dynamic_stiffness.closed_loops import ClosedLoops, closed
+from torsionnet.solve.dynamic_stiffness.doubt import SHARE
+from torsionnet.solve.dynamic_stiffness.posed import PosedProblem
+from torsionnet.solve.dynamic_stiffness.reading_table import reading_table
+from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
+from torsionnet.solve.dynamic_stiffness.sweep import Sweep
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+
+Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], Sweep]
+METHODS: dict[str, Respond] = {
+    "auto": starmesh.respond,
+    "graph": starmesh.respond_in_numpy,
+    "compiled": starmesh.respond_compiled,
+    "dense": dense.respond,
+}
+
+
+@dataclass(frozen=True)
+class FrequencyPoints:
+    """Transfer functions (n_points, n_out, n_in), conditioning (n_points,) of measured inputs, points in doubt."""
+
+    values: ComplexArray
+    conditioning: FloatArray
+    doubtful: NDArray[np.bool_]
+
+
+def transfer_functions(
+    request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, turned: bool = False
+) -> FrequencyPoints:
+    """Outputs over inputs; ``turned``: by another order of elimination."""
+    posed, n_out = request.posed.turned if turned else request.posed, len(request.outputs)
+    method = starmesh.chosen_method(posed.problem, kappa.n_points, method)
+    if method == "compiled" and (whole := _compiled(request, posed, kappa)) is not None:
+        points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
+        if len(points):  # beyond its range, or infinite
+            again = transfer_functions(request, kappa.at(points), "graph", turned=turned)
+            whole.values[points], whole.conditioning[points] = again.values, again.conditioning
+        return whole
+    found = METHODS[method](posed.problem, kappa)
+    loops = closed(posed, kappa, found.values, found.doubtful)
+    with np.errstate(invalid="ignore"):
+        readings = _readings(posed, kappa, loops)
+    values, doubtful, conditioning = readings[:, :n_out], loops.doubtful, np.ones(kappa.n_points)
+    if request.is_measured:
+        measured = readings[:, n_out:]
+        values, lost, apart = _divide(values, measured)
+        conditioning = _shares(posed, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
+        doubtful = doubtful | lost
+    return FrequencyPoints(values, conditioning, doubtful)
+
+
+def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness) -> FrequencyPoints | None:
+    """Everything in one compiled loop; None where that loop does not know how."""
+    import torsionnet.solve.dynamic_stiffness.compiled as compiled
+
+    parts, n_out = posed.problem.parts, len(request.outputs)
+    tables = [reading_table(posed, n_out, len(excitations)) for excitations, _ in parts]
+    values = np.empty((kappa.n_points, n_out, posed.n_excitations), dtype=complex)
+    conditioning, doubtful = np.ones(kappa.n_points), np.zeros(kappa.n_points, dtype=bool)
+    for (excitations, part), table in zip(parts, tables, strict=True):
+        if table is None:
+            return None
+        slots = kappa.gathered(part.plan.sources)
+        found, conditioning, lost = compiled.read(part.tape, slots, table, kappa.only(table.laws))
+        doubtful |= lost | part.plan.subtracts
+        if len(parts) == 1:
+            values = found
+        else:
+            values[:, :, excitations] = found
+    return FrequencyPoints(values, conditioning, doubtful)
+
+
+def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
+    """Readings (n_points, n_readings, n_exc)."""
+    values = np.empty((kappa.n_points, len(posed.parts), loops.values.shape[1]), dtype=complex)
+    for number, part in enumerate(posed.parts):
+        values[:, number] = part.of(kappa, loops.values).T
+        for action, factor in posed.driven[number].items():
+            values[:, number] += float(factor) * loops.torques[action].T
+    return values
+
+
+def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
+    """How large measured inputs (n_points, n_in, n_exc) are against the sums of their terms' magnitudes."""
+    sizes = np.zeros(measured.shape)
+    first = len(posed.parts) - measured.shape[1]
+    with np.errstate(all="ignore"):
+        for number in range(measured.shape[1]):
+            terms = (np.abs(part.of(kappa, solved)).T for part in posed.terms[first + number])
+            sizes[:, number] = sum(terms, start=np.abs(posed.applied[first + number]))
+        return np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+
+
+def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
+    """Y_out Y_in^-1 of every point, points that lose digits in it, and how well Y_in tells the excitations apart.
+
+    The last is 1 at best and 0 where it does not at all; there the quotient is inf.
+    """
+    n_points, n_in, _ = measured.shape
+    with np.errstate(all="ignore"):
+        if n_in == 1:
+            quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
+            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_points)
+        rows = np.abs(measured).max(axis=2, keepdims=True)
+        columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
+        normed = measured / rows / columns
+        normed[~np.isfinite(normed)] = 0.0
+        singular = np.linalg.svd(normed, compute_uv=False)
+        apart = singular[:, -1] / np.maximum(singular[:, 0], 1e-300)
+        inverse, size = _inverse(normed)
+        scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
+        quotient = outputs @ (inverse * scale)
+        lost = (SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+
+
+def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Of every matrix, inf where it is singular; and of what size the rounding of each entry is."""
+    if matrices.shape[1] == 2:
+        (a, b), (c, d) = matrices.transpose(1, 2, 0)
+        inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
+        return inverse, np.abs(inverse)
+    inverse = np.empty(matrices.shape, dtype=complex)
+    for number, matrix in enumerate(matrices):
+        try:
+            inverse[number] = np.linalg.inv(matrix)
+        except np.linalg.LinAlgError:
+            inverse[number] = np.inf
+    return inverse, np.broadcast_to(np.abs(inverse).max(axis=(1, 2), keepdims=True), inverse.shape)

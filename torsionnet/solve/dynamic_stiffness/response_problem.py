@@ -1,0 +1,115 @@
+"""What a solver is asked: laws over coordinates and given motions, what drives them, and what is read.
+
+Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
+imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan
+from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
+from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
+from torsionnet.solve.dynamic_stiffness.tape import Tape
+from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
+
+ALONE = 4
+"""Up to so many torques are solved one by one, each with its own coordinate at the root of the tree."""
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Its multiples modulo 1 are spread most evenly."""
+
+
+@dataclass(frozen=True)
+class Loading:
+    """A unit of what drives: ``load``, N m by column, and ``motion``, rad of given columns; the others stand still."""
+
+    load: Row = field(default_factory=dict)
+    motion: Row = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseProblem:
+    """Laws over all columns, what drives, and what is read.
+
+    Attributes
+    ----------
+    laws : sequence of rows
+        gamma of every law over all columns.
+    n_free : int
+        Number of coordinates.
+    excitations : tuple of Loading
+    outputs : tuple of rows
+        Motions asked for, over all columns.
+    reactions : tuple of int
+        Given columns; asked for is the torque on each that the drivetrain, held there, exerts.
+    turned : bool
+        Whether to eliminate towards another root, in coordinates of odd sizes: which gives the same but for rounding.
+    accuracy : Accuracy
+        Of the coefficients in all rows.
+    """
+
+    laws: Sequence[Row]
+    n_free: int
+    excitations: tuple[Loading, ...]
+    outputs: tuple[Row, ...]
+    reactions: tuple[int, ...] = ()
+    turned: bool = False
+    accuracy: Accuracy = DOUBLE
+
+    @property
+    def n_read(self) -> int:
+        return len(self.outputs) + len(self.reactions)
+
+    @cached_property
+    def parts(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
+        """Which excitations are solved together: torques one by one where they are few, and all imposed motions."""
+        loads = [number for number, one in enumerate(self.excitations) if not one.motion]
+        motions = [number for number, one in enumerate(self.excitations) if one.motion]
+        groups = [[number] for number in loads] if len(loads) <= ALONE else [loads]
+        groups += [motions] if motions else []
+        if len(groups) == 1:
+            return ((groups[0], self),)
+        return tuple((group, self._only([self.excitations[number] for number in group])) for group in groups)
+
+    @cached_property
+    def otherwise(self) -> ResponseProblem:
+        """The same by another order of elimination, and in other sizes of the coordinates.
+
+        Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
+        however the stiffnesses are moved. In other sizes it is no longer 1.
+        """
+        return replace(self, turned=True)
+
+    def _only(self, excitations: Sequence[Loading]) -> ResponseProblem:
+        return replace(self, excitations=tuple(excitations))
+
+    def _sized(self, row: Row) -> Row:
+        if not self.turned:
+            return row
+        return {column: value * _odd(column) if column < self.n_free else value for column, value in row.items()}
+
+    @cached_property
+    def plan(self) -> EliminationPlan:
+        return make_plan(
+            [self._sized(law) for law in self.laws],
+            self.n_free,
+            [self._sized(excitation.load) for excitation in self.excitations],
+            [excitation.motion for excitation in self.excitations],
+            [self._sized(output) for output in self.outputs],
+            self.reactions,
+            turned=self.turned,
+            accuracy=self.accuracy,
+        )
+
+    @cached_property
+    def tape(self) -> Tape:
+        return make_tape(self.plan)
+
+
+def _odd(column: int) -> float:
+    """Between 1 and 2, and another one for each column."""
+    return 1 + (column + 1) * GOLDEN % 1

@@ -1,0 +1,86 @@
+"""The numbers of a tape in numpy: every operation on a vector of points at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import torsionnet.solve.dynamic_stiffness.tape as ops
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.solve.dynamic_stiffness.doubt import Array, Doubt
+from torsionnet.solve.dynamic_stiffness.tape import Tape
+
+BLOCK_BYTES = 24 * 2**20
+"""Registers worked on at once."""
+FEWEST, MOST = 1024, 4096
+"""Points worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
+
+
+@dataclass
+class Sweep:
+    """Values (n_read, n_exc, n_points), and a mask (n_points,) of points that have lost digits."""
+
+    values: Array
+    doubtful: NDArray[np.bool_]
+
+
+def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
+    """Walk along the tape, some points at a time.
+
+    Parameters
+    ----------
+    tape : Tape
+    kappa : LawStiffness
+        Of the slots of the plan.
+
+    Returns
+    -------
+    (n_values, n_points) array, (n_points,) boolean array
+        Values, and which points have lost digits.
+    """
+    kind = float if kappa.is_real else complex
+    values = np.zeros((tape.n_values, kappa.n_points), dtype=kind)
+    doubtful = np.zeros(kappa.n_points, dtype=bool)
+    walk = list(zip(*tape.operations.T.tolist(), tape.factors.tolist(), strict=True))
+    start = 0
+    for part in kappa.blocks(min(MOST, max(FEWEST, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
+        here = slice(start, start + part.n_points)
+        doubt = Doubt(part.n_points)
+        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], doubt)
+        doubtful[here] = doubt.marked
+        start = here.stop
+    return values, doubtful
+
+
+def _walk(
+    walk: list[tuple[int, int, int, int, float]], kappa: LawStiffness, registers: Array, values: Array, doubt: Doubt
+) -> None:
+    *r, spare = registers
+    parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
+    real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
+    for code, t, a, b, factor in walk:
+        if code == ops.PRODUCT:
+            np.multiply(r[a], r[b], out=r[t])
+        elif code in (ops.SUM, ops.PIVOT):
+            term: Any = r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare)
+            np.add(r[a], term, out=r[t])
+            if code == ops.SUM:
+                doubt.sums(term, r[t])
+        elif code == ops.LAW:
+            kappa.write(a, real[t], imag[t])
+            against = kappa.inertial(a)
+            if against is not None:
+                doubt.sums(against, r[t])
+        elif code == ops.QUOTIENT:
+            np.divide(r[a], r[b], out=r[t])
+        elif code == ops.WATCH:
+            doubt.shares(r[a], factor)
+        elif code == ops.INVERSE:
+            np.divide(1.0, r[a], out=r[t])
+        elif code == ops.CONSTANT:
+            r[t].fill(factor)
+        else:
+            np.multiply(r[a], factor, out=values[t])

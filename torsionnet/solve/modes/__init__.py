@@ -1,0 +1,1 @@
+"""Natural frequencies, damping ratios and mode shapes: poles of the rows, and their words, pairs and Holzer tables."""

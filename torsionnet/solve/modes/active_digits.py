@@ -1,0 +1,80 @@
+"""Roots of the characteristic equation in many digits, from the exact values: where double precision blurs them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.action_law import polynomial
+from torsionnet.assembly.rows import ComplexArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.solve.dynamic_stiffness.many_digits import number
+
+DIGITS = 60
+MOST_STEPS = 20
+CONVERGED = 1e-15
+
+
+class ManyDigitPencil:
+    """P(s) of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil` in mpmath, within ``workdps(DIGITS)``."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        import mpmath
+
+        self.actions = assembly.system.actions
+        self.index = {name: place for place, name in enumerate(assembly.kinematics.coordinates)}
+        n = len(self.index)
+        self.size = n + len(self.actions)
+        self.powers = [mpmath.zeros(n, n) for _ in range(3)]
+        for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
+            ours = [(self.index[name], number(value)) for name, value in row.items() if name in self.index]
+            for power, value in zip(self.powers, (law.stiffness, law.damping, law.inertia), strict=True):
+                for i, a in ours if value else ():
+                    for j, b in ours:
+                        power[i, j] += number(value) * a * b
+
+    def at(self, s: Any, rate: bool = False) -> Any:
+        """P(s), or dP/ds."""
+        import mpmath
+
+        K, C, M = self.powers
+        n, whole = len(self.index), mpmath.zeros(self.size, self.size)
+        whole[:n, :n] = C + 2 * s * M if rate else K + s * (C + s * M)
+        for place, action in enumerate(self.actions, n):
+            above, below = ([number(value) for value in part] for part in (action.numerator, action.denominator))
+            tau = number(action.delay)
+            factor, own = polynomial(above, s), polynomial(below, s)
+            if rate:
+                factor, own = polynomial(_slope(above), s) - tau * factor, polynomial(_slope(below), s)
+            for name, value in action.sensed.items():
+                if name in self.index:
+                    whole[place, self.index[name]] = -factor * mpmath.exp(-s * tau) * number(value)
+            for name, value in action.row.items() if not rate else ():
+                if name in self.index:
+                    whole[self.index[name], place] = -number(value)
+            whole[place, place] = own
+        return whole
+
+    def settled(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray] | None:
+        """The root near a start and its vector, to double precision; None where it does not settle."""
+        import mpmath
+
+        s, w = mpmath.mpmathify(start), mpmath.matrix([mpmath.mpmathify(complex(value)) for value in vector])
+        for _ in range(MOST_STEPS):
+            try:
+                z = mpmath.lu_solve(self.at(s), self.at(s, rate=True) * w)
+            except ZeroDivisionError:
+                return complex(s), np.array([complex(value) for value in w])
+            largest = max(range(len(w)), key=lambda place: abs(w[place]))
+            if not z[largest]:
+                return None
+            step = w[largest] / z[largest]
+            s, w = s - step, z / max(abs(value) for value in z)
+            if abs(step) <= CONVERGED * abs(s):
+                return complex(s), np.array([complex(value) for value in w])
+        return None
+
+
+def _slope(coefficients: list[Any]) -> list[Any]:
+    return [power * value for power, value in enumerate(coefficients)][1:]

@@ -1,0 +1,139 @@
+"""The bordered system of measured-input poles in exact rationals, and what can be counted on it.
+
+With unknown excitations u, the rates s at which the readings L(s) q + d u can stay zero are the roots of det P(s),
+
+    P(s) = [ D(s)  -B ]  =  P_0 + P_1 s + P_2 s^2
+           [ L(s)   d ]
+
+How many of them there are, how many are zero and which are repeated, no rounded number can tell; the determinant modulo
+large primes can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice
+from typing import TypeAlias
+
+from torsionnet.assembly.functionals import powers_of_s
+from torsionnet.assembly.system import Assembly
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import exact_row
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.solve.modes.modular import (
+    Coefficients,
+    determinant,
+    interpolated,
+    primes,
+    rational,
+    residue,
+    square_free,
+)
+from torsionnet.solve.modes.refine import least_fill
+
+MAX_PRIMES = 40
+"""Coefficients of repeated factors up to some 700 digits."""
+
+ExactRow: TypeAlias = dict[int, Fraction]
+
+
+@dataclass(frozen=True)
+class Bordered:
+    """P_0, P_1, P_2 as sparse exact rows over (q, u); ``n_coordinates`` of the unknowns are q."""
+
+    powers: tuple[list[ExactRow], list[ExactRow], list[ExactRow]]
+    n_coordinates: int
+
+    @classmethod
+    def of(cls, assembly: Assembly, request: TransferRequest) -> Bordered:
+        index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
+        n, m = len(index), len(request.excitations)
+        powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
+        for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
+            ours = {index[name]: value for name, value in row.items() if name in index}
+            for power, value in enumerate((exact(law.stiffness), exact(law.damping), exact(law.inertia))):
+                for i, a in ours.items():
+                    for j, b in ours.items():
+                        _add(powers[power][i], j, value * a * b)
+        for column, excitation in enumerate(request.excitations):
+            for name, value in exact_row(assembly.kinematics.reduced(excitation.row)).items():
+                if name in index:  # the rest of the torque acts on imposed angles, which stand still
+                    _add(powers[0][index[name]], n + column, -value)
+        for line, reading in enumerate(request.measured, start=n):
+            for term in reading.terms:
+                ours = {index[name]: value for name, value in term.exact.items() if name in index}
+                for power, share in enumerate(powers_of_s(assembly, term)):
+                    for i, a in ours.items():
+                        _add(powers[power][line], i, term.factor * share * a)
+            for column, excitation in enumerate(request.excitations):
+                _add(powers[0][line], n + column, reading.direct(excitation.row))
+        kept = ([{key: value for key, value in row.items() if value} for row in block] for block in powers)
+        return cls(tuple(kept), n)  # type: ignore[arg-type]
+
+    @property
+    def size(self) -> int:
+        return len(self.powers[0])
+
+    @property
+    def entries(self) -> dict[tuple[int, int], tuple[Fraction, ...]]:
+        """Coefficients of s^0, s^1 and s^2 of every entry of P."""
+        places = dict.fromkeys((i, j) for block in self.powers for i, row in enumerate(block) for j in row)
+        return {(i, j): tuple(block[i].get(j, Fraction(0)) for block in self.powers) for i, j in places}
+
+    def determinant(self, prime: int) -> Coefficients:
+        """Coefficients of det P(s) modulo a prime, ascending."""
+        order, _ = least_fill(self.size, self.entries)
+        blocks = [[{order[j]: residue(x, prime) for j, x in row.items()} for row in block] for block in self.powers]
+        return interpolated(
+            [determinant(_at(blocks, s, prime), prime) for s in range(2 * self.n_coordinates + 1)], prime
+        )
+
+    def roots(self) -> tuple[int, int] | None:
+        """How many roots det P(s) has, with multiplicity, and how many of them are zero; None where it vanishes."""
+        coefficients = self.determinant(next(primes()))
+        return (len(coefficients) - 1, _zeros(coefficients)) if coefficients else None
+
+    def repeated(self) -> dict[int, list[Fraction]] | None:
+        """Exact monic polynomials of the nonzero roots that are repeated, by multiplicity; None where that is too much.
+
+        The polynomials modulo several primes are joined until one prime more does not change them.
+        """
+        joined: dict[int, list[int]] = {}
+        modulus, last = 1, None
+        for prime in islice(primes(), MAX_PRIMES):
+            coefficients = self.determinant(prime)
+            factors = square_free(coefficients[_zeros(coefficients) :], prime)
+            found = {multiplicity: factor for multiplicity, factor in factors.items() if multiplicity > 1}
+            if {m: len(factor) for m, factor in joined.items()} != {m: len(factor) for m, factor in found.items()}:
+                joined, modulus = found, prime
+            else:
+                inverse = pow(modulus, -1, prime)
+                for m, values in joined.items():
+                    joined[m] = [
+                        x + modulus * ((y - x) * inverse % prime) for x, y in zip(values, found[m], strict=True)
+                    ]
+                modulus *= prime
+            now = {m: [rational(value, modulus) for value in values] for m, values in joined.items()}
+            if now == last and not any(None in values for values in now.values()):
+                return now  # type: ignore[return-value]
+            last = now
+        return None
+
+
+def _add(row: ExactRow, column: int, value: Fraction) -> None:
+    row[column] = row.get(column, Fraction(0)) + value
+
+
+def _at(blocks: Sequence[Sequence[dict[int, int]]], point: int, prime: int) -> list[dict[int, int]]:
+    rows: list[dict[int, int]] = [{} for _ in blocks[0]]
+    for power, block in enumerate(blocks):
+        for row, part in zip(rows, block, strict=True):
+            for column, value in part.items():
+                row[column] = (row.get(column, 0) + point**power * value) % prime
+    return [{column: value for column, value in row.items() if value} for row in rows]
+
+
+def _zeros(coefficients: Coefficients) -> int:
+    return next(power for power, value in enumerate(coefficients) if value)

@@ -1,0 +1,134 @@
+"""Modes of a drivetrain with continuous shafts: the lowest so many of infinitely many.
+
+Every mode without damping is bracketed by the count of Wittrick and Williams and bisected to the last digit.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.core.errors import SolveError
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.reduction import (
+    acting,
+    echelon,
+    resisting,
+    restricted,
+)
+from torsionnet.solve.modes.sturm import ModeCount
+
+Mask: TypeAlias = NDArray[np.bool_]
+
+COUNT = 20
+"""Modes that are given where nobody says how many."""
+SAME = 1e-10
+"""Frequencies that agree to this are one repeated frequency."""
+LOWEST = 1e-9
+"""No vibration is slower than this share of the first frequency of a shaft, or is looked for."""
+BISECTIONS = 110
+BESIDE = 1.0123
+"""Keeps trial frequencies off those of shafts with their ends held, where D is infinite."""
+
+
+def is_continuous(system: RowSystem) -> bool:
+    """Whether the system has infinitely many modes."""
+    return any(table.is_continuous for _, table in system.dynamic)
+
+
+def elastic(system: RowSystem) -> Mask:
+    """Mask of the laws that resist a slow motion."""
+    found = system.stiffness > 0
+    found[[law for law, table in system.dynamic if table.is_elastic]] = True
+    return np.asarray(found)
+
+
+def rigid_motions(system: RowSystem) -> FloatArray:
+    """Shapes (n_q, n_rigid) of motions that no spring resists."""
+    return echelon(unresisted(system, elastic(system)).basis())
+
+
+def number_below(system: RowSystem, omega: float) -> int:
+    """Modes without damping below omega in rad/s, rigid bodies included."""
+    system = acting(system)
+    system = acting(restricted(system, resisting(system)))
+    return max(int(ModeCount(system).below(np.array([omega])).item()), int(rigid_motions(system).shape[1]))
+
+
+def natural_rates(system: RowSystem, count: int) -> FloatArray:
+    """The lowest natural frequencies in rad/s, rigid bodies as 0."""
+    modes = ModeCount(system)
+    rigid = rigid_motions(system).shape[1]
+    if count <= rigid:
+        return np.zeros(count)
+    wanted = np.arange(rigid + 1, count + 1)
+    first = first_rate(system)
+    upper = BESIDE * first
+    while modes.below(np.array([upper]))[0] < count:
+        upper *= 2
+        if upper > 1e12 * first:
+            raise SolveError("the modes of the continuous shafts cannot be counted")
+    low, high = np.full(len(wanted), LOWEST * first), np.full(len(wanted), upper)
+    for _ in range(BISECTIONS):
+        middle = np.where(high > 2 * low, np.sqrt(low * high), (low + high) / 2)
+        above = modes.below(middle) >= wanted
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+        if np.all(high - low <= 2 * np.spacing(high)):
+            break
+    return np.concatenate([np.zeros(rigid), (low + high) / 2])
+
+
+def first_rate(system: RowSystem) -> float:
+    """The lowest frequency of a shaft by itself, rad/s."""
+    rates = []
+    for _, table in system.dynamic:
+        if table.is_continuous:
+            k, J, *_ = (float(one) for one in table.coefficients)
+            rates.append(np.pi * np.sqrt(k / J))
+    return float(min(rates))
+
+
+def undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArray]:
+    """Natural frequencies in rad/s and real shapes (n_q, count), rigid bodies first."""
+    system = acting(system)
+    kept = resisting(system)
+    rates, shapes = _undamped_modes(acting(restricted(system, kept)), count)
+    every = np.zeros((system.n_coordinates, len(rates)))
+    every[kept] = shapes
+    return rates, every
+
+
+def _undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArray]:
+    rates, rigid = natural_rates(system, count), rigid_motions(system)
+    shapes = np.zeros((system.n_coordinates, count))
+    shapes[:, : rigid.shape[1]] = rigid[:, :count]
+    modes = ModeCount(system)
+    for group in groups(rates):
+        if rates[group[0]] > 0:
+            shapes[:, group] = _null_vectors(system, modes, float(np.mean(rates[group])), len(group))
+    return rates, shapes
+
+
+def groups(rates: FloatArray) -> list[list[int]]:
+    found: list[list[int]] = []
+    for place, rate in enumerate(rates):
+        if found and rate - rates[found[-1][0]] <= SAME * rate:
+            found[-1].append(place)
+        else:
+            found.append([place])
+    return found
+
+
+def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int) -> FloatArray:
+    """Motions that D(omega) does not resist."""
+    kappa = modes.real_stiffness(np.array([omega]))[:, 0]
+    rows = system.rows
+    D = rows.T @ (kappa[:, None] * rows)
+    scale = 1 / np.sqrt(np.maximum(np.abs(rows.T**2 @ np.abs(kappa)), 1e-300))
+    values, vectors = np.linalg.eigh(scale[:, None] * D * scale)
+    chosen = np.argsort(np.abs(values))[:count]
+    found = scale[:, None] * vectors[:, chosen]
+    return np.asarray(found / np.abs(found).max(axis=0))

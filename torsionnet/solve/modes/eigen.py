@@ -1,0 +1,241 @@
+"""Modes of a row system: complex eigenvalues with damping, natural frequencies without.
+
+    (s^2 M + s C + K) q = 0,    lambda = -zeta omega_0 +- j omega_0 sqrt(1 - zeta^2)
+
+>>> import numpy as np
+>>> from torsionnet.assembly.rows import Rows
+>>> rows = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))
+>>> two_mass = RowSystem(rows, np.array([2.0, 2.0, 0.0]), np.array([0.0, 0.0, 0.2]), np.array([0.0, 0.0, 100.0]))
+>>> modes = complex_modes(two_mass)
+>>> modes.kinds
+('rigid body', 'oscillatory')
+>>> print(np.round(modes.eigenvalues, 6))
+[ 0. +0.j     -0.1+9.9995j]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import torsionnet.solve.modes.frozen_stiffness as frozen_stiffness
+from torsionnet.assembly.action_law import refuse_actions
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.solve.dynamic_stiffness.reduction import (
+    LARGE,
+    AnyArray,
+    acting,
+    resisting,
+    restricted,
+    stiff_laws,
+    subspaces,
+)
+from torsionnet.solve.modes import continuous, continuous_damped
+from torsionnet.solve.modes.lowest import Motions, lowest_vibrations
+from torsionnet.solve.modes.spectrum import physical, refined, solve
+
+PART = 1e-6
+"""Imaginary part of a shape of 1 that is not rounding."""
+DECIDED = 1e-14
+"""Damping ratio below which double precision does not tell growth from decay."""
+RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
+
+
+@dataclass(frozen=True)
+class EigenSolution:
+    """Modes, rigid bodies first, then by |lambda| ascending.
+
+    Attributes
+    ----------
+    eigenvalues : (n_modes,) complex array
+        lambda in rad/s: one entry per conjugate pair (Im > 0), each real pole once, each rigid-body mode once (0).
+    vectors : (n_q, n_modes) complex array
+        Displacement shapes in q; the largest component of each is 1 (real positive).
+    kinds : tuple of str
+        "rigid body", "real pole" or "oscillatory".
+    converged : (n_modes,) boolean array
+        False where the frequency of a frequency-dependent law and of its mode could not be made to agree.
+    iterations : (n_modes,) integer array
+        Eigenvalue problems solved for the mode.
+    errors : (n_modes,) array
+        Estimated relative error of each eigenvalue with respect to the exact one of the given coefficients;
+        0 for rigid-body modes, which are exact.
+    missing : int
+        Modes that are known to be there but could not be calculated.
+    """
+
+    eigenvalues: ComplexArray
+    vectors: ComplexArray
+    kinds: tuple[str, ...]
+    converged: NDArray[np.bool_]
+    iterations: NDArray[np.int_]
+    errors: FloatArray
+    missing: int = 0
+
+    def first(self, count: int | None) -> EigenSolution:
+        """Only the first modes."""
+        whole = ("kinds", "missing")
+        parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
+        return replace(self, kinds=self.kinds[:count], **parts)
+
+
+def complex_modes(
+    system: RowSystem, lowest: int | None = None, undamped: tuple[FloatArray, FloatArray] | None = None
+) -> EigenSolution:
+    """Modes with damping, all or the ``lowest`` so many; an undamped system gets purely imaginary eigenvalues.
+
+    Frequency-dependent laws start from the modes without damping, which are calculated where ``undamped`` does not give
+    them.
+
+    Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
+    rounding. A damping below zero, also in a table, can make a mode grow.
+    With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
+    use the real part at rest.
+
+    Raises
+    ------
+    SolveError
+        Where coordinates have neither inertia nor spring nor damper.
+    """
+    refuse_actions(system.actions, "these modes are")
+    system = acting(system)
+    if continuous.is_continuous(system):
+        return _of_continuous(system, lowest or continuous.COUNT)
+    stiff = stiff_laws(system)
+    if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
+        return few.first(lowest)
+    spaces = subspaces(system, stiff, system.damping != 0)
+    if system.dynamic:
+        omega, shapes = undamped_modes(system) if undamped is None else undamped
+        starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
+        found = frozen_stiffness.modes(system, spaces, starts)
+        passive = is_passive(system, found.values)
+    else:
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
+        kept, real = physical(spectrum)
+        found = frozen_stiffness.Found.all_converged(spectrum, kept, real)
+        passive = dissipates(system)
+    return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
+
+
+def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
+    rigid, found, missing = continuous_damped.damped_modes(system, count)
+    solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(count)
+    return replace(solution, missing=missing)
+
+
+def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
+    """The lowest modes of a large system by a sparse route, or None where none fits."""
+    if system.n_coordinates <= LARGE or system.dynamic:
+        return None
+    damped = system.damping != 0
+    motions = Motions.of(system, stiff, damped, lowest)
+    found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=not np.any(damped))
+    return None if found is None else _sorted_solution(motions.rigid, found, passive=dissipates(system))
+
+
+def dissipates(system: RowSystem) -> bool:
+    """Whether no constant damping feeds energy in."""
+    return not np.any(system.damping < 0)
+
+
+def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
+    """Whether no law feeds energy into any of the vibrations."""
+    omega = np.abs(eigenvalues.imag)
+    return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
+
+
+def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:
+    order = np.argsort(np.abs(found.values), kind="stable")
+    n_rigid, real = rigid.shape[1], found.real[order]
+    values = np.where(real, found.values[order].real, found.values[order])
+    if passive:
+        values = np.minimum(values.real, 0.0) + 1j * values.imag
+    shapes = _real_shapes(scaled(found.shapes[:, order]), found.values[order], real)
+    return EigenSolution(
+        eigenvalues=np.concatenate([np.zeros(n_rigid), values]).astype(complex),
+        vectors=np.hstack([scaled(rigid), shapes]).astype(complex),
+        kinds=(RIGID,) * n_rigid + tuple(REAL if is_real else OSCILLATORY for is_real in real),
+        converged=np.concatenate([np.ones(n_rigid, dtype=bool), found.converged[order]]),
+        iterations=np.concatenate([np.zeros(n_rigid, dtype=int), found.iterations[order]]),
+        errors=np.concatenate([np.zeros(n_rigid), found.errors[order]]),
+    )
+
+
+def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]) -> AnyArray:
+    """Shapes of real eigenvalues are real; two that came out as a pair have the real and the imaginary part of one."""
+    found = shapes.copy()
+    found[:, real] = shapes[:, real].real
+    second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > PART)
+    found[:, second] = scaled(shapes[:, second].imag)
+    return found
+
+
+def on_axis(values: ComplexArray, errors: FloatArray) -> ComplexArray:
+    """Eigenvalues without real parts that are no larger than their errors, relative: these neither grow nor decay."""
+    blurred = np.abs(values.real) <= np.maximum(errors, DECIDED) * np.abs(values)
+    return np.asarray(np.where(blurred, 1j * values.imag, values))
+
+
+def scaled(shapes: AnyArray) -> AnyArray:
+    """Scale each column so that its largest component is 1; of equally large ones the first."""
+    if not shapes.size:
+        return shapes
+    size = np.abs(shapes)
+    first = np.argmax(size >= size.max(axis=0) * (1 - 1e-9), axis=0)
+    largest = shapes[first, np.arange(shapes.shape[1])]
+    # A pole of a controller that drives what cannot move has no motion.
+    largest[largest == 0] = 1
+    return np.asarray(shapes / largest)
+
+
+def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:
+    """Natural frequencies and shapes of M and K alone, all or the ``lowest`` so many.
+
+    Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
+    frequency. With continuous shafts, which have infinitely many, the lowest 20 unless ``lowest`` says otherwise.
+
+    Returns
+    -------
+    omega : (n,) array
+        One natural frequency in rad/s for each dynamic degree of freedom (rank of M), ascending; 0.0 for rigid bodies.
+    shapes : (n_q, n) array
+        Real shapes; the largest component of each is 1.
+    """
+    refuse_actions(system.actions, "undamped modes are")
+    system = acting(system)
+    if continuous.is_continuous(system):
+        return continuous.undamped_modes(system, lowest or continuous.COUNT)
+    kept = resisting(system)
+    omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
+    every = np.zeros((system.n_coordinates, len(omega)))
+    every[kept] = shapes
+    return omega, every
+
+
+def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, FloatArray]:
+    stiff = stiff_laws(system)
+    undamped = np.zeros_like(stiff)
+    if lowest is not None and system.n_coordinates > LARGE and not system.dynamic:
+        motions = Motions.of(system, stiff, undamped, lowest)
+        few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
+        if few is not None:
+            return _sorted_undamped(motions.rigid, few, lowest)
+    spaces = subspaces(system, stiff, undamped)
+    if system.dynamic:
+        found = frozen_stiffness.modes(system, spaces, undamped=True)
+    else:
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=True))
+        found = frozen_stiffness.Found.all_converged(spectrum, *physical(spectrum))
+    return _sorted_undamped(spaces.rigid, found, lowest)
+
+
+def _sorted_undamped(
+    rigid: FloatArray, found: frozen_stiffness.Found, lowest: int | None
+) -> tuple[FloatArray, FloatArray]:
+    order = np.argsort(found.values.imag, kind="stable")
+    omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
+    shapes = np.hstack([rigid, found.shapes[:, order].real])
+    return omega[:lowest], np.asarray(scaled(shapes)[:, :lowest])

@@ -1,0 +1,211 @@
+"""Modes where stiffness depends on frequency: freeze it at the mode's own frequency, solve, repeat.
+
+Each mode is a fixed point omega = |Im lambda(omega)| of the eigenvalue problem with kappa frozen at omega.
+The mode is followed from one problem to the next by the modal assurance criterion of the inertia-weighted shapes,
+and the fixed point is approached by secant steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.core.errors import SolveError
+from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, Subspaces
+from torsionnet.solve.modes.spectrum import Spectrum, physical, refined, solve
+
+TOLERANCE = 1e-12
+"""Relative change of a mode's frequency at which the fixed point is found."""
+NEAR = 1e-6
+"""Relative change from which on, or from its own error, an uncertain eigenvalue is refined."""
+MAX_ITERATIONS = 60
+SAME = 1e-8
+"""Eigenvalues that agree to this are one multiple eigenvalue, or one mode found twice."""
+SLOWEST = 0.05
+"""Secant steps need d(found - omega)/d omega below minus this."""
+
+Start: TypeAlias = tuple[float, ComplexArray]
+
+
+@dataclass(frozen=True)
+class Found:
+    """Eigenvalues other than zero with their displacement shapes, one per conjugate pair."""
+
+    values: ComplexArray
+    shapes: ComplexArray
+    real: NDArray[np.bool_]
+    errors: FloatArray
+    converged: NDArray[np.bool_]
+    iterations: NDArray[np.int_]
+
+    @classmethod
+    def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Found:
+        """Of a spectrum without frequency dependence."""
+        count = len(kept)
+        return cls(
+            spectrum.values[kept],
+            spectrum.shapes[:, kept],
+            real,
+            spectrum.errors[kept],
+            np.ones(count, dtype=bool),
+            np.ones(count, dtype=int),
+        )
+
+
+@dataclass(frozen=True)
+class Mode:
+    value: complex
+    shape: ComplexArray
+    error: float = 0.0
+    converged: bool = True
+    iterations: int = 1
+
+
+@dataclass(frozen=True)
+class FrozenProblem:
+    """The eigenvalue problem as a function of the frequency at which the dynamic laws are frozen."""
+
+    system: RowSystem
+    spaces: Subspaces
+    undamped: bool
+    known: dict[bytes, Spectrum] = field(default_factory=dict)
+
+    def stiffness(self, omega: float) -> AnyArray:
+        total = self.system.stiffness + self.system.kappa(omega)
+        if not np.all(np.isfinite(total)):
+            raise SolveError(f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s")
+        if self.undamped and np.any(total.real[self.spaces.springs] <= 0):
+            raise SolveError(f"a frequency-dependent stiffness has no positive real part at {omega:.6g} rad/s")
+        lossless = self.undamped or not np.any(total.imag)
+        return np.asarray(total.real) if lossless else np.asarray(total)
+
+    def at(self, omega: float) -> Spectrum:
+        """Spectrum with the laws frozen at omega; equal stiffnesses are solved once."""
+        stiffness = self.stiffness(omega)
+        key = stiffness.tobytes()
+        if key not in self.known:
+            no_loss = self.undamped or not (np.iscomplexobj(stiffness) or np.any(self.system.damping))
+            self.known[key] = solve(self.system, self.spaces, stiffness, undamped=no_loss)
+        return self.known[key]
+
+    def resemblance(self, shapes: ComplexArray, shape: ComplexArray) -> FloatArray:
+        """Modal assurance criterion |a^H M b|^2 / (a^H M a  b^H M b) of each column with one shape."""
+        heavy = self.system.inertia > 0
+        weighted = np.sqrt(self.system.inertia[heavy])[:, None] * self.system.rows[heavy]
+        a, b = weighted @ shapes, weighted @ shape
+        size = np.sum(np.abs(a) ** 2, axis=0) * np.sum(np.abs(b) ** 2)
+        return np.asarray(np.abs(a.conj().T @ b) ** 2 / np.where(size > 0, size, 1.0))
+
+
+def modes(
+    system: RowSystem, spaces: Subspaces, starts: Iterable[Start] | None = None, *, undamped: bool = False
+) -> Found:
+    """All nonzero modes of a system with dynamic laws.
+
+    Real poles are those of the stiffness at rest, Re kappa(0+); the remaining ones are oscillatory. Each of these is
+    tracked from a start (frequency, shape), by default the undamped ones at rest, and where two starts lead to one
+    mode, from the other eigenvalues met on the way.
+    """
+    problem = FrozenProblem(system, spaces, undamped)
+    rest = _at_rest(system, spaces, undamped=undamped)
+    real = [] if undamped else _real_poles(rest)
+    count = len(rest.values) if rest.undamped else (len(rest.values) - len(real)) // 2
+    found: list[Mode] = []
+    for omega, shape in _all_starts(problem, _own_starts(rest) if starts is None else starts, count):
+        if len(found) >= count:
+            break
+        group = _track(problem, omega, shape, count)
+        if group and not any(abs(group[0].value - other.value) <= SAME * abs(other.value) for other in found):
+            found.extend(group)
+    return _collect(found[:count], real, system.n_coordinates)
+
+
+def _at_rest(system: RowSystem, spaces: Subspaces, *, undamped: bool) -> Spectrum:
+    stiffness = FrozenProblem(system, spaces, undamped=True).stiffness(0.0)
+    return refined(solve(system, spaces, stiffness, undamped=undamped or not np.any(system.damping)))
+
+
+def _real_poles(rest: Spectrum) -> list[Mode]:
+    kept, real = physical(rest)
+    return [Mode(complex(rest.values[j]), rest.shapes[:, j], float(rest.errors[j])) for j in kept[real]]
+
+
+def _own_starts(rest: Spectrum) -> list[Start]:
+    order = np.argsort(rest.values.imag)
+    return [(float(rest.values[j].imag), rest.shapes[:, j]) for j in order]
+
+
+def _all_starts(problem: FrozenProblem, starts: Iterable[Start], count: int) -> Iterator[Start]:
+    yield from starts
+    for spectrum in list(problem.known.values()):
+        yield from ((float(spectrum.values[j].imag), spectrum.shapes[:, j]) for j in _candidates(spectrum, count))
+
+
+def _candidates(spectrum: Spectrum, count: int) -> NDArray[np.intp]:
+    """Indices of the least damped eigenvalues with Im > 0.
+
+    A real pole leaves the real axis under a complex stiffness; the count keeps it out.
+    """
+    values = spectrum.values
+    upper = np.flatnonzero(values.imag > 0)
+    least_damped = np.argsort(-values[upper].imag / np.abs(values[upper]), kind="stable")
+    return np.asarray(upper[least_damped[:count]])
+
+
+def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int) -> list[Mode]:
+    """Fixed point of omega = |Im lambda(omega)|; a multiple eigenvalue gives all its modes."""
+    last: tuple[float, float] | None = None
+    group: list[Mode] = []
+    for iteration in range(1, MAX_ITERATIONS + 1):
+        spectrum = problem.at(omega)
+        candidates = _candidates(spectrum, count)
+        if not len(candidates):
+            return []
+        nearest = candidates[np.argmax(problem.resemblance(spectrum.shapes[:, candidates], shape))]
+        rough = float(spectrum.values[nearest].imag)
+        if abs(rough - omega) <= max(NEAR, float(spectrum.errors[nearest])) * rough:
+            spectrum = refined(spectrum, np.arange(len(spectrum.values)) == nearest)
+        shape, found = spectrum.shapes[:, nearest], float(spectrum.values[nearest].imag)
+        converged = abs(found - omega) <= TOLERANCE * found
+        group = _group(spectrum, candidates, nearest, converged=converged, iterations=iteration)
+        if converged:
+            break
+        last, omega = (omega, found - omega), _next_frequency(omega, found, last)
+    return group
+
+
+def _next_frequency(omega: float, found: float, last: tuple[float, float] | None) -> float:
+    """Secant step towards found(omega) - omega = 0, or plain substitution where that looks unsafe."""
+    if last is None or last[0] == omega:
+        return found
+    slope = (found - omega - last[1]) / (omega - last[0])
+    trial = omega - (found - omega) / slope if slope < -SLOWEST else found
+    return trial if omega / 2 < trial < 2 * omega else found
+
+
+def _group(
+    spectrum: Spectrum, candidates: NDArray[np.intp], nearest: np.intp, *, converged: bool, iterations: int
+) -> list[Mode]:
+    value = spectrum.values[nearest]
+    close = [j for j in candidates if j != nearest and abs(spectrum.values[j] - value) <= SAME * abs(value)]
+    return [
+        Mode(complex(spectrum.values[j]), spectrum.shapes[:, j], float(spectrum.errors[j]), converged, iterations)
+        for j in (nearest, *close)
+    ]
+
+
+def _collect(oscillatory: list[Mode], real: list[Mode], n_q: int) -> Found:
+    every = [*oscillatory, *real]
+    return Found(
+        np.array([mode.value for mode in every], dtype=complex),
+        np.array([mode.shape for mode in every], dtype=complex).reshape(len(every), n_q).T,
+        np.arange(len(every)) >= len(oscillatory),
+        np.array([mode.error for mode in every], dtype=float),
+        np.array([mode.converged for mode in every], dtype=bool),
+        np.array([mode.iterations for mode in every], dtype=int),
+    )

@@ -1,0 +1,155 @@
+"""Holzer tables of modes and of trial frequencies, for chains, branches and gears."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.elements import Values
+from torsionnet.model.elements.shaft import Shaft
+from torsionnet.model.speeds import speeds_with
+from torsionnet.response.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
+from torsionnet.solve.modes.eigen import undamped_modes
+from torsionnet.solve.modes.holzer_balance import HolzerBalance, NodeLoad, balance_of, trial
+from torsionnet.solve.modes.holzer_lines import HolzerLine, Neighbours, lines
+from torsionnet.solve.modes.mode_pairs import undamped_place
+
+STILL = 1e-9
+"""Amplitude over the largest one of a station that cannot be set to 1."""
+
+
+def holzer_table(
+    drivetrain: AssembledModel,
+    mode: int | None = None,
+    *,
+    at: float | None = None,
+    first: str | None = None,
+    amplitude: float = 1.0,
+    referred_to: str | None = None,
+) -> HolzerTable:
+    """See :meth:`torsionnet.Drivetrain.holzer_table`."""
+    if (mode is None) == (at is None):
+        raise UsageError("a Holzer table is of a mode (mode=1) or of a trial frequency (at=12.0 in Hz), one of the two")
+    if not 0 < amplitude < math.inf:
+        raise UsageError(f"the amplitude of the first station is above 0 rad, got {amplitude}")
+    for name in (first, referred_to):
+        if name is not None and name not in drivetrain.nodes:
+            raise UsageError(f'no node is named "{name}"{did_you_mean(name, drivetrain.nodes)}')
+    still = balance_of(drivetrain, 0.0, np.zeros(len(drivetrain.assembly.nodes)))
+    order, tree = lines(drivetrain.assembly.nodes, still.loads, first)
+    start, end = order[0].nodes[0], order[0].nodes[-1]
+    if mode is not None:
+        omega, angles, notes = _mode(drivetrain, mode, start)
+        balance = balance_of(drivetrain, omega, amplitude * angles)
+    else:
+        omega, notes = _trial_rate(at), ()
+        angles = trial(drivetrain, omega, start, end)
+        balance = balance_of(drivetrain, omega, amplitude * angles, end)
+    # At rest springs may be missing whose stiffness depends on frequency.
+    order, tree = lines(drivetrain.assembly.nodes, balance.loads, first)
+    shaft = referred_to or start
+    ratios = speeds_with(drivetrain.definition, drivetrain.exact_values, shaft)
+    own = ratios.get(shaft) or 1.0
+    walk = _Walk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
+    branches = tuple(walk.branches(order))
+    return HolzerTable(omega / (2 * math.pi), mode, shaft, branches, drivetrain.title, notes)
+
+
+def _trial_rate(at: float | None) -> float:
+    if at is None or not 0 < at < math.inf:
+        raise UsageError(f"a trial frequency is above 0 Hz, got {at}")
+    return 2 * math.pi * at
+
+
+def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, FloatArray, tuple[str, ...]]:
+    """Rate and shape of an undamped mode, 1 at the first station where that moves."""
+    assembly = drivetrain.assembly
+    rates, shapes = undamped_modes(assembly.system)
+    at, pair = undamped_place(drivetrain, mode)
+    place = np.flatnonzero(rates)[at]
+    notes = () if not pair.is_shifted else (f"with damping its natural frequency is {pair.natural_frequency:.5g} Hz",)
+    angles = np.asarray(assembly.node_rows.dense @ shapes[:, place])
+    angles /= np.abs(angles).max()
+    at_start = angles[assembly.node_index[start]]
+    if abs(at_start) > STILL:
+        return float(rates[place]), angles / at_start, notes
+    note = f"{start} stands still in this mode: the amplitude is that of the station that moves most"
+    return float(rates[place]), angles, (note, *notes)
+
+
+@dataclass
+class _Walk:
+    """Goes along the lines and adds up torques."""
+
+    drivetrain: AssembledModel
+    balance: HolzerBalance
+    tree: Neighbours
+    ratios: Mapping[str, float]
+    handed: dict[str, float] = field(default_factory=dict)
+    """Torques that branches bring to the node they join."""
+
+    def branches(self, order: Sequence[HolzerLine]) -> list[HolzerBranch]:
+        """In the order given; branches are added up before what they join."""
+        self._others()
+        found = {line: self._branch(line) for line in reversed(order)}
+        return [found[line] for line in order]
+
+    def _others(self) -> None:
+        """Torques of what is not followed: springs to ground, locks, planetary sets, what closes a loop."""
+        followed = {id(load) for ends in self.tree.values() for loads in ends.values() for load in loads}
+        for load in self.balance.loads:
+            passed = load.ends if id(load) in followed else ()
+            for node, value in load.row.items():
+                if node in passed:
+                    continue
+                self.handed[node] = self.handed.get(node, 0.0) - value * load.torque
+
+    def _branch(self, line: HolzerLine) -> HolzerBranch:
+        stations = []
+        carried = 0.0
+        for node, after in line.steps():
+            joined = self.handed.get(node, 0.0)
+            inertia_torque = self.balance.inertia_torques[node]
+            torque = carried + inertia_torque + joined
+            link = self._link(node, after, torque) if after else None
+            stations.append(
+                HolzerStation(
+                    node,
+                    self.ratios.get(node, math.nan),
+                    self.balance.inertias[node],
+                    self.balance.angles[node],
+                    inertia_torque,
+                    joined,
+                    torque,
+                    link,
+                )
+            )
+            # The power that goes in comes out: torque times angle is the same at both ends.
+            carried = torque * link.ratio if link else 0.0
+        if line.joins:
+            self.handed[line.joins] = self.handed.get(line.joins, 0.0) + carried
+        return HolzerBranch(tuple(stations), line.joins)
+
+    def _link(self, node: str, after: str, torque: float) -> HolzerLink:
+        loads = self.tree[node][after]
+        first, stiffness = loads[0], sum(load.stiffness_at(node) for load in loads)
+        ratio = -first.row[after] / first.row[node]
+        twist = 0.0 if math.isinf(stiffness) else first.torque / first.stiffness / first.row[node]
+        stress = max((self._stress(load, node, torque, stiffness) for load in loads), default=math.nan)
+        return HolzerLink(tuple(dict.fromkeys(load.element for load in loads)), stiffness, twist, stress, ratio)
+
+    def _stress(self, load: NodeLoad, node: str, torque: float, stiffness: float) -> float:
+        """Nominal shear stress of a shaft by its share of the torque."""
+        shaft = self.drivetrain.elements[load.element]
+        if not isinstance(shaft, Shaft):
+            return math.nan
+        value = Values(self.drivetrain.exact_values)
+        outer, inner = float(value(shaft.outer_diameter)), float(value(shaft.inner_diameter))
+        share = load.stiffness_at(node) / stiffness
+        return abs(torque * share) * 16 * outer / (math.pi * (outer**4 - inner**4))

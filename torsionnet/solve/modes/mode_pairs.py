@@ -1,0 +1,133 @@
+"""Which damped mode belongs to which undamped one.
+
+Strong dampers move frequencies so far that their order says nothing, and a damper's own mode may take on most of the
+motion. What matters in a shaft is strain: of all pairs those are taken whose strain is most alike, by the modal
+assurance criterion weighted with the stiffness. Undamped modes of one frequency count together, since any mixture of
+their shapes is a shape as well.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.core.errors import UsageError
+from torsionnet.response import Modes
+from torsionnet.response.modes import OSCILLATORY
+from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.solve.modes.eigen import scaled, undamped_modes
+from torsionnet.solve.modes.modes import modes as damped_modes
+
+ALIKE = 0.5
+"""Similarity below which two modes are not called the same."""
+REPEATED = 1e-6
+"""Relative distance of frequencies that are one."""
+
+
+def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[VibrationMode, ...]:
+    """Undamped and damped modes in pairs, rising with the undamped frequency, then those that damping makes.
+
+    A pair has the number of its damped mode; undamped modes without one are counted behind all vibrations.
+    """
+    assembly = drivetrain.assembly
+    rates, shapes = undamped_modes(assembly.system)
+    rates, shapes = rates[rates > 0], shapes[:, rates > 0]
+    places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
+    vibrating = [number for number, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
+    alike = _similarity(assembly.system, rates, shapes, np.asarray(modes.shapes[np.ix_(places, vibrating)]))
+    partners = _in_order(dict(_assigned(alike)), rates)
+    behind = itertools.count(len(vibrating) + 1)
+    at_nodes = scaled(np.asarray(assembly.node_rows.dense @ shapes)).astype(complex)
+    found: list[VibrationMode] = []
+    for number, rate in enumerate(rates):
+        damped = None if number not in partners else vibrating[partners[number]]
+        similarity = math.nan if damped is None else float(alike[number, partners[number]])
+        place = next(behind) if damped is None else partners[number] + 1
+        found.append(_mode(place, rate / (2 * np.pi), modes, damped, similarity, at_nodes[:, number]))
+    for place, damped in enumerate(vibrating):
+        if place not in partners.values():
+            found.append(_mode(place + 1, math.nan, modes, damped, math.nan, modes.shapes[:, damped]))
+    return tuple(found)
+
+
+def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, VibrationMode]:
+    """Place of a mode by its number among the vibrations of M and K alone, by rising frequency, and the mode.
+
+    Raises
+    ------
+    UsageError
+        There is none, or it exists with damping only.
+    """
+    found = vibration_modes(drivetrain, damped_modes(drivetrain))
+    for place, mode in enumerate(found):
+        if mode.number == number:
+            if math.isnan(mode.undamped_frequency):
+                raise UsageError(f"mode {number} ({mode.natural_frequency:.5g} Hz) exists with damping only")
+            return place, mode
+    raise UsageError(f"there is no mode {number}; there are {len(found)}, counted from 1 without rigid bodies")
+
+
+def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
+    """Partners of undamped modes of one frequency, among which similarity is no choice, in their own order."""
+    found: dict[int, int] = {}
+    for group in _groups(rates):
+        paired = [place for place in group if place in partners]
+        found |= dict(zip(paired, sorted(partners[place] for place in paired), strict=True))
+    return found
+
+
+def _mode(
+    number: int, undamped: float, modes: Modes, damped: int | None, similarity: float, shape: ComplexArray
+) -> VibrationMode:
+    return VibrationMode(
+        number=number,
+        undamped_frequency=float(undamped),
+        natural_frequency=math.nan if damped is None else float(modes.natural_frequencies[damped]),
+        damped_frequency=math.nan if damped is None else float(modes.damped_frequencies[damped]),
+        damping_ratio=math.nan if damped is None else float(modes.damping_ratios[damped]),
+        similarity=similarity,
+        shape=shape,
+    )
+
+
+def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
+    """Share of the strain energy of each damped mode (columns) that lies in the shapes of an undamped one (rows)."""
+    found = np.zeros((len(rates), damped.shape[1]))
+    rows = system.rows
+    for group in _groups(rates):
+        stiffness = system.stiffness.copy()
+        for law, table in system.dynamic:
+            stiffness[law] += max(table.energy(1j * float(rates[group[0]]))[1], 0.0)
+        weight = np.sqrt(stiffness)[:, None]
+        basis, strain = np.linalg.qr(weight * (rows @ shapes[:, group]))[0], weight * (rows @ damped)
+        sizes = np.sum(np.abs(strain) ** 2, axis=0)
+        common = np.sum(np.abs(basis.T @ strain) ** 2, axis=0)
+        found[group] = np.divide(common, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return found
+
+
+def _groups(rates: FloatArray) -> Iterator[list[int]]:
+    """Places of equal frequencies."""
+    group: list[int] = []
+    for place, rate in enumerate(rates):
+        if group and rate - rates[group[0]] > REPEATED * rate:
+            yield group
+            group = []
+        group.append(place)
+    if group:
+        yield group
+
+
+def _assigned(alike: FloatArray) -> Iterator[tuple[int, int]]:
+    """Pairs (undamped, damped) that make the sum of similarities largest, without those that are not alike."""
+    from scipy.optimize import linear_sum_assignment
+
+    clear = np.where(alike >= ALIKE, alike, 0)
+    for row, column in zip(*linear_sum_assignment(-clear), strict=True):
+        if clear[row, column]:
+            yield int(row), int(column)

@@ -1,0 +1,152 @@
+"""A sentence about each mode: what strains, what swings against what, what damps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.solve.modes.eigen import EigenSolution
+
+NOTEWORTHY = 0.1
+STILL = 1e-6
+UNCERTAIN = 1e-6
+"""Relative error of an eigenvalue that is worth a warning."""
+UNSTABLE = "unstable, it grows"
+NOISE = 1e-10
+"""Angles below this share of the largest are rounding, and their signs mean nothing."""
+
+
+def describe(
+    assembly: Assembly,
+    solution: EigenSolution,
+    shapes: ComplexArray,
+    elements: tuple[str, ...],
+    strain: FloatArray,
+    dissipated: FloatArray,
+) -> tuple[str, ...]:
+    """One description per mode; ``shapes`` (n_nodes, n_modes), shares (n_elements, n_modes)."""
+    sentences = []
+    links = Links.of(assembly)
+    for index, kind in enumerate(solution.kinds):
+        if kind == "rigid body":
+            sentences.append(_rigid(assembly, shapes[:, index]))
+        elif kind == "real pole":
+            sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
+        else:
+            crossings = links.vibration_nodes(solution.vectors[:, index])
+            grows = f"{UNSTABLE}; " if solution.eigenvalues[index].real > 0 else ""
+            sentences.append(grows + _vibration(elements, strain[:, index], crossings))
+    return tuple(sentences)
+
+
+def unsettled(solution: EigenSolution) -> tuple[str, ...]:
+    """Name the modes for which the frequency of a law and that of the mode did not meet."""
+    lost = (
+        (f"{solution.missing} mode(s) could not be followed from the undamped model; it has more than are given",)
+        if solution.missing
+        else ()
+    )
+    if solution.converged.all():
+        return lost
+    stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
+    return (*lost, f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}")
+
+
+def uncertain(errors: FloatArray) -> tuple[str, ...]:
+    """Count the eigenvalues of which rounding may have taken too much."""
+    count = int(np.count_nonzero(errors > UNCERTAIN))
+    if not count:
+        return ()
+    return (f"{count} eigenvalues are uncertain, the worst by {errors.max():.1g} of its size",)
+
+
+def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
+    still = int(np.sum(np.abs(shape) < STILL))
+    return (
+        "rigid-body rotation"
+        if not still
+        else f"rigid-body rotation of {len(assembly.nodes) - still} of {len(assembly.nodes)} nodes"
+    )
+
+
+def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
+    largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # of equal ones the first
+    order = [index for index in largest if shares[index] >= NOTEWORTHY] or list(largest[:1])
+    return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
+
+
+def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
+    time = 1 / abs(value.real) if value.real else math.inf
+    damping = _leading(elements, dissipated)
+    text = f"{UNSTABLE}; " if value.real > 0 else ""
+    text += f"overdamped, time constant {time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
+    damping = damping if value.real <= 0 else ""
+    text += f"; damped by {damping}" if damping else ""
+    return text if strain.any() else f"{text}; no spring involved"
+
+
+def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str] | None) -> str:
+    if not strain.any():
+        return "no spring involved"
+    if crossings is None:
+        return f"strain in {_leading(elements, strain)}"
+    count = len(crossings)
+    nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
+    places = list(dict.fromkeys(crossings))
+    where = f" {', '.join(places)}" if 0 < len(places) <= 3 else ""
+    return f"strain in {_leading(elements, strain)}; {nodes}{where}"
+
+
+@dataclass(frozen=True)
+class Links:
+    """The elastic laws between two coordinates: left = a * first, right = -b * second.
+
+    Over coordinates what is rigidly geared together counts as one wheel. ``wide`` says that a law ties three of them,
+    or that motions go up and down between two.
+    """
+
+    names: tuple[str, ...]
+    owners: tuple[str, ...]
+    ends: NDArray[np.int_]
+    factors: NDArray[np.float64]
+    wide: bool
+
+    @classmethod
+    def of(cls, assembly: Assembly) -> Links:
+        laws = zip(assembly.owners, assembly.laws, assembly.system.sparse_rows, strict=True)
+        elastic = [(owner, row) for owner, law, row in laws if law.is_elastic and len(row) > 1]
+        pairs = [(owner, row) for owner, row in elastic if len(row) == 2]
+        ends = np.array([list(row) for _, row in pairs], dtype=int).reshape(-1, 2)
+        factors = np.array([list(row.values()) for _, row in pairs]).reshape(-1, 2)
+        owners = tuple(owner for owner, _ in pairs)
+        names = assembly.kinematics.coordinates
+        waves = any(table.is_continuous for _, table in assembly.system.dynamic)
+        return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
+
+    def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
+        """Where the motion (n_q,) changes its sense: ``in shaft``, or ``at wheel`` if that rests in between.
+
+        Angles either side of an elastic element are compared over its ratio, a complex shape is turned to its main
+        phase first. None where there is no such count: an element ties three coordinates, or is a continuous
+        shaft.
+        """
+        if self.wide:
+            return None
+        angle = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
+        angle = np.where(np.abs(angle) > NOISE * np.abs(angle).max(initial=0.0), angle, 0.0)
+        sides = self.factors * angle[self.ends]
+        size = np.abs(sides)
+        crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL * size.max(axis=1))
+        crossings: dict[frozenset[int], str] = {}
+        for number in np.flatnonzero(crossing):
+            crossings.setdefault(frozenset(self.ends[number].tolist()), f"in {self.owners[number]}")
+        low, high = np.zeros(len(angle)), np.zeros(len(angle))
+        np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
+        np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
+        rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL * np.minimum(-low, high))
+        return [*crossings.values(), *(f"at {self.names[node]}" for node in np.flatnonzero(rests))]

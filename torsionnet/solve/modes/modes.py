@@ -1,0 +1,177 @@
+"""Modes of a drivetrain: eigenvalues turned into a result with shapes at all nodes, energies and words."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.action_law import ActionLaw
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.response import Modes
+from torsionnet.solve.dynamic_stiffness.action_states import over_coordinates
+from torsionnet.solve.dynamic_stiffness.reduction import LARGE
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, driven
+from torsionnet.solve.modes import continuous
+from torsionnet.solve.modes.active_modes import active_modes, is_active
+from torsionnet.solve.modes.cut import poles_of_measured
+from torsionnet.solve.modes.eigen import EigenSolution, complex_modes, on_axis, scaled, undamped_modes
+from torsionnet.solve.modes.mode_words import describe, uncertain, unsettled
+from torsionnet.solve.modes.repeated import with_chosen_shapes
+
+FIRST = "a continuous shaft has infinitely many modes, of which the lowest"
+MARGIN = 2
+"""Modes above a frequency without damping that may be below it with damping."""
+
+
+def modes(
+    drivetrain: AssembledModel,
+    *,
+    measured_input: str | Sensor | Sequence[str | Sensor] | None = None,
+    excitation: str | Sequence[str] | None = None,
+    lowest: int | None = None,
+    up_to: float | None = None,
+) -> Modes:
+    """See :meth:`torsionnet.Drivetrain.modes`."""
+    if up_to is not None and not 0 < up_to < math.inf:
+        raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
+    if lowest is not None and lowest < 1:
+        raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
+    if measured_input is None and excitation is not None:
+        raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
+    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    return modes_against(drivetrain, request, lowest, up_to)
+
+
+def modes_against(
+    drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None, up_to: float | None = None
+) -> Modes:
+    """Modes of the drivetrain, or poles against the measured inputs of a request; warns of what is doubtful."""
+    if request is None:
+        found, doubts = natural_modes(drivetrain, lowest, up_to)
+    else:
+        found, doubts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
+    for doubt in doubts:
+        warnings.warn(doubt, TorsionnetWarning, stacklevel=4)
+    if continuous.is_continuous(drivetrain.assembly.system) and lowest is None and up_to is None:
+        found = replace(found, notes=(*found.notes, f"{FIRST} {len(found)} are given; more with lowest or up_to"))
+    if up_to is not None:
+        found = found.first(int(np.sum(found.natural_frequencies <= up_to)))
+    return found.first(lowest)
+
+
+def natural_modes(
+    drivetrain: AssembledModel, lowest: int | None = None, up_to: float | None = None
+) -> tuple[Modes, tuple[str, ...]]:
+    """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
+    assembly = drivetrain.assembly
+    system = assembly.system
+    passive = replace(system, actions=()) if system.actions else system
+    if up_to is not None and continuous.is_continuous(passive):
+        count = continuous.number_below(passive, 2 * np.pi * up_to) + MARGIN
+        lowest = count if lowest is None else min(lowest, count)
+    undamped = undamped_modes(passive) if system.dynamic or is_active(system) else None
+    if system.actions:
+        solution, doubts, more = active_modes(assembly)
+    else:
+        solution, doubts, more = complex_modes(system, lowest, undamped), (), ()
+        if is_active(system):
+            solution = replace(solution, eigenvalues=on_axis(solution.eigenvalues, solution.errors))
+    elements = tuple(drivetrain.elements)
+    solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
+    kinetic, strain, dissipated = energies(assembly, solution, elements)
+    shapes = scaled(_motion(assembly.node_rows, solution.vectors)).astype(complex)
+    found = Modes(
+        eigenvalues=solution.eigenvalues,
+        kinds=solution.kinds,
+        nodes=assembly.nodes,
+        shapes=shapes,
+        undamped_natural_frequencies=_undamped_rates(system, solution, undamped, lowest) / (2 * np.pi),
+        elements=elements,
+        kinetic=kinetic,
+        strain=strain,
+        dissipated=dissipated,
+        converged=solution.converged,
+        descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
+        title=drivetrain.title,
+        notes=(*notes, *more),
+    )
+    return found, (*doubts, *unsettled(solution), *uncertain(solution.errors))
+
+
+def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
+    """Rows times vectors; sparse where that pays for the import of scipy."""
+    return np.asarray((rows.csr if rows.n_columns > LARGE else rows.dense) @ vectors)
+
+
+def _undamped_rates(
+    system: RowSystem, solution: EigenSolution, undamped: tuple[FloatArray, FloatArray] | None, lowest: int | None
+) -> FloatArray:
+    """Natural frequencies without damping, rad/s; those of the solution itself where nothing damps."""
+    if undamped is not None:
+        return undamped[0][:lowest]
+    return undamped_modes(system, lowest)[0] if system.damping.any() else np.abs(solution.eigenvalues)
+
+
+def energies(
+    assembly: Assembly, solution: EigenSolution, elements: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Shares (n_elements, n_modes) of the elements in the energies of each mode.
+
+    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; what
+    depends on frequency says itself what there is of it. A torque T that follows the motion dissipates
+    -Re(T conj(lambda gamma)), less than nothing where it drives the vibration.
+    """
+    system = assembly.system
+    motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
+    sizes = np.array([sum(map(abs, row.values())) for row in system.sparse_rows])
+    motion[motion < (1e-12 * sizes[:, None]) ** 2] = 0.0
+    rate = np.abs(solution.eigenvalues)
+    inertia, stiffness, loss = (np.zeros((len(motion), len(rate))) for _ in range(3))
+    for law, table in system.dynamic:
+        found = [table.energy(value) for value in solution.eigenvalues.tolist()]
+        inertia[law], stiffness[law], loss[law] = np.array(found).reshape(-1, 3).T
+    kinetic = (system.inertia[:, None] + inertia) * motion
+    strain = (system.stiffness[:, None] + stiffness) * motion
+    dissipated = (system.damping[:, None] * rate + loss) * rate * motion
+    rigid = np.array([kind == "rigid body" for kind in solution.kinds], dtype=bool)
+    strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
+    place = {element: number for number, element in enumerate(elements)}
+    owner = np.array([place[name] for name in assembly.owners], dtype=int)
+    power = _summed(dissipated, owner, len(elements))
+    for action in system.actions:
+        power[place[action.owner]] += _drawn(assembly, action, solution) * ~rigid
+    return (
+        _shares(_summed(kinetic, owner, len(elements))),
+        _shares(_summed(strain, owner, len(elements))),
+        _shares(power),
+    )
+
+
+def _drawn(assembly: Assembly, action: ActionLaw, solution: EigenSolution) -> FloatArray:
+    """Power (n_modes,) that an action takes out of each mode."""
+    row, sensed = (over_coordinates(assembly, part) @ solution.vectors for part in (action.row, action.sensed))
+    with np.errstate(all="ignore"):
+        power = -(action.kappa(solution.eigenvalues) * sensed * np.conj(solution.eigenvalues * row)).real
+    return np.where(np.isfinite(power), power, 0.0)
+
+
+def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArray:
+    total = np.zeros((count, parts.shape[1]))
+    np.add.at(total, owner, parts)
+    return total
+
+
+def _shares(parts: FloatArray) -> FloatArray:
+    """Of the sum of magnitudes: what drives a vibration has a share below zero."""
+    total = np.abs(parts).sum(axis=0)
+    return np.asarray(np.divide(parts, total, out=np.zeros_like(parts), where=total != 0))

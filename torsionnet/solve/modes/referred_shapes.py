@@ -1,0 +1,45 @@
+"""Mode shapes with all angles referred to one shaft, as makers of geared drivetrains print them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.element_base.speed_path import SpeedPaths
+from torsionnet.model.elements import Values
+from torsionnet.response import Modes
+from torsionnet.solve.modes.eigen import scaled
+
+
+def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) -> Modes:
+    """Modes whose shapes are angles times the speed of a shaft over that of the node, 1 where that is largest.
+
+    Nodes to which no ratio leads, as a block on its mounts, keep their own angles; a note names them.
+
+    Raises
+    ------
+    UsageError
+        No such node.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("amt_rig").configured("V")
+    >>> shapes = referred_shapes(rig, rig.modes(), "motor")
+    >>> bool(abs(shapes.shape_at("input_shaft")[0] - shapes.shape_at("output_shaft")[0]) < 1e-12)
+    True
+    """
+    if referred_to not in drivetrain.nodes:
+        raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}')
+    value = Values(drivetrain.exact_values)
+    paths = SpeedPaths(tuple(drivetrain.elements.values()), value)
+    found = {node: paths.between(node, referred_to) for node in modes.nodes}
+    factors = np.array([1.0 if path is None else float(path.ratio(value)) for path in found.values()])
+    own = [node for node, path in found.items() if path is None]
+    notes = (f"angles referred to {referred_to}", *([f"no ratio leads there from {', '.join(own)}"] if own else []))
+    return replace(
+        modes, shapes=np.asarray(scaled(modes.shapes * factors[:, None]), dtype=complex), notes=(*modes.notes, *notes)
+    )

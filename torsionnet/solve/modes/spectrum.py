@@ -1,0 +1,185 @@
+"""All nonzero eigenvalues and shapes of a row system with fixed coefficients, each with a bound on its error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, FirstOrder, Subspaces, first_order
+
+if TYPE_CHECKING:
+    from torsionnet.solve.modes.refine import MatrixPolynomial
+
+REFINE_ABOVE = 1e-10
+"""Eigenvalues whose estimated relative error is larger are refined in mpmath."""
+POLISH_ABOVE = 1e-11
+"""Shapes whose forces balance worse than this, relative to their sum of magnitudes, are recomputed in mpmath."""
+REAL_BELOW = 1e-13
+"""Eigenvalues with |Im| <= this |lambda| are real: inputs in double precision cannot tell, and several equal ones may
+come out as pairs. A double root with one shape parts by the square root of that."""
+MAX_OPERATIONS = 60_000
+"""Multiplications of one sparse elimination times roots to refine; about ten seconds of mpmath."""
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Nonzero eigenvalues of one set of coefficients.
+
+    Attributes
+    ----------
+    values : (n,) complex array
+        Nonzero eigenvalues lambda in rad/s, conjugates included; of an undamped system only those with Im > 0.
+    shapes : (n_q, n) complex array
+        Displacement shapes in q, any scale.
+    errors : (n,) array
+        Estimated relative error of each eigenvalue.
+    undamped : bool
+        Purely imaginary by construction.
+    """
+
+    values: ComplexArray
+    shapes: ComplexArray
+    errors: FloatArray
+    undamped: bool
+    system: RowSystem
+    spaces: Subspaces
+    stiffness: AnyArray
+
+
+def solve(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
+    """Solve in double precision: singular values of the coupling if undamped, else eigenvalues of the first-order form.
+
+    The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
+    """
+    damping = np.zeros_like(system.damping) if undamped else system.damping
+    form = first_order(system, spaces, stiffness, damping)
+    values, states, condition = _singular(form) if undamped else _standard(form)
+    safety = 4.0 if not (spaces.damped.size or spaces.held.size) else 100.0
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        errors = safety * _EPS * form.size * condition / np.abs(values)
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    return Spectrum(values, form.recover @ states, errors, undamped, system, spaces, stiffness)
+
+
+def _singular(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
+    forces = np.zeros((len(form.matrix) - len(sigma), len(sigma)))
+    return 1j * sigma, np.vstack([vt.T, forces]).astype(complex), np.ones(len(sigma))
+
+
+def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    values, states = np.linalg.eig(form.matrix)
+    try:
+        condition = np.linalg.norm(np.linalg.inv(states), axis=1)
+    except np.linalg.LinAlgError:  # exactly defective, as critical damping can be
+        condition = np.full(len(values), np.inf)
+    if np.isrealobj(form.matrix):  # conjugates stand side by side and are refined together
+        upper = np.flatnonzero(values.imag > 0)
+        condition[upper] = condition[upper + 1] = np.maximum(condition[upper], condition[upper + 1])
+    return values.astype(complex), states.astype(complex), condition
+
+
+def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
+    """Replace the wanted eigenvalues that are uncertain, as far as the limit on work allows, by mpmath's."""
+    squared = spectrum.undamped
+    starts, coefficients = _polynomial_problem(spectrum)
+    wanted = np.ones(len(starts), dtype=bool) if wanted is None else wanted
+    chosen = wanted & (spectrum.errors > REFINE_ABOVE)
+    blurred = wanted & (_residuals(spectrum, starts, coefficients) > POLISH_ABOVE)
+    if not np.any(chosen | blurred):
+        return spectrum
+    import torsionnet.solve.modes.refine as refine
+
+    p = refine.polynomial(spectrum.system.law_rows, coefficients)
+    limit = MAX_OPERATIONS // max(p.operations, 1)
+    chosen = affordable(chosen, spectrum.errors, limit)
+    spectrum, settled = _isolated_settled(spectrum, p, np.flatnonzero(chosen | blurred)[:limit])
+    chosen, blurred = chosen & ~settled, blurred & ~settled
+    if not np.any(chosen | blurred):
+        return spectrum
+    starts, _ = _polynomial_problem(spectrum)
+    zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
+    roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
+    values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
+    errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
+    if not (done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or in_pairs(values))):
+        return spectrum
+    shapes = spectrum.shapes.copy()
+    for j in np.flatnonzero(chosen | blurred)[:limit]:
+        shapes[:, j] = refine.refine_vector(p, roots[j], shapes[:, j])
+    return replace(spectrum, values=values, shapes=shapes, errors=errors)
+
+
+def _isolated_settled(
+    spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
+) -> tuple[Spectrum, NDArray[np.bool_]]:
+    """Those of ``some`` eigenvalues that cannot be taken for another exact to double precision, and which these are."""
+    from torsionnet.solve.modes.isolated import free_space, settle
+    from torsionnet.solve.modes.refine import CONVERGED, to_complex
+
+    starts, _ = _polynomial_problem(spectrum)
+    space = free_space(starts, spectrum.errors)
+    values, shapes, errors = spectrum.values.copy(), spectrum.shapes.copy(), spectrum.errors.copy()
+    settled = np.zeros(len(starts), dtype=bool)
+    conjugates = not (spectrum.undamped or np.iscomplexobj(spectrum.stiffness))
+    for j in some:
+        if conjugates and values[j].imag < 0 and settled[j - 1]:
+            values[j], shapes[:, j], errors[j], settled[j] = (
+                values[j - 1].conj(),
+                shapes[:, j - 1].conj(),
+                CONVERGED,
+                True,
+            )
+        elif space[j] and (met := settle(p, starts[j].item(), shapes[:, j], space[j])) is not None:
+            values[j], shapes[:, j] = to_complex([met[0]], square_root=spectrum.undamped)[0], met[1]
+            errors[j], settled[j] = CONVERGED, True
+    return replace(spectrum, values=values, shapes=shapes, errors=errors), settled
+
+
+def in_pairs(values: ComplexArray) -> bool:
+    """Tell whether as many eigenvalues lie above the real axis as below."""
+    sides = np.sign(values.imag)[~on_real_axis(values)]
+    return bool(np.sum(sides) == 0)
+
+
+def on_real_axis(values: ComplexArray) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(values.imag) <= REAL_BELOW * np.abs(values))
+
+
+def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
+    """Roots and coefficients of each law: z = lambda with (k, c, J), or z = omega^2 with (k, -J)."""
+    system = spectrum.system
+    if spectrum.undamped:
+        return spectrum.values.imag**2, [spectrum.stiffness, -system.inertia]
+    return spectrum.values, [spectrum.stiffness, system.damping, system.inertia]
+
+
+def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) -> FloatArray:
+    """|D q| of each shape against the sum of the magnitudes of its terms."""
+    rows, sizes = spectrum.system.rows, np.abs(spectrum.system.rows)
+    powers = [z**d for d in range(len(coefficients))]
+    laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
+    terms = sum(np.multiply.outer(np.abs(c), np.abs(power)) for c, power in zip(coefficients, powers, strict=True))
+    left = np.linalg.norm(rows.T @ (laws * (rows @ spectrum.shapes)), axis=0)
+    scale = np.linalg.norm(sizes.T @ (terms * (sizes @ np.abs(spectrum.shapes))), axis=0)
+    return np.asarray(left / np.where(scale > 0, scale, 1.0))
+
+
+def affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
+    """The most uncertain ones first; equal errors stay together, so that conjugates do."""
+    if np.count_nonzero(chosen) <= count:
+        return chosen
+    limit = np.sort(errors[chosen])[::-1][count] if count else np.inf
+    return np.asarray(chosen & (errors > limit))
+
+
+def physical(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
+    real = on_real_axis(spectrum.values)
+    kept = np.flatnonzero(real | (spectrum.values.imag > 0))
+    return kept, np.asarray(real[kept])

@@ -1,0 +1,92 @@
+"""What makes the characteristic equation singular at s = 0, taken out column by column.
+
+A motion x(s) = x_0 + s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan
+chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) takes the place of a coordinate,
+
+    P(s) x(s) / s^k    in the column of that coordinate
+
+which takes k roots at zero out of det P and leaves all others. Where what is left is singular at zero, a null vector of
+it gives the next chain, until nothing is. All of it is exact: a root at zero is not told from a slow one by its size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from torsionnet.core.errors import SolveError
+from torsionnet.model.elimination import reduce_rows
+from torsionnet.solve.modes.exact_pencil import ExactPencil, ExactVector, is_singular
+
+
+@dataclass(frozen=True)
+class ZeroChain:
+    """x(s), ascending vectors over coordinates and torques, and the power k of s with which P(s) x(s) begins."""
+
+    motion: tuple[ExactVector, ...]
+    order: int
+
+
+def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, ZeroChain]:
+    """Chains by the coordinate or torque whose column they take; their orders are as many roots at zero.
+
+    Of the entries of a null vector the one that is largest by ``weights`` (n,) is replaced.
+
+    Raises
+    ------
+    SolveError
+        The determinant vanishes at every s.
+    """
+    chains: dict[int, ZeroChain] = {}
+    most = sum(len(one.numerator) for one in pencil.delayed) + sum(
+        max((len(values) for (row, _), values in pencil.lasting.items() if row == i), default=0)
+        for i in range(pencil.size)
+    )
+    while is_singular(rows := leading(pencil, chains, 0)):
+        vectors = null_vectors(rows)
+        if not vectors:
+            break
+        if sum(one.order for one in chains.values()) > most:
+            raise SolveError("the torques that follow the motion leave it open: no motion is the answer to a load")
+        column, chain = _longer(vectors[0], chains, weights)
+        chains[column] = chain
+    return chains
+
+
+def leading(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
+    """Rows of the coefficient of s^power of P(s) with its columns replaced by chains."""
+    rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.power(power)]
+    for j, chain in chains.items():
+        for m, vector in enumerate(chain.motion):
+            if m <= chain.order + power:
+                for i, value in pencil.applied(chain.order + power - m, vector).items():
+                    rows[i][j] = rows[i].get(j, Fraction(0)) + value
+    return [{j: value for j, value in row.items() if value} for row in rows]
+
+
+def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
+    """An exact basis of what a square matrix maps to nothing; later columns follow earlier ones."""
+    size = len(rows)
+    solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
+    found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}
+    if found:
+        for name, row in solved.items():
+            for column, value in row.items():
+                found[column][name] = value
+    return list(found.values())
+
+
+def _longer(vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]) -> tuple[int, ZeroChain]:
+    """The column that a null vector over columns replaces, and the chain that takes its place."""
+    orders = {i: chains[i].order if i in chains else 0 for i in vector}
+    highest = max(orders.values())
+    column = max((i for i in vector if orders[i] == highest), key=lambda i: abs(float(vector[i])) * weights[i])
+    motion: dict[int, dict[int, Fraction]] = {}
+    for i, factor in vector.items():
+        for m, part in enumerate(chains[i].motion if i in chains else ({i: Fraction(1)},)):
+            held = motion.setdefault(m + highest - orders[i], {})
+            for j, value in part.items():
+                held[j] = held.get(j, Fraction(0)) + factor / vector[column] * value
+    whole = tuple({j: value for j, value in motion.get(m, {}).items() if value} for m in range(max(motion) + 1))
+    return column, ZeroChain(whole, highest + 1)

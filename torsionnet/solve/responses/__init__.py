@@ -1,0 +1,1 @@
+"""Frequency responses between inputs and sensors, over frequencies and for many inputs."""

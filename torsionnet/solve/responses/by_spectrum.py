@@ -1,0 +1,40 @@
+"""Motion over time of drivetrains with frequency-dependent laws: the response times the spectrum of the torques."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.solve.responses.transfer import responses
+
+
+def by_spectrum(
+    drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
+) -> FloatArray:
+    """Readings (n_out, n) under torques (n_in, n) that are zero before and after.
+
+    The record is followed by as much silence, in which the motion dies away. A hysteretic law is no system that knows
+    only the past, so a response begins faintly before its cause; torques count as band-limited, not as straight from
+    sample to sample.
+
+    Raises
+    ------
+    UsageError
+        The drivetrain is free to turn, or its response has no finite static value.
+    """
+    count = torques.shape[1]
+    size = int(next_fast_len(2 * count, real=True))
+    frequencies: FloatArray = np.asarray(np.fft.rfftfreq(size, 1 / sampling_rate), dtype=np.float64)
+    H = responses([drivetrain], request, frequencies, "graph").values[0]
+    if not np.isfinite(H).all():
+        raise UsageError(
+            f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
+        )
+    spectra = np.fft.rfft(torques, size, axis=1)
+    H[0] = H[0].real
+    motion = np.fft.irfft(np.einsum("foi,if->of", H, spectra), size, axis=1)
+    return np.asarray(motion[:, :count])

@@ -1,0 +1,147 @@
+"""Stability margins of a controlled drivetrain, from its exact loop with delays and without a fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.action_law import ActionLaw
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.law_stiffness import law_stiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.loop_margins import LoopMargins, Margin
+from torsionnet.solve.dynamic_stiffness.posed import pose
+from torsionnet.solve.dynamic_stiffness.starmesh import respond
+from torsionnet.solve.modes.modes import natural_modes
+
+POINTS, NEAR = 2000, 60
+HALVINGS = 50
+
+
+def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> LoopMargins:
+    """See :meth:`torsionnet.Drivetrain.loop_margins`."""
+    actions = drivetrain.assembly.system.actions
+    name = _chosen(drivetrain, controller, actions)
+    place = [one.owner for one in actions].index(name)
+    modes, _ = natural_modes(drivetrain)
+    frequencies = _frequencies(modes.undamped_natural_frequencies, np.abs(modes.eigenvalues) / (2 * np.pi), actions)
+
+    def at(f: FloatArray) -> ComplexArray:
+        return opened(drivetrain, place, f)
+
+    loop = at(frequencies)
+    finite = np.isfinite(loop)
+    frequencies, loop = frequencies[finite], loop[finite]
+    crossings = _met(at, frequencies, loop, lambda value: np.abs(value) - 1)
+    turned = _met(at, frequencies, loop, lambda value: np.asarray(value.imag))
+    return LoopMargins(
+        name, frequencies, loop, not bool((modes.eigenvalues.real > 0).any()),
+        *_gains(turned, at(turned)), *_phases(crossings, at(crossings)), _modulus(at, frequencies, loop),
+        drivetrain.title,
+    )  # fmt: skip
+
+
+def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionLaw, ...]) -> str:
+    known = list(dict.fromkeys(one.owner for one in actions))
+    if not known:
+        raise UsageError("margins need an element that acts by itself, as a controller; this drivetrain has none")
+    if name is None:
+        if len(known) > 1:
+            raise UsageError(f"there are several controllers; name one of {', '.join(known)}")
+        return known[0]
+    if name not in known:
+        there = "is no controller" if name in drivetrain.elements else "is not there"
+        raise UsageError(f'"{name}" {there}{did_you_mean(name, known)}; known: {", ".join(known)}')
+    if sum(one.owner == name for one in actions) > 1:
+        raise UsageError(f"{name} acts in several places at once; there is no one place to open its loop")
+    return name
+
+
+def opened(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
+    """L (n_f,) at the action of this number: 1 + L = det W / det W', W = I - kappa Y of all loops, W' without it."""
+    assembly = drivetrain.assembly
+    posed = pose(assembly, (), (), ())
+    kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
+    values = respond(posed.problem, kappa).values
+    gains = np.array([one.ravel() for one in kappa.actions])
+    with np.errstate(all="ignore"):
+        by_torque = np.moveaxis(gains[:, None, :] * values[list(posed.sensed)], 2, 0)
+        others = [number for number in range(len(gains)) if number != place]
+        own = by_torque[:, place, place]
+        if not others:
+            return np.asarray(-own)
+        rest = np.eye(len(others)) - by_torque[np.ix_(range(len(own)), others, others)]
+        back = by_torque[:, place, others][:, None, :] @ np.linalg.solve(rest, by_torque[:, others, place][:, :, None])
+    return np.asarray(-own - back[:, 0, 0])
+
+
+def _frequencies(undamped: FloatArray, damped: FloatArray, actions: tuple[ActionLaw, ...]) -> FloatArray:
+    """Hz: from far below to far above everything, close to every resonance of the drivetrain with and without loops."""
+    marks = [float(f) for f in (*undamped, *damped) if f > 0]
+    for one in actions:
+        roots = np.roots([float(value) for value in reversed(one.denominator)])
+        marks += [float(abs(root)) / (2 * math.pi) for root in roots if root]
+        marks += [1 / (2 * math.pi * float(one.delay))] if one.delay else []
+    marks = marks or [1.0]
+    whole = np.geomspace(min(marks) / 1000, max(marks) * 100, POINTS)
+    aside = np.concatenate([-np.geomspace(0.3, 1e-7, NEAR), [0.0], np.geomspace(1e-7, 0.3, NEAR)])
+    return np.unique(np.concatenate([whole, *(mark * (1 + aside) for mark in marks)]))
+
+
+def _met(
+    at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray,
+    what: Callable[[ComplexArray], NDArray[np.float64]],
+) -> FloatArray:  # fmt: skip
+    """Frequencies at which a property of the loop changes its sign, all brackets halved at once."""
+    sign = np.sign(what(loop))
+    places = np.flatnonzero(sign[:-1] * sign[1:] < 0)
+    low, high, below = f[places], f[places + 1], sign[places]
+    for _ in range(HALVINGS if len(places) else 0):
+        middle = (low + high) / 2
+        same = np.sign(what(at(middle))) == below
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return np.asarray((low + high) / 2)
+
+
+def _gains(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
+    with np.errstate(all="ignore"):
+        factors = -1 / loop.real
+    real = np.isfinite(factors) & (factors > 0) & (np.abs(loop.imag) < 1e-6 * np.abs(loop))
+    up, down = real & (factors > 1), real & (factors < 1)
+    return _best(factors, f, up, np.argmin), _best(factors, f, down, np.argmax)
+
+
+def _phases(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
+    """Smallest angle, and shortest delay, that turn L of magnitude one into -1."""
+    every = np.isclose(np.abs(loop), 1, rtol=1e-6)
+    angle = np.degrees(np.angle(-loop))
+    with np.errstate(all="ignore"):
+        delay = np.mod(angle, 360) / (360 * f)
+    place = _best(np.abs(angle), f, every, np.argmin)
+    smallest = angle[np.flatnonzero(every)[np.argmin(np.abs(angle[every]))]] if every.any() else math.nan
+    return Margin(float(smallest), place.frequency), _best(delay, f, every, np.argmin)
+
+
+def _best(
+    values: FloatArray, f: FloatArray, some: NDArray[np.bool_], choose: Callable[[FloatArray], np.intp]
+) -> Margin:
+    if not some.any():
+        return Margin()
+    place = np.flatnonzero(some)[choose(values[some])]
+    return Margin(float(values[place]), float(f[place]))
+
+
+def _modulus(at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray) -> Margin:
+    """The smallest distance from -1, refined between the neighbours of the closest point."""
+    place = int(np.argmin(np.abs(1 + loop)))
+    low, high = f[max(place - 1, 0)], f[min(place + 1, len(f) - 1)]
+    for _ in range(6):
+        fine = np.linspace(low, high, 41)
+        distance = np.abs(1 + at(fine))
+        place = int(np.nanargmin(distance))
+        low, high = fine[max(place - 1, 0)], fine[min(place + 1, 40)]
+    return Margin(float(distance[place]), float(fine[place]))

@@ -1,0 +1,141 @@
+"""FrequencyPoints that have lost digits on the way: how many, and the right values where it matters."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import SolveError, TorsionnetWarning
+from torsionnet.solve.dynamic_stiffness.many_digits import DIGITS, ManyDigits
+from torsionnet.solve.dynamic_stiffness.quotient import FrequencyPoints, transfer_functions
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+
+PROMISED = 1e-9
+"""Relative error of every value that is returned without a warning."""
+ENOUGH = PROMISED / 5
+DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
+MOST_WORK = 20_000
+"""Coordinates times points that are solved in many digits: a few seconds."""
+
+
+def settled(
+    assemblies: Sequence[Assembly],
+    request: TransferRequest,
+    frequencies: FloatArray,
+    kappa: LawStiffness,
+    found: FrequencyPoints,
+    method: str = "auto",
+) -> FrequencyPoints:
+    """The same with points in doubt estimated, and solved in many digits where rounding would show.
+
+    Parameters
+    ----------
+    assemblies : sequence of Assembly
+        One for each variant.
+    request : TransferRequest
+    frequencies : (n_f,) or (n_variants, n_f) array
+        Hz.
+    kappa : LawStiffness
+        Of all points.
+    found : FrequencyPoints
+    method : str
+        By which points in doubt are estimated.
+
+    Raises
+    ------
+    UsageError
+        The measured inputs depend on each other at every frequency.
+    """
+    points = np.flatnonzero(found.doubtful)
+    if not len(points):
+        return found
+    errors = expected_errors(
+        lambda some, turned: transfer_functions(request, some, method, turned=turned).values,
+        kappa.at(points),
+        found.values[points],
+    )
+    worst = errors.max(axis=(1, 2), initial=0.0)
+    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
+    most = max(1, MOST_WORK // max(1, kappa.n_laws))
+    values = found.values.copy()
+    exact = _ManyPoints(assemblies, request, frequencies)
+    uncertain = [(points[place], worst[place]) for place in order[most:]]
+    for place in order[:most]:
+        known = exact.transfer_function(points[place])
+        if known is None:
+            uncertain.append((points[place], worst[place]))
+        else:
+            values[points[place]] = np.where(errors[place] > ENOUGH, known, values[points[place]])
+    if uncertain:
+        _warn(uncertain, exact.frequencies.ravel())
+    return replace(found, values=values)
+
+
+def expected_errors(
+    evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
+) -> FloatArray:
+    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_points, ...): what some rounding changes.
+
+    All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
+    later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
+    elimination itself has lost.
+    """
+    random, by_law = np.random.default_rng(0), kappa.by_law
+    error = np.where(np.isfinite(values), 0.0, np.inf)
+    for draw in range(DRAWS):
+        moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
+        again = evaluate(kappa.sampled_as(moved), draw % 2 > 0)
+        with np.errstate(all="ignore"):
+            change = np.abs(again - values) / np.abs(values)
+        change[again == values] = 0.0
+        change[np.isnan(change)] = np.inf
+        error = np.maximum(error, change)
+    return np.asarray(error)
+
+
+class _ManyPoints:
+    """FrequencyPoints in many digits."""
+
+    def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
+        self.assemblies, self.request = assemblies, request
+        self.frequencies = np.broadcast_to(frequencies, (len(assemblies), frequencies.shape[-1]))
+        self.asked: dict[int, ManyDigits] = {}
+
+    def transfer_function(self, point: int) -> ComplexArray | None:
+        """Exact to double precision, (n_out, n_in); None where even many digits are not enough.
+
+        Raises
+        ------
+        UsageError
+            The measured inputs depend on each other here, and then everywhere: a frequency in Hz is no exact root.
+        """
+        import mpmath
+
+        variant, number = divmod(point, self.frequencies.shape[1])
+        with mpmath.workdps(DIGITS):
+            if variant not in self.asked:
+                self.asked[variant] = ManyDigits(self.assemblies[variant], self.request)
+            omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[variant, number])
+            try:
+                found = self.asked[variant].transfer(mpmath.mpc(0, omega))
+            except SolveError:
+                return None
+            if found is None:
+                raise self.request.dependent()
+            return np.array([[complex(value) for value in row] for row in found])
+
+
+def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> None:
+    point, error = max(uncertain, key=lambda pair: pair[1])
+    size = f"{error:.0e} of themselves" if error < 1 else "nothing but their order of magnitude"
+    text = (
+        f"{len(uncertain)} values next to undamped resonances or antiresonances are rounded; "
+        f"near {frequencies[point]:.6g} Hz they are known to {size}"
+    )
+    warnings.warn(text, TorsionnetWarning, stacklevel=6)

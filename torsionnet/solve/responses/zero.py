@@ -1,0 +1,51 @@
+"""Transfer functions in the limit of zero frequency, also where the drivetrain turns freely.
+
+There the static stiffness is singular while ratios of readings may still have a finite limit. The readings are
+evaluated at two very small real s with many digits, which tells a finite limit from one that grows without bound.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray
+from torsionnet.assembly.system import smallest_rate
+from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+
+DIGITS = 400
+SMALL = 25
+"""s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
+
+
+def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArray:
+    """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
+
+    Raises
+    ------
+    UsageError
+        The measured inputs depend on each other whatever s.
+    """
+    import mpmath
+
+    assembly = drivetrain.assembly
+    with mpmath.workdps(DIGITS):
+        rate = mpmath.mpf(smallest_rate(assembly.system))
+        asked = ManyDigits(assembly, request)
+        first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (SMALL, SMALL + 1))
+        if first is not None and second is not None:
+            pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
+            return np.array([[_limit(*pair) for pair in row] for row in pairs])
+        if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
+            raise request.dependent()
+    return np.full((len(request.outputs), len(request.measured)), complex(np.inf))
+
+
+def _limit(first: Any, second: Any) -> complex:
+    """The value two steps agree on: ten times larger at a tenth of s is a pole, ten times smaller a zero."""
+    if abs(second) > 5 * abs(first):
+        return complex(np.inf, 0.0)
+    return 0j if abs(second) < abs(first) / 5 else complex(second)

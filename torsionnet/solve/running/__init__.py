@@ -1,0 +1,1 @@
+"""Running machinery: motion over time, orders over speed, critical speeds, limits."""

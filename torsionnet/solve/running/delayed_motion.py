@@ -1,0 +1,175 @@
+"""Motion over time where torques of controllers act with a delay.
+
+What a controller applies now it has found a delay ago, so that its torque is known before it is needed and drives the
+others like one from outside (the method of steps). States go from point to point by the exact transition for torques
+that run straight between points; delayed torques are read between points by cubics. The error falls with the square of
+the step: it is taken out by extrapolation from two steps, and what that leaves is estimated from a third.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.solve.dynamic_stiffness.action_states import LawStates, refuse_delayed_acceleration, undelayed_states
+from torsionnet.solve.dynamic_stiffness.state_space import NEGLIGIBLE, StateSpaceForm, first_order, output_matrices
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+
+MOST_STEPS = 400_000
+"""Points in time of all passes together."""
+LEAST = 3
+"""Points that a delay is long at least."""
+ENOUGH = 1e-6
+"""Share of the largest reading that the error may be."""
+TOLD = 1e-4
+"""Share above which a warning tells it."""
+
+
+@dataclass(frozen=True)
+class DelayedForm:
+    """x' = A x + B [u, T], y = C x + D [u, T], and the torques v = E x + F [u, T] that act as T a delay later."""
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    E: FloatArray
+    F: FloatArray
+    delays: FloatArray
+
+
+def with_delays(
+    drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
+) -> FloatArray:
+    """Readings (n_out, n) under torques (n_in, n) in N m.
+
+    Raises
+    ------
+    UsageError
+        The delays are too short against the time asked for, or a law has no motion over time.
+    """
+    form, h, n = _form(drivetrain, request), 1 / sampling_rate, torques.shape[1]
+    fineness = max(1, math.ceil(LEAST * h / form.delays.min()))
+    used = 3 * fineness * n
+    if used > MOST_STEPS:
+        text = f"the shortest delay, {form.delays.min():.3g} s, needs more than {MOST_STEPS} steps over {n * h:.3g} s"
+        raise UsageError(f"{text}; simulate a shorter time")
+    last = _stepped(form, torques, h, fineness)
+    found, error = last, math.inf
+    while error > ENOUGH and used <= MOST_STEPS:
+        fineness *= 2
+        finer = _stepped(form, torques, h, fineness)
+        extrapolated = finer + (finer - last) / 3
+        sizes = np.abs(extrapolated).max(axis=1, keepdims=True)
+        error = float((np.abs(extrapolated - found) / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))
+        last, found, used = finer, extrapolated, used + 2 * fineness * n
+    if error > TOLD:
+        text = f"with delays, readings are right to about {100 * error:.2g} % of their largest value"
+        warnings.warn(f"{text}; a higher sampling rate or a shorter time gives more", TorsionnetWarning, stacklevel=5)
+    return found
+
+
+def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
+    assembly = drivetrain.assembly
+    laws = [undelayed_states(assembly, one) for one in assembly.system.actions]
+    opened = [one for one in laws if one.action.delay]
+    for one in opened:
+        refuse_delayed_acceleration(one)
+    form = first_order(
+        assembly, request.excitations, closing=[one for one in laws if not one.action.delay], opened=opened
+    )
+    sizes = np.cumsum([len(form.A), *(len(one.F) for one in opened)])
+    A, B = np.zeros((sizes[-1], sizes[-1])), np.zeros((sizes[-1], form.B.shape[1]))
+    n = len(form.A)
+    A[:n, :n], B[:n] = form.A, form.B
+    E, F = np.zeros((len(opened), sizes[-1])), np.zeros((len(opened), form.B.shape[1]))
+    for place, law in enumerate(opened):
+        own = slice(sizes[place], sizes[place + 1])
+        y, direct, rate, rate_direct = _sensed(law, form)
+        A[own, own] = law.F
+        A[own, :n] = np.outer(law.G[:, 0], y) + np.outer(law.G[:, 1], rate)
+        B[own] = np.outer(law.G[:, 0], direct) + np.outer(law.G[:, 1], rate_direct)
+        E[place, own], E[place, :n] = law.H, law.at_once[0] * y + law.at_once[1] * rate
+        F[place] = law.at_once[0] * direct + law.at_once[1] * rate_direct
+    C, D = output_matrices(assembly, request.outputs, request.excitations, form, opened)
+    C = np.hstack([C, np.zeros((len(C), sizes[-1] - n))])
+    return DelayedForm(A, B, C, D, E, F, np.array([float(one.action.delay) for one in opened]))
+
+
+def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """What a law senses and its rate, over states and torques."""
+    y, direct = law.sensed @ form.X, law.sensed @ form.U
+    uses_rate = law.at_once[1] or law.G[:, 1].any()
+    if uses_rate and np.abs(direct).max(initial=0.0) > NEGLIGIBLE * np.abs(form.U).max(initial=0.0):
+        text = "the rate of what has neither inertia nor damper follows the rate of a torque"
+        raise UsageError(f"{law.action.owner}: {text}")
+    return y, direct, y @ form.A, y @ form.B
+
+
+def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) -> FloatArray:
+    """Readings at the samples, by so many steps from one to the next."""
+    n_in, n = torques.shape
+    count, step = (n - 1) * fineness + 1, h / fineness
+    places = np.arange(count) / fineness
+    drive = np.array([np.interp(places, np.arange(n), one) for one in torques])
+    passage, before, after = (part.real for part in first_order_hold(form.A, form.B, step))
+    weights = [_Between(delay / step) for delay in form.delays]
+    x, found = np.zeros(len(form.A)), np.zeros((count, len(form.delays)))
+    u = np.concatenate([drive, np.zeros((len(form.delays), count))]).T.copy()
+    states = np.zeros((n, len(x)))
+    for point in range(count):
+        for number, one in enumerate(weights):
+            u[point, n_in + number] = one.read(found[:, number], point)
+        if point:
+            x = passage @ x + before @ u[point - 1] + after @ u[point]
+        found[point] = form.E @ x + form.F @ u[point]
+        if point % fineness == 0:
+            states[point // fineness] = x
+    return np.asarray(form.C @ states.T + form.D @ u[::fineness].T)
+
+
+class _Between:
+    """Reads a signal so many points ago, by the cubic through four points; before the first it is zero."""
+
+    def __init__(self, ago: float) -> None:
+        whole = math.ceil(ago - 1e-9)
+        self.back, self.share = whole, max(0.0, whole - ago)
+        self.inner, self.first = _lagrange(self.share + 1), _lagrange(self.share)
+
+    def read(self, signal: FloatArray, point: int) -> float:
+        place = point - self.back
+        if place < 0:
+            return 0.0
+        if place == 0:
+            return float(self.first @ signal[:4])
+        return float(self.inner @ signal[place - 1 : place + 3])
+
+
+def _lagrange(x: float) -> FloatArray:
+    """Weights of values at 0, 1, 2 and 3 for the one at x."""
+    return np.array([
+        -(x - 1) * (x - 2) * (x - 3) / 6,
+        x * (x - 2) * (x - 3) / 2,
+        -x * (x - 1) * (x - 3) / 2,
+        x * (x - 1) * (x - 2) / 6,
+    ])  # fmt: skip
+
+
+def first_order_hold(
+    A: FloatArray | ComplexArray, B: FloatArray | ComplexArray, h: float
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """exp(A h), G_0 and G_1 for a torque that runs straight from one sample to the next."""
+    n, n_in = B.shape
+    whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
+    whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h
+    whole[n : n + n_in, n + n_in :] = np.eye(n_in)
+    power = np.asarray(linalg.expm(whole), dtype=np.complex128)
+    after = power[:n, n + n_in :]
+    return power[:n, :n], power[:n, n : n + n_in] - after, after

@@ -1,0 +1,68 @@
+"""The speeds at which running machinery is examined first, and whether more is looked at between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.speed_refinement import added, filled
+from torsionnet.solve.running.order_response import OrderQuestion
+from torsionnet.solve.running.resonant_speeds import around_resonances
+
+
+@dataclass(frozen=True, eq=False)
+class ExaminedSpeeds:
+    """Speeds of a reference shaft.
+
+    Attributes
+    ----------
+    question : OrderQuestion
+        What acts, and the speeds that were asked for.
+    refine : bool
+        Whether these stand for all speeds between them: a range does, a list of speeds does not.
+    """
+
+    question: OrderQuestion
+    refine: bool
+
+    @classmethod
+    def of(
+        cls,
+        drivetrain: AssembledModel,
+        speeds: ArrayLike | None = None,
+        *,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+        refine: bool | None = None,
+    ) -> ExaminedSpeeds:
+        """As of an order response; without ``refine`` a list of speeds in the model is what is examined."""
+        given = drivetrain.definition.speeds
+        is_list = speeds is None and given is not None and bool(given.list)
+        question = OrderQuestion.of(drivetrain, speeds, speed_of, excitations)
+        rising = len(question.at) > 1 and bool((np.diff(question.at) > 0).all())
+        return cls(question, (not is_list if refine is None else refine) and rising)
+
+    @property
+    def reference(self) -> str:
+        """Node whose speeds are meant."""
+        return self.question.reference
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Lowest and highest speed, rad/s."""
+        return float(self.question.at.min()), float(self.question.at.max())
+
+    def first(self, breaks: FloatArray) -> FloatArray:
+        """Speeds in rad/s to begin with: no far gaps, around narrow resonances, and where something has an edge."""
+        if not self.refine:
+            return self.question.at
+        speeds = filled(self.question.at)
+        lines = self.question.loads(self.question.at[:1]).lines
+        around = around_resonances(self.question.held, self.reference, lines, speeds)
+        more = added(speeds, np.concatenate([around, breaks[np.isfinite(breaks)]]))
+        return np.sort(np.concatenate([speeds, more]))

@@ -1,0 +1,222 @@
+"""Limits of a model in one condition: the responses they want to see, then the verdict of each.
+
+Every limit is looked at between the speeds, too, until what is used of it and the ends of ranges are known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.model.channels import Sensor
+from torsionnet.model.checks.limits_fit import limit_subject
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Values
+from torsionnet.model.excitations.engine_phases import running_now
+from torsionnet.model.limits import Limit, limit_rules
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import LimitLine, joined_lines
+from torsionnet.model.limits.subject import LimitSubject
+from torsionnet.model.power_flow import power_flows, power_sensors
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.limit_check import LimitCheck, few
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.speed_refinement import refined, speeds_wanted
+from torsionnet.response.speed_spans import spans_above
+from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
+from torsionnet.solve.running.mean_response import mean_response
+from torsionnet.solve.running.order_response import order_response
+from torsionnet.solve.running.refined_response import merged
+
+NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
+MISFIRING = "a cylinder misfires in this condition"
+
+
+def check_limits(
+    drivetrain: AssembledModel,
+    limits: str | Iterable[str] | None = None,
+    *,
+    speeds: ArrayLike | None = None,
+    excitations: Iterable[str] | None = None,
+    refine: bool | None = None,
+) -> LimitCheck:
+    """See :meth:`torsionnet.Drivetrain.check_limits`."""
+    chosen = {name: limit.fitted(drivetrain.definition.elements)
+              for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
+    subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
+    asked = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
+    examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine)
+    examination = _Examination(drivetrain, subject, chosen, asked, examined)
+    breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
+    found = examination.at(examined.first(breaks))
+    if examined.refine:
+        found = refined(found, examination.wanted, examination.with_more)
+    run, evidence = found.run, found.evidence
+    verdicts = tuple(
+        verdict
+        for (name, limit), lines in zip(chosen.items(), found.lines, strict=True)
+        for verdict in limit.verdicts(name, evidence, lines)
+    )
+    notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
+    notes += [running] if (running := running_now(drivetrain.definition.excitations)) else []
+    return LimitCheck(
+        run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
+        subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,
+        _left_out(drivetrain.definition, chosen, excitations),
+    )  # fmt: skip
+
+
+def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterable[str] | None) -> tuple[str, ...]:
+    """Limits and excitations of the model that the question leaves out, in words."""
+    examined = {
+        "limits": set(limits),
+        "excitations": set(definition.excitations if excitations is None else excitations),
+    }
+    known = {"limits": definition.limits, "excitations": definition.excitations}
+    missing = {what: [name for name in known[what] if name not in examined[what]] for what in known}
+    return tuple(f"{what} not examined: {few(names)}" for what, names in missing.items() if names)
+
+
+@dataclass(frozen=True, eq=False)
+class _Examined:
+    """Responses at some speeds, and the lines of every limit there."""
+
+    evidence: Evidence
+    lines: tuple[tuple[LimitLine, ...], ...]
+
+    @property
+    def run(self) -> OrderResponse:
+        return self.evidence.run
+
+
+@dataclass(frozen=True, eq=False)
+class _Examination:
+    """What is asked at every speed."""
+
+    drivetrain: AssembledModel
+    subject: LimitSubject
+    limits: Mapping[str, Limit]
+    excitations: Any
+    speeds: ExaminedSpeeds
+
+    def at(self, speeds: FloatArray) -> _Examined:
+        """Responses and lines at speeds in rad/s."""
+        run = order_response(
+            self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
+        )
+        means, why = _means(self.drivetrain, self.subject, self._here, run.speeds)
+        evidence = Evidence(run, means, why, self.subject, self._rated)
+        return _Examined(evidence, tuple(tuple(limit.known_lines(evidence)) for limit in self.limits.values()))
+
+    @cached_property
+    def _here(self) -> list[Limit]:
+        """The limits on what is there in this condition."""
+        return [limit for limit in self.limits.values() if not limit.switched_off(self.subject)]
+
+    @cached_property
+    def _sensors(self) -> list[Sensor]:
+        return _seen(self.subject, self._here)
+
+    @cached_property
+    def _rated(self) -> dict[Sensor, float]:
+        """Mean values at the rated speed, where that is examined."""
+        rated, (low, high) = self.subject.rated, self.speeds.ends
+        if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
+            return {}
+        means, _ = _means(self.drivetrain, self.subject, self._here, np.array([rated]))
+        return {sensor: float(values[0]) for sensor, values in means.items()}
+
+    def wanted(self, found: _Examined) -> FloatArray:
+        """Speeds at which more has to be known of some limit."""
+        lines = [line for group in found.lines for line in group if not line.why_not]
+        used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
+        tops = [column for line in lines for column in _tops(found.run.speeds, line)]
+        by_level = speeds_wanted(found.run.speeds, used, 1.0)
+        by_top = speeds_wanted(found.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
+        return np.unique(np.concatenate([by_level, by_top]))
+
+    def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:
+        """The same with some more speeds."""
+        more = self.at(speeds)
+        run, order = merged(found.run, more.run)
+        means = {
+            sensor: np.concatenate([values, more.evidence.means[sensor]])[order]
+            for sensor, values in found.evidence.means.items()
+        }
+        evidence = Evidence(run, means, found.evidence.why_no_mean, self.subject, found.evidence.rated_means)
+        lines = tuple(
+            tuple(joined_lines(pair, order) for pair in zip(*groups, strict=True))
+            for groups in zip(found.lines, more.lines, strict=True)
+        )
+        return _Examined(evidence, lines)
+
+
+def _tops(speeds: FloatArray, line: LimitLine) -> list[FloatArray]:
+    """The values of each case in each range in which they exceed what is allowed, NaN elsewhere."""
+    if line.in_passing:
+        return []
+    return [
+        np.where((speeds >= span.low) & (speeds <= span.high), values, np.nan)
+        for values in line.each.T
+        for span in spans_above(speeds, values, line.allowed)
+    ]
+
+
+def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> dict[str, Limit]:
+    if not known:
+        rules = ", ".join(limit_rules())
+        raise UsageError(
+            f"the model has no limits; they stand in its entry limits: {{name: {{rule: ...}}}}, rules are {rules}"
+        )
+    wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
+    for name in wanted:
+        if name not in known:
+            hint = meant_or(name, known, f"there are {', '.join(known)}")
+            raise UsageError(f'no limit is named "{name}"{hint}')
+    return {name: known[name] for name in wanted}
+
+
+def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
+    """All sensors that the limits want, every one once."""
+    found = [sensor for limit in limits for sensor in limit.seen(subject)]
+    for limit in limits:
+        for name in limit.powered():
+            found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
+    if not found:
+        raise UsageError("everything that the limits are about is switched off in this condition")
+    return list(dict.fromkeys(found))
+
+
+def _means(
+    drivetrain: AssembledModel, subject: LimitSubject, limits: Sequence[Limit], speeds: FloatArray
+) -> tuple[dict[Sensor, FloatArray], str]:
+    """Mean values over speed of what the limits want averaged, and why some of them are not known."""
+    sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(subject)))
+    try:
+        values = mean_response(drivetrain, sensors, speeds).values if sensors else np.empty((0, 0))
+    except UsageError as error:
+        if len(sensors) == 1:
+            return {}, str(error)
+        return _one_by_one(drivetrain, sensors, speeds)
+    return dict(zip(sensors, values.T, strict=False)), ""
+
+
+def _one_by_one(
+    drivetrain: AssembledModel, sensors: Sequence[Sensor], speeds: FloatArray
+) -> tuple[dict[Sensor, FloatArray], str]:
+    """As some of them are not determined."""
+    found: dict[Sensor, FloatArray] = {}
+    why = ""
+    for sensor in sensors:
+        try:
+            found[sensor] = mean_response(drivetrain, sensor, speeds).values[:, 0]
+        except UsageError as error:
+            why = str(error)
+    return found, why

@@ -1,0 +1,196 @@
+"""Mean torques and what they wind up: the static solution under the torques from outside.
+
+Springs hand mean torques on. Dampers stand for vibration, and inertias feel nothing at steady speed; so of all laws
+only stiffness is left, the real part at rest where it depends on frequency, and of controllers what follows rates is
+nothing. Motions that no spring resists are held in
+one node each. What that node takes is what the torques leave over, which is nothing where they are in balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.action_law import refuse_actions
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.checks.balance import TOLERANCE
+from torsionnet.model.checks.motions import left_free
+from torsionnet.model.checks.structure import rigid_motions
+from torsionnet.model.elements import Constraint, Element, Part, Values
+from torsionnet.model.load.external_torques import stated_torques
+from torsionnet.model.speeds import mean_speeds
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.mean_response import MeanResponse
+from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.running.operating_groups import Places, at_speeds, solved_together
+
+NOTHING = 1e-13
+"""What rounding leaves of a sum over its terms."""
+
+
+def mean_response(
+    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], speeds: ArrayLike | None = None
+) -> MeanResponse:
+    """See :meth:`torsionnet.Drivetrain.mean_response`."""
+    reference, at, torques = external_torques(drivetrain, speeds)
+    nodes = [node for node in torques if node in drivetrain.nodes]
+    if not nodes:
+        raise UsageError(f"{', '.join(torques)}: nothing is attached there in this configuration")
+    wanted = ask(drivetrain, outputs, nodes, None).outputs
+    _require_determined(drivetrain, wanted)
+    acting = np.array([torques[node] for node in nodes]).T
+    held = _held(drivetrain)
+    if drivetrain.definition.load is None:  # the one speed at which the parameters have their values already
+        groups: Iterable[tuple[AssembledModel, Places]] = [(held, np.arange(len(at)))]
+    else:
+        groups = at_speeds(held, reference, at)
+    values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(_held_in(held))))
+    for rigs, places in solved_together(groups):
+        per_torque, torques_there = _per_torque(rigs, _request(rigs[0], wanted, nodes)), acting[places, None, :]
+        found = (torques_there * per_torque).sum(axis=2)
+        sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)
+        found = np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
+        values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
+        _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
+    channels = tuple(one.channel for one in wanted)
+    return MeanResponse(at, reference, values, channels, drivetrain.title, _rest(drivetrain, left_over))
+
+
+def external_torques(
+    drivetrain: AssembledModel, speeds: ArrayLike | None
+) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
+    """Reference node, its speeds in rad/s, and torques from outside (n_speeds,) by node in N m."""
+    definition = drivetrain.definition
+    external = drivetrain.external_torques
+    if definition.load is None:
+        return _stated(drivetrain, speeds, external.reference)
+    if speeds is None:
+        at = np.array(definition.speeds.values if definition.speeds else (external.operating_speed,))
+    else:
+        at = np.atleast_1d(np.asarray(speeds, dtype=float))
+    if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
+        raise UsageError("speeds are finite numbers above 0, in rad/s")
+    found = [external.at(speed) for speed in at.tolist()]
+    return external.reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
+
+
+def _stated(
+    drivetrain: AssembledModel, speeds: ArrayLike | None, reference: str
+) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
+    """The torques of the operating point, which hold at its speed alone."""
+    definition, values = drivetrain.definition, drivetrain.exact_values
+    torques = {node: torque for node, torque in stated_torques(definition, values).items() if torque}
+    if not torques:
+        raise UsageError(
+            "nothing says which mean torques act; give load: {absorbed_at: node, power: 3000 kW, torque_exponent: 2}"
+        )
+    if speeds is not None:
+        raise UsageError("without an entry load: mean torques are known at the operating point only; leave out speeds")
+    turning = mean_speeds(definition, values)
+    if not turning.get(reference):
+        reference = next(iter(definition.operating_point.speed), next(iter(torques)))
+    return reference, np.array([turning.get(reference, 0.0)]), {node: np.array([one]) for node, one in torques.items()}
+
+
+def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
+    """Refuse motions that mean torques do not determine."""
+    for output in outputs:
+        reason = undetermined(drivetrain, output)
+        if reason:
+            raise UsageError(f"{output.name} has no mean value: {reason}; ask for a torque or a twist")
+
+
+def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
+    """Why mean torques say nothing about a reading, or None."""
+    motions = [term for term in output.terms if term.law is None]
+    if any(term.power for term in motions):
+        return "torques do not determine it"
+    left = left_free(drivetrain.assembly.kinematics, lambda law: law.holds_at_rest)
+    return "the drivetrain turns freely there" if any(left.reduced(dict(term.exact)) for term in motions) else None
+
+
+def _held(drivetrain: AssembledModel) -> AssembledModel:
+    """The drivetrain with every motion that no spring resists held in one node."""
+    definition = drivetrain.definition
+    holders = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
+    elements = {**definition.elements, **{one.name: one for one in holders}}
+    return drivetrain.with_definition(replace(definition, elements=elements))
+
+
+def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
+    """The outputs, and after them what is left over in the nodes held, per torque on each node."""
+    sensors = [one.sensor for one in outputs if one.sensor]
+    sensors += [Sensor("torque", name) for name in _held_in(held)]
+    readings = tuple(functional(held, sensor) for sensor in sensors)
+    excitations = tuple(Input("torque", node) for node in nodes)
+    return TransferRequest(readings, (), excitations, is_measured=False, assembly=held.assembly)
+
+
+def _held_in(held: AssembledModel) -> list[str]:
+    return [name for name, one in held.elements.items() if isinstance(one, _Holder)]
+
+
+def _per_torque(rigs: Sequence[AssembledModel], request: TransferRequest) -> FloatArray:
+    """Readings (n_rigs, n_readings, n_nodes) per torque on a node."""
+    for rig in rigs:
+        refuse_actions([one for one in rig.assembly.system.actions if one.acts_at_rest], "mean torques are")
+    kappa = _at_rest(law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1)))
+    return np.asarray(transfer_functions(request, kappa, "graph").values.real)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class _Holder(Element):
+    """A clamp on any node, also on one inside of an element."""
+
+    held: str = field(kw_only=True)
+
+    @property
+    def ports(self) -> dict[str, str]:
+        return {"node": self.held}
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        return (Constraint({self.held: 1}),)
+
+
+def _holders(elements: Mapping[str, Element], nodes: Sequence[str]) -> list[_Holder]:
+    """With names that no element has."""
+    word = "held"
+    while any(name.startswith(word) for name in elements):
+        word += "_"
+    return [_Holder(f"{word}{number}", held=node) for number, node in enumerate(nodes)]
+
+
+def _at_rest(kappa: LawStiffness) -> LawStiffness:
+    """The elastic part alone."""
+    stiffness = kappa.stiffness.copy()
+    for law, values in kappa.sampled:
+        stiffness[:, law] += values[:, 0].real
+    nothing = np.zeros_like(stiffness)
+    resting = tuple(np.zeros_like(values) for values in kappa.actions)
+    return LawStiffness(nothing, nothing, stiffness, kappa.omega, actions=resting)
+
+
+def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
+    """Refuse torques that leave more over than rounded figures do; ``sizes`` are the sums of their magnitudes."""
+    over = np.abs(left_over) > TOLERANCE * sizes
+    if over.any():
+        text = f"the mean torques leave {np.abs(left_over[over]).max():.4g} N*m over"
+        raise UsageError(f"{text}; a drivetrain that turns freely needs torques in balance")
+
+
+def _rest(drivetrain: AssembledModel, left_over: FloatArray) -> tuple[str, ...]:
+    """A note on torques that rounded figures leave over."""
+    largest = np.abs(left_over).max(initial=0.0)
+    if not largest:
+        return ()
+    nodes = ", ".join(rigid_motions(drivetrain.assembly.kinematics))
+    return (f"the mean torques leave {largest:.4g} N*m over, taken at {nodes}",)

@@ -1,0 +1,367 @@
+"""Responses to excitation by orders: one solution at all frequencies that occur, then sums over what acts there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray
+from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.model.channels import Input, Sensor, named_nodes
+from torsionnet.model.excitations import OrderExcitation, OrderTorques
+from torsionnet.model.excitations.engine_phases import unlocked_engines
+from torsionnet.response.frequency_response import Channel, FloatArray
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.worst_response import joined
+from torsionnet.solve.dynamic_stiffness.posed import twisted_law
+from torsionnet.solve.dynamic_stiffness.transfer_request import remembered, stressed_sections
+from torsionnet.solve.responses.shared_response import shared_response
+from torsionnet.solve.responses.transfer import evaluate, warn_infinite
+from torsionnet.solve.running.operating_groups import Settled, at_speeds, solved_together
+from torsionnet.solve.running.settling import settled_by_vibration
+from torsionnet.solve.running.total_ratios import remembered_ratio
+from torsionnet.solve.running.worst_case import contributions, worst_case
+from torsionnet.solve.running.worst_combination import Contributions
+
+STILL = 1e-9
+"""Share of its parts below which the difference of two frequencies is none."""
+
+
+def order_response(
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    *,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitations: Iterable[str] | None = None,
+) -> OrderResponse:
+    """See :meth:`torsionnet.Drivetrain.order_response`."""
+    question = OrderQuestion.of(drivetrain, speeds, speed_of, excitations)
+    at = question.at
+
+    def run(wanted: Any, settled: Settled) -> OrderResponse:
+        found = [
+            (_block(rigs, wanted, question.loads(at[part])), part)
+            for rigs, part in solved_together(
+                at_speeds(question.held, question.reference, at, settled), lambda rig: stressed_sections(rig, (wanted,))
+            )
+        ]
+        return joined(found, at, drivetrain.title)
+
+    def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
+        return run([Sensor("torque", name) for name in elements], settled).half_range
+
+    return run(outputs, settled_by_vibration(drivetrain.definition, at, vibration))
+
+
+@dataclass(frozen=True, eq=False)
+class OrderQuestion:
+    """What acts on a drivetrain, by the speed of a reference shaft.
+
+    Attributes
+    ----------
+    held : AssembledModel
+        The drivetrain whose imposed motions are inputs.
+    reference : str
+        Node of the speeds.
+    at : (n_speeds,) array
+        rad/s.
+    acting : mapping
+        Excitations by name.
+    ratios : mapping
+        Excitation -> revolutions of its shaft per revolution of the reference.
+    senses : mapping
+    engines : mapping
+        Engine -> first of those it is fixed to, where angles between engines are not known.
+    """
+
+    held: AssembledModel
+    reference: str
+    at: FloatArray
+    acting: Mapping[str, OrderExcitation]
+    ratios: Mapping[str, Fraction]
+    senses: Mapping[str, Senses]
+    engines: Mapping[str, str]
+
+    @classmethod
+    def of(
+        cls,
+        drivetrain: AssembledModel,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> OrderQuestion:
+        """As of :func:`order_response`, which refuses the same."""
+        reference, at = _speeds(drivetrain, speeds, speed_of)
+        acting = _acting(drivetrain.definition.excitations, excitations)
+        for name, one in acting.items():
+            _require_moving(drivetrain, name, one)
+        held = with_motions_held(drivetrain, acting)
+        ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
+        senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
+        engines = unlocked_engines(acting, drivetrain.definition.excitations)
+        return cls(held, reference, at, acting, ratios, senses, engines)
+
+    def loads(self, at: FloatArray) -> OrderLoads:
+        """What acts at some speeds in rad/s."""
+        found = tuple(
+            _acts(
+                OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
+                one,
+                self.senses[name],
+                one.torques(at * abs(float(self.ratios[name]))),
+            )
+            for name, one in self.acting.items()
+        )
+        lines = tuple(line for each in found for line in each.lines)
+        inputs = tuple(dict.fromkeys(channel for each in found for channel in each.loads))
+        loads = np.zeros((len(at), len(lines), len(inputs)), dtype=complex)
+        first = 0
+        for each in found:
+            for channel, amplitudes in each.loads.items():
+                loads[:, first : first + len(each.lines), inputs.index(channel)] = amplitudes
+            first += len(each.lines)
+        turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
+        hertz = turning + np.array([line.fixed for line in lines])
+        hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
+        return OrderLoads(at, self.reference, found, lines, inputs, loads, hertz)
+
+
+def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
+    """Rated speed, or the highest one examined, of the reference shaft and of the shaft of an excitation; rad/s."""
+    given = drivetrain.definition.speeds
+    reference, at = _speeds(drivetrain, None, None)
+    speed = float(given.rated) if given and given.rated else float(at[-1])
+    shaft = drivetrain.definition.excitations[excitation].shaft
+    return speed, speed * abs(float(_turning(drivetrain, shaft, reference)))
+
+
+def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
+    """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
+    inputs = dict(drivetrain.inputs)
+    known = {channel for channel in inputs.values() if channel.quantity == "angle"}
+    for name, one in acting.items():
+        for node in one.nodes if one.quantity == "angle" else ():
+            if (channel := one.channel(node)) not in known:
+                known.add(channel)
+                inputs[_unused(f"{name} on {node}", inputs)] = channel
+    if len(inputs) == len(drivetrain.inputs):
+        return drivetrain
+    held = drivetrain.with_definition(replace(drivetrain.definition, inputs=inputs))
+    if held.assembly.kinematics.reduction.blocked:
+        raise UsageError("two imposed motions act on nodes that are rigidly connected; leave out one")
+    return held
+
+
+def _unused(name: str, known: Iterable[str]) -> str:
+    return _unused(f"{name} too", known) if name in known else name
+
+
+Senses = Mapping[str, float]
+"""What a unit of an excitation is as an input, by the node or element it acts on."""
+
+
+def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
+    """A torque or angle is positive in the sense in which its shaft turns; what is held feels none."""
+    if one.element_entry is not None:
+        name = one.element_entry[1]
+        row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
+        return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
+    stills = drivetrain.assembly.kinematics.stills
+    return {node: _sense(drivetrain, node, reference) for node in one.nodes if not stills(one.channel(node).row)}
+
+
+def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
+    return -1.0 if remembered_ratio(drivetrain, node, reference) < 0 else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class ActingLines:
+    """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines)."""
+
+    name: str
+    lines: tuple[OrderLine, ...]
+    loads: Mapping[Input, ComplexArray]
+    torques: OrderTorques
+    inputs: Mapping[str, tuple[Input, float]]
+    """By node: the input, and the sign with which a torque acts there."""
+
+
+def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ActingLines:
+    """An excitation whose lines are like one that has no order yet."""
+    fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
+    pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
+    lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
+    if not line.ratio and found.orders.any():
+        raise UsageError(
+            f"{one.shaft} does not turn, so it has no orders; {line.excitation} can act at frequencies there"
+        )
+    columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
+    inputs = {place: (one.channel(place), senses[place]) for place in columns}
+    loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
+    return ActingLines(line.excitation, lines, loads, found, inputs)
+
+
+@dataclass(frozen=True, eq=False)
+class OrderLoads:
+    """What acts at some speeds, as lines over inputs.
+
+    Attributes
+    ----------
+    at : (n_speeds,) array
+        rad/s.
+    reference : str
+    found : tuple of ActingLines
+        By excitation.
+    lines : tuple of OrderLine
+    inputs : tuple of Input
+    loads : (n_speeds, n_lines, n_inputs) complex array
+    hertz : (n_speeds, n_lines) array
+        Of either sign.
+    """
+
+    at: FloatArray
+    reference: str
+    found: tuple[ActingLines, ...]
+    lines: tuple[OrderLine, ...]
+    inputs: tuple[Input, ...]
+    loads: ComplexArray
+    hertz: FloatArray
+
+    def response(self, gains: ComplexArray, channels: tuple[Channel, ...]) -> OrderResponse:
+        """By the responses (n_speeds, n_lines, n_out, n_inputs) to units of the inputs."""
+        values = np.einsum("slon,sln->slo", gains, self.loads)
+        return _worst(
+            OrderResponse(self.at, self.reference, self.lines, values, channels), self.found, gains, self.inputs
+        )
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """All that occur, in Hz, >= 0, each once."""
+        return np.unique(np.abs(self.hertz))
+
+    def at_lines(self, frequencies: FloatArray, values: ComplexArray) -> ComplexArray:
+        """Responses by speed and line, of those (n_f, ...) at all frequencies that occur."""
+        where = np.searchsorted(frequencies, np.abs(self.hertz))
+        return _forward(values[where], self.hertz)
+
+
+def _block(
+    rigs: Sequence[AssembledModel], outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
+) -> OrderResponse:
+    """The responses at some speeds, of one drivetrain or of one for each."""
+    inputs = list(loads.inputs)
+    gains, channels = _gains(rigs[0], outputs, loads) if len(rigs) == 1 else _each(rigs, outputs, inputs, loads.hertz)
+    return loads.response(gains, channels)
+
+
+def _worst(
+    nominal: OrderResponse, acting: Sequence[ActingLines], gains: ComplexArray, inputs: Sequence[Input]
+) -> OrderResponse:
+    """The worst of what excitations offer besides: a misfire of each cylinder, spread between cylinders."""
+    alternatives: list[Contributions] = []
+    scatter: list[Contributions] = []
+    first = 0
+    for each in acting:
+        lines = slice(first, first := first + len(each.lines))
+        columns = {node: (inputs.index(channel), sense) for node, (channel, sense) in each.inputs.items()}
+        for shares, those in ((each.torques.alternatives, alternatives), (each.torques.scatter, scatter)):
+            if shares is not None:
+                those.append(contributions(each.name, shares, gains, lines, columns))
+    return worst_case(nominal, alternatives, scatter)
+
+
+def _gains(
+    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
+) -> tuple[ComplexArray, tuple[Channel, ...]]:
+    """Responses (n_speeds, n_lines, n_out, n_inputs) at frequencies (n_speeds, n_lines) of either sign.
+
+    What does not vibrate, as a line of the slip at synchronous speed, makes no vibration.
+    """
+    frequencies = loads.frequencies
+    still = frequencies == 0
+    response = shared_response(drivetrain, outputs, list(loads.inputs), frequencies[~still])
+    values = np.zeros((len(frequencies), *response.values.shape[1:]), dtype=complex)
+    values[~still] = response.values
+    return loads.at_lines(frequencies, values), response.outputs
+
+
+def _each(
+    rigs: Sequence[AssembledModel],
+    outputs: str | Sensor | Sequence[str | Sensor],
+    inputs: Sequence[Any],
+    hertz: FloatArray,
+) -> tuple[ComplexArray, tuple[Channel, ...]]:
+    """As :func:`_gains`, with a drivetrain of its own at every speed; all have the same rows."""
+    frequencies, where = np.unique(np.abs(hertz), axis=1, return_inverse=True)
+    still = frequencies == 0
+    frequencies[still] = 1.0  # any: what comes of it is not used
+    request = remembered(rigs[0], outputs, inputs, None)
+    found = evaluate([rig.assembly for rig in rigs], request, frequencies)
+    warn_infinite(found.values, found.conditioning, frequencies)
+    found.values[still] = 0.0
+    channels = tuple(reading.channel for reading in request.outputs)
+    return _forward(found.values[:, where.ravel()], hertz), channels
+
+
+def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
+    """Responses at frequencies of either sign from those at their magnitudes."""
+    backward = hertz < 0
+    if backward.any():
+        gains[backward] = gains[backward].conj()
+    return gains
+
+
+def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
+    """Refuse an excitation on what is locked or switched off in this configuration."""
+    if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
+        raise UsageError(f"{name} acts in {excitation.element_entry[1]}, which is switched off in this configuration")
+    for node in excitation.nodes:
+        channel = excitation.channel(node)
+        missing = next((one for one in channel.nodes if one not in drivetrain.nodes), None)
+        if missing is not None:
+            raise UsageError(f'{name} acts on "{missing}", to which nothing is attached in this configuration')
+        if drivetrain.assembly.kinematics.stills(channel.row):
+            held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
+            raise UsageError(f"{name} acts on {held} in this configuration; nothing would come of it")
+
+
+def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:
+    """The reference node and its speeds in rad/s."""
+    given = drivetrain.definition.speeds
+    if given is None and (speeds is None or speed_of is None):
+        raise UsageError("the model has no entry speeds: {of: node, range: 300..800 rpm, step: 5 rpm}")
+    reference = str(speed_of or (given and given.of))
+    at = np.atleast_1d(np.asarray(speeds if speeds is not None else given and given.values, dtype=float))
+    if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
+        raise UsageError("speeds are finite numbers above 0, in rad/s")
+    return reference, at
+
+
+def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -> dict[str, OrderExcitation]:
+    if not known:
+        raise UsageError("the model has no excitations; what runs in it stands in its entry excitations:")
+    enabled = [name for name, one in known.items() if one.enabled]
+    chosen = enabled if names is None else [names] if isinstance(names, str) else list(names)
+    if not chosen:
+        raise UsageError("every excitation is switched off in this configuration; name those that are to act")
+    for name in chosen:
+        if name not in known:
+            hint = meant_or(name, known, f"there are {', '.join(known)}")
+            raise UsageError(f'no excitation is named "{name}"{hint}')
+    return {name: known[name] for name in chosen}
+
+
+def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
+    """Revolutions of a shaft per revolution of the reference."""
+    if node not in drivetrain.nodes:
+        raise UsageError(f'"{node}" is not there in this configuration, so that its orders have no speed')
+    return remembered_ratio(drivetrain, node, reference)

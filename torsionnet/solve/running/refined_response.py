@@ -1,0 +1,73 @@
+"""Order responses whose largest half ranges and orders do not depend on the step of speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.model.channels import Sensor
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.order_sums import summed_sizes
+from torsionnet.response.speed_refinement import refined, speeds_wanted
+from torsionnet.response.worst_response import joined
+from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
+from torsionnet.solve.running.order_response import order_response
+
+SMALL = 0.05
+"""Share of the largest half range of an output below which the largest amplitude of an order is not looked for."""
+
+
+def refined_response(
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    *,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitations: Iterable[str] | None = None,
+) -> OrderResponse:
+    """The response at the speeds asked for, and between them where half ranges and orders are largest."""
+    acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
+    examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=acting)
+
+    def at(those: FloatArray) -> _Sized:
+        run = order_response(drivetrain, outputs, speeds=those, speed_of=examined.reference, excitations=acting)
+        return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
+
+    found = at(examined.first(np.empty(0)))
+    return refined(found, _wanted, lambda known, more: known.with_more(at(more))).run if examined.refine else found.run
+
+
+def merged(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
+    """Responses at some speeds and at others as one, and which of both in turn belongs to each of its speeds."""
+    both = np.concatenate([first.speeds, second.speeds])
+    order = np.argsort(both, kind="stable")
+    places = np.argsort(order, kind="stable")
+    parts = [(first, places[: len(first.speeds)]), (second, places[len(first.speeds) :])]
+    return joined(parts, both[order], first.title), order
+
+
+@dataclass(frozen=True, eq=False)
+class _Sized:
+    """A response with its half ranges (n_speeds, n_out) and amplitudes (n_speeds, n, n_out) of lines and their sums."""
+
+    run: OrderResponse
+    half_range: FloatArray
+    sizes: FloatArray
+
+    def with_more(self, other: _Sized) -> _Sized:
+        """Both together."""
+        run, order = merged(self.run, other.run)
+        half_range, sizes = (
+            np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")
+        )
+        return _Sized(run, half_range, sizes)
+
+
+def _wanted(found: _Sized) -> FloatArray:
+    large = found.sizes.max(axis=0) > SMALL * found.half_range.max(axis=0)
+    return speeds_wanted(found.run.speeds, np.concatenate([found.half_range, found.sizes[:, large]], axis=1))

@@ -1,0 +1,124 @@
+"""Speeds at which an order meets a mode, for those resonances that are narrower than a step of speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.errors import SolveError
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.solve.modes.modes import modes
+from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
+
+AROUND = (-3.0, -1.0, 0.0, 1.0, 3.0)
+"""Half widths from the critical speed.
+
+The sum of a resonance and of all else is largest where their phases agree, up to a few half widths away.
+"""
+WIDE = 1.5
+"""A resonance whose half width is more than so many steps is seen without."""
+UNDAMPED = 1e-7
+"""Damping ratio that counts at least."""
+PLACES = 9
+"""Speeds at which modes that follow the speed are known; where they cross a line they are read off between two."""
+STEADY = 0.005
+"""Share by which a frequency may move from one of them to the next for that."""
+Resonance = tuple[float, float]
+"""Speed and half width, rad/s of the reference shaft."""
+
+
+def around_resonances(
+    drivetrain: AssembledModel, reference: str, lines: Sequence[OrderLine], speeds: FloatArray
+) -> FloatArray:
+    """Speeds in rad/s around every resonance that rising speeds may pass over."""
+    limits = float(speeds[0]), float(speeds[-1])
+    over_speed = ModesOverSpeed(drivetrain, reference, limits)
+    if over_speed.follow:
+        return _around(_following(over_speed, _distinct(lines), limits), speeds)
+    return around_poles(modes(drivetrain).eigenvalues, lines, speeds)
+
+
+def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatArray) -> FloatArray:
+    """The same where the poles in rad/s are those of every speed."""
+    found = (
+        resonance
+        for pole in poles[poles.imag > 0].tolist()
+        for line in _distinct(lines)
+        for resonance in _met(line, pole.imag / (2 * math.pi), -pole.real / (2 * math.pi), abs(pole) / (2 * math.pi))
+    )
+    return _around(found, speeds)
+
+
+def _distinct(lines: Sequence[OrderLine]) -> list[OrderLine]:
+    return list({(line.relative, line.fixed): line for line in lines}.values())
+
+
+def _around(resonances: Iterable[Resonance], speeds: FloatArray) -> FloatArray:
+    found: list[float] = []
+    for speed, width in resonances:
+        after = min(max(int(np.searchsorted(speeds, speed)), 1), len(speeds) - 1)
+        step = float(speeds[after] - speeds[after - 1])
+        if speeds[0] <= speed <= speeds[-1] and width < WIDE * step:
+            found += [speed + width * times for times in AROUND if width * abs(times) < step]
+    return np.array(found)
+
+
+def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterator[Resonance]:
+    """Where a line has a frequency, forwards or backwards; all in Hz."""
+    rate = float(line.relative) / (2 * math.pi)
+    for frequency in (damped, -damped) if rate else ():
+        yield (frequency - line.fixed) / rate, max(abs(width), UNDAMPED * natural) / abs(rate)
+
+
+def _following(
+    over_speed: ModesOverSpeed, lines: Sequence[OrderLine], limits: tuple[float, float]
+) -> Iterator[Resonance]:
+    """Where lines meet modes that move with the speed: between two speeds where they move little, else at the speed."""
+    at = np.linspace(*limits, PLACES)
+    for modes_there in zip(*map(over_speed.at, at.tolist()), strict=False):
+        damped, natural, width = (
+            np.array([value(mode) for mode in modes_there])
+            for value in (_damped, _natural, lambda mode: mode.damping_ratio * mode.natural_frequency)
+        )
+        for line in (one for one in lines if one.relative):
+            beyond = damped - np.abs(line.frequency(at))
+            for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0).tolist():
+                ends = slice(place, place + 2)
+                if np.ptp(damped[ends]) > STEADY * damped[ends].max():
+                    yield from _settled(over_speed, modes_there[place], line, limits)
+                    continue
+                share = beyond[place] / (beyond[place] - beyond[place + 1]) if np.ptp(beyond[ends]) else 0.0
+                met = [
+                    float(curve[place] + share * (curve[place + 1] - curve[place]))
+                    for curve in (damped, width, natural)
+                ]
+                yield from _met(line, *met)
+
+
+def _damped(mode: VibrationMode) -> float:
+    return mode.damped_frequency
+
+
+def _natural(mode: VibrationMode) -> float:
+    return mode.natural_frequency
+
+
+def _settled(
+    over_speed: ModesOverSpeed, mode: VibrationMode, line: OrderLine, limits: tuple[float, float]
+) -> Iterator[Resonance]:
+    def speed_of(one: VibrationMode) -> float:
+        found = [speed for speed, _ in _met(line, one.damped_frequency, 0.0, one.damped_frequency)]
+        return min(found, key=lambda speed: abs(speed - sum(limits) / 2))
+
+    try:
+        found = over_speed.settled(mode, speed_of)
+    except SolveError:
+        return
+    yield from _met(
+        line, found.damped_frequency, found.damping_ratio * found.natural_frequency, found.natural_frequency
+    )

@@ -1,0 +1,82 @@
+"""Parameters that follow a vibration, as the stiffness of a rubber coupling does: value and vibration have to agree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.units import RPM
+from torsionnet.model.definition import Definition
+from torsionnet.model.parameters import AMPLITUDE
+from torsionnet.solve.running.operating_groups import Settled
+
+TOLERANCE = 1e-8
+"""Share of a value by which it may differ from what belongs to the vibration that it makes."""
+MOST_STEPS = 100
+SHRINKING = 0.7
+"""A step that is not smaller than this share of the one before is followed by shorter ones."""
+
+
+def settled_by_vibration(
+    definition: Definition, speeds: FloatArray, vibration: Callable[[Sequence[str], Settled], FloatArray]
+) -> Settled:
+    """Values (n_speeds,) of the parameters that follow the vibratory torque of an element, by name.
+
+    Every speed is iterated from the smallest vibration in the table, with shorter steps where it swings, until no value
+    moves by more than :data:`TOLERANCE`. Where several vibrations agree with their values, that is the smallest one
+    that is met from there.
+
+    Parameters
+    ----------
+    definition : Definition
+    speeds : (n_speeds,) array
+        rad/s, for messages.
+    vibration : callable
+        (elements, values) -> half ranges of their torques, shape (n_speeds, n_elements), N m.
+
+    Raises
+    ------
+    UsageError
+        A speed does not settle, or settles beyond the table.
+    """
+    tables = {name: one for name, one in definition.following.items() if one.by == AMPLITUDE}
+    if not tables:
+        return {}
+    elements = list(dict.fromkeys(one.of for one in tables.values()))
+    columns = [elements.index(one.of) for one in tables.values()]
+    values = np.array([np.full(len(speeds), float(one.table[0][1].value)) for one in tables.values()])
+    length, before = np.ones(len(speeds)), np.full(len(speeds), np.inf)
+    for _ in range(MOST_STEPS):
+        sizes = vibration(elements, dict(zip(tables, values, strict=True)))[:, columns].T
+        wanted = np.array([_clamped(one.table, size) for one, size in zip(tables.values(), sizes, strict=True)])
+        moved = (np.abs(wanted - values) / np.abs(wanted).max(axis=1, keepdims=True)).max(axis=0)
+        if (moved <= TOLERANCE).all():
+            for (name, one), size in zip(tables.items(), sizes, strict=True):
+                _require_inside(name, one.of, one.table, size, speeds)
+            return dict(zip(tables, wanted, strict=True))
+        length = np.where(moved > SHRINKING * before, length / 2, length)
+        before = moved
+        values = values + length * (wanted - values)
+    open_ = moved > TOLERANCE
+    first = speeds[open_][0] * RPM
+    text = f"{' and '.join(tables)} and the vibration do not settle within {TOLERANCE:g} of each other"
+    raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm")
+
+
+def _clamped(table: Rows, sizes: FloatArray) -> FloatArray:
+    keys, values = (np.array([float(row[side].value) for row in table]) for side in (0, 1))
+    return np.asarray(np.interp(sizes, keys, values))
+
+
+def _require_inside(name: str, element: str, table: Rows, sizes: FloatArray, speeds: FloatArray) -> None:
+    low, high = (float(table[end][0].value) for end in (0, -1))
+    outside = (sizes < low * (1 - TOLERANCE)) | (sizes > high * (1 + TOLERANCE))
+    if outside.any():
+        worst = int(np.argmax(np.where(outside, np.abs(sizes - low), -1)))
+        ends = f"the table goes from {table[0][0]} to {table[-1][0]}"
+        where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * RPM:.6g} rpm"
+        raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}")

@@ -1,0 +1,100 @@
+"""Motion over time under sampled torques, exact where these run straight from sample to sample.
+
+Each triangular block of the first-order system is stepped by its own matrix exponential, the last state first:
+
+    z[n+1] = exp(T h) z[n] + G_0 u[n] + G_1 u[n+1]
+
+which is a recursive filter for every state, its input the states after it. No step size, no iteration, no drift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.response.recording import Recording, Signal
+from torsionnet.solve.dynamic_stiffness.state_space import first_order, output_matrices
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.dynamic_stiffness.triangular import DiagonalBlock, blocks
+from torsionnet.solve.responses.by_spectrum import by_spectrum
+from torsionnet.solve.running.delayed_motion import first_order_hold, with_delays
+
+QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration", "Pa": "stress"}
+
+
+def simulate(
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    inputs: Mapping[str, ArrayLike],
+    sampling_rate: float,
+) -> Recording:
+    """See :meth:`torsionnet.Drivetrain.simulate`."""
+    torques = _torques(inputs)
+    asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
+    request = ask(drivetrain, asked, list(inputs), None)
+    if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
+        raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
+    motion = respond(drivetrain, request, torques, sampling_rate)
+    names = (
+        name if name in drivetrain.inputs else str(source)
+        for name, source in zip(inputs, request.excitations, strict=True)
+    )
+    driven = (Signal(name, "torque", torque) for name, torque in zip(names, torques, strict=True))
+    read = (
+        Signal(reading.name, QUANTITIES[reading.unit], values)
+        for reading, values in zip(request.outputs, motion, strict=True)
+    )
+    notes = (f"simulated: {drivetrain.title}, at rest before the first sample",)
+    return Recording((*driven, *read), sampling_rate, title=drivetrain.title, notes=notes)
+
+
+def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
+    try:
+        torques = np.array([np.asarray(values, dtype=float) for values in inputs.values()])
+    except (TypeError, ValueError):
+        torques = np.array(np.nan)
+    if torques.ndim != 2 or not torques.size or not np.isfinite(torques).all():
+        raise UsageError("the torques of a simulation are lists of finite numbers in N m by input, all of one length")
+    return torques
+
+
+def respond(
+    drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
+) -> FloatArray:
+    """Readings (n_out, n) under torques (n_in, n) in N m."""
+    if drivetrain.assembly.system.dynamic:
+        return by_spectrum(drivetrain, request, torques, sampling_rate)
+    if any(one.delay for one in drivetrain.assembly.system.actions):
+        return with_delays(drivetrain, request, torques, sampling_rate)
+    system = first_order(drivetrain.assembly, request.excitations)
+    C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, system)
+    motion = D @ torques
+    for block in blocks(system.A, system.B, C):
+        motion += _stepped(block, torques, 1 / sampling_rate)
+    return np.asarray(motion)
+
+
+def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
+    """What one block adds to the outputs."""
+    from scipy.signal import lfilter
+
+    step, before, after = first_order_hold(block.T, block.B, h)
+    outputs = np.zeros((len(block.C), torques.shape[1]))
+    known: dict[int, ComplexArray] = {}
+    for state in range(len(step) - 1, -1, -1):
+        drive = np.zeros(torques.shape[1], dtype=complex)
+        drive[1:] = before[state] @ torques[:, :-1] + after[state] @ torques[:, 1:]
+        for other, values in known.items():
+            drive[1:] += step[state, other] * values[:-1]
+        values = lfilter([1.0], [1.0, -step[state, state]], drive)
+        if not block.is_diagonal:
+            known[state] = values
+        for output, weight in enumerate(block.C[:, state]):
+            outputs[output] += weight.real * values.real - weight.imag * values.imag
+    return outputs

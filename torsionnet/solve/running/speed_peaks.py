@@ -1,0 +1,150 @@
+"""Where the amplitude of an order is largest over speed, next to a critical speed.
+
+With damping that is neither at the undamped nor at the damped frequency: the torques grow with speed, other modes add
+their share, and every output has a peak of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.errors import UsageError
+from torsionnet.model.parameters import AMPLITUDE
+from torsionnet.response.critical_speeds import CriticalSpeed, SpeedPeak
+from torsionnet.response.frequency_response import Channel, FloatArray
+from torsionnet.solve.responses.peaks import inner_maxima
+from torsionnet.solve.running.order_response import order_response
+
+POINTS, FINER_POINTS, ROUNDS = 41, 11, 3
+WIDTHS, LEAST_WIDTH, MOST_WIDTH = 8.0, 0.03, 0.35
+"""Half width of the speeds searched, over the critical speed: so many damping ratios, within limits."""
+SAME = 1e-3
+"""Relative distance of speeds of one peak."""
+
+
+def with_peaks(
+    drivetrain: AssembledModel,
+    crossings: Sequence[CriticalSpeed],
+    outputs: Any,
+    reference: str,
+    limits: tuple[float, float],
+) -> tuple[tuple[CriticalSpeed, ...], tuple[Channel, ...]]:
+    """The crossings with the peaks of their orders within the limits (rad/s), and the outputs.
+
+    One peak belongs to the crossing next to it only.
+
+    Raises
+    ------
+    UsageError
+        A parameter follows a vibration: what one excitation alone would make of it says nothing.
+    """
+    swayed = [name for name, one in drivetrain.definition.following.items() if one.by == AMPLITUDE]
+    if swayed:
+        text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
+        raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")
+    sought = [one for one in crossings if one.excited and one.speed("natural") > 0]
+    found: dict[int, tuple[SpeedPeak, ...]] = {}
+    channels: tuple[Channel, ...] = ()
+    for name, group in groupby(sorted(sought, key=lambda one: one.excitation), key=lambda one: one.excitation):
+        search = _Search(drivetrain, outputs, reference, name, list(group), limits)
+        found |= search.peaks()
+        channels = search.channels
+    if not channels:
+        channels = order_response(drivetrain, outputs, speeds=[limits[0] or limits[1]], speed_of=reference).outputs
+    return tuple(replace(one, peaks=found.get(id(one), ())) for one in crossings), channels
+
+
+class _Search:
+    """The peaks of the orders of one excitation; every step solves the speeds of all of them together."""
+
+    def __init__(
+        self,
+        drivetrain: AssembledModel,
+        outputs: Any,
+        reference: str,
+        excitation: str,
+        crossings: list[CriticalSpeed],
+        limits: tuple[float, float],
+    ) -> None:
+        self.drivetrain, self.outputs, self.reference, self.excitation = drivetrain, outputs, reference, excitation
+        self.crossings, self.limits = crossings, limits
+        self.channels: tuple[Channel, ...] = ()
+
+    def peaks(self) -> dict[int, tuple[SpeedPeak, ...]]:
+        """By identity of the crossing, one for each output that has a peak."""
+        grids = [self._around(one) for one in self.crossings]
+        first = self._sizes(self.crossings, grids)
+        found: dict[int, tuple[SpeedPeak, ...]] = {}
+        for place, channel in enumerate(self.channels):
+            starts = {
+                number: self._next_maximum(one, grids[number], first[number][:, place])
+                for number, one in enumerate(self.crossings)
+            }
+            refined = self._refined({number: grid for number, grid in starts.items() if grid is not None}, place)
+            for number, peak in self._claimed(refined).items():
+                one = self.crossings[number]
+                found[id(one)] = (*found.get(id(one), ()), SpeedPeak(channel.name, *peak))
+        return found
+
+    def _around(self, one: CriticalSpeed) -> FloatArray:
+        width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
+        low, high = np.clip(one.speed("natural") * np.array([1 - width, 1 + width]), *self.limits)
+        return np.linspace(low, high, POINTS) if high > low else np.zeros(0)
+
+    def _sizes(self, crossings: Sequence[CriticalSpeed], grids: Sequence[FloatArray]) -> list[FloatArray]:
+        """Amplitudes (n, n_out) of the order of each crossing at its speeds."""
+        speeds = np.unique(np.concatenate(grids)) if grids else np.zeros(0)
+        if not len(speeds):
+            return [np.zeros((0, len(self.channels))) for _ in crossings]
+        run = order_response(
+            self.drivetrain, self.outputs, speeds=speeds, speed_of=self.reference, excitations=[self.excitation]
+        )
+        self.channels = run.outputs
+        lines = {(line.order, line.fixed): place for place, line in enumerate(run.lines)}
+        return [
+            run.sizes[np.searchsorted(speeds, grid), lines[one.order, one.fixed]]
+            for one, grid in zip(crossings, grids, strict=True)
+        ]
+
+    @staticmethod
+    def _next_maximum(one: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
+        """Speeds around the maximum next to the critical speed."""
+        inner = inner_maxima(sizes) if len(sizes) else []
+        if not inner:
+            return None
+        best = min(inner, key=lambda place: abs(math.log(grid[place] / one.speed("natural"))))
+        return np.linspace(grid[best - 1], grid[best + 1], FINER_POINTS)
+
+    def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
+        """Speed and amplitude of each maximum, on ever finer grids."""
+        found: dict[int, tuple[float, float]] = {}
+        for _ in range(ROUNDS if grids else 0):
+            sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
+            for (number, grid), size in zip(list(grids.items()), sizes, strict=True):
+                best = int(np.argmax(size[:, output]))
+                found[number] = (float(grid[best]), float(size[best, output]))
+                ends = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+                grids[number] = np.linspace(*ends, FINER_POINTS)
+        return found
+
+    def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
+        """Without those that are next to another critical speed of the same order."""
+        kept = {}
+        for number, (speed, size) in peaks.items():
+            one = self.crossings[number]
+            rivals = [
+                other
+                for rival, other in enumerate(self.crossings)
+                if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME
+            ]
+            nearest = min(rivals, key=lambda other: abs(math.log(speed / other.speed("natural"))))
+            if nearest is one:
+                kept[number] = (speed, size)
+        return kept

@@ -1,0 +1,72 @@
+"""Mean torques through all elements at one speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import functional
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.model.element_base.round_section import section_fault
+from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
+from torsionnet.response.static_state import ElementLoad, StaticState
+from torsionnet.solve.running.mean_response import external_torques, mean_response, undetermined
+
+
+def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
+    """See :meth:`torsionnet.Drivetrain.static_state`."""
+    values = drivetrain.exact_values
+    external = drivetrain.external_torques
+    if speed is None and drivetrain.definition.load is not None:
+        speed = external.operating_speed
+    asked = None if speed is None else [speed]
+    reference, at, torques = external_torques(drivetrain, asked)
+    ports = [(element, node) for element in drivetrain.elements.values() for node in _ports(element, values)]
+    sensors, notes = _readable(drivetrain, ports)
+    found = mean_response(drivetrain, sensors, asked)
+    known = dict(zip(map(str, sensors), found.values[0].tolist(), strict=True))
+    loads = [_load(element, node, known, external.ratios.get(node), float(at[0])) for element, node in ports]
+    acting = {node: float(one[0]) for node, one in torques.items()}
+    return StaticState(
+        reference, float(at[0]), acting, tuple(loads), drivetrain.title, (*found.notes, *dict.fromkeys(notes))
+    )
+
+
+def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
+    """The nodes at which an element hands on a mean torque; the second end of a spring has what the first one has."""
+    parts = element.parts(Values(values))
+    if not any(isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic) for part in parts):
+        return []
+    nodes = [node for node in element.ports.values() if node != GROUND]
+    return nodes[:1] if element.glyph in ("spring", "shaft", "coupling", "clamp", "damper") else nodes
+
+
+def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) -> tuple[list[Sensor], list[str]]:
+    """The torques and twists that are determined, and why others are not."""
+    sensors: list[Sensor] = []
+    notes: list[str] = []
+    for element, node in ports:
+        first = node == next(iter(element.ports.values()))
+        wanted = [Sensor("torque", element.name, None if first else node)]
+        wanted += [Sensor("twist", element.name)] if first and element.glyph not in ("clamp", "gear") else []
+        wanted += [Sensor("stress", element.name)] if first and section_fault(element) is None else []
+        for sensor in wanted:
+            try:
+                read = functional(drivetrain, sensor)
+            except UsageError as error:
+                notes.append(str(error))
+                continue
+            if not undetermined(drivetrain, read):
+                sensors.append(sensor)
+    return sensors, notes
+
+
+def _load(element: Element, node: str, known: Mapping[str, float], ratio: float | None, speed: float) -> ElementLoad:
+    first = node == next(iter(element.ports.values()))
+    torque = known.get(str(Sensor("torque", element.name, None if first else node)))
+    twist = known.get(str(Sensor("twist", element.name))) if first else None
+    stress = known.get(str(Sensor("stress", element.name))) if first else None
+    turning = None if ratio is None else ratio * speed
+    return ElementLoad(element=element.name, port=node, speed=turning, torque=torque, twist=twist, stress=stress)

@@ -1,0 +1,146 @@
+"""The worst of several cases of excitation by superposition: one solution, whatever the number of cases.
+
+A misfire of each cylinder, gas torques that differ by some per cent, engines at any angle to each other: what changes
+is the torque of single cylinders or its phase, and the response is linear in it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError
+from torsionnet.model.excitations import TorqueShares
+from torsionnet.response.engine_angles import EngineAngle, settled
+from torsionnet.response.engine_blocks import is_unsettled
+from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.worst_response import ROUNDING, SEARCHED, WorstResponse
+from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes, worst_combination
+
+MOST_CASES = 400
+Entry = TypeVar("Entry", bound=np.generic)
+
+
+def contributions(
+    excitation: str,
+    shares: TorqueShares,
+    gains: ComplexArray,
+    lines: slice,
+    columns: Mapping[str, tuple[int, float]],
+) -> Contributions:
+    """Outputs of torques on top.
+
+    Parameters
+    ----------
+    excitation : str
+        Its name.
+    shares : TorqueShares
+    gains : (n_speeds, n_lines, n_out, n_inputs) complex array
+        Outputs for unit inputs.
+    lines : slice
+        Those of the excitation.
+    columns : mapping
+        Node -> place of its torque among the inputs, and its sign there; what is missing feels nothing.
+    """
+    values = np.zeros((len(shares.labels), *gains[:, lines, :, 0].shape), dtype=complex)
+    for number, (node, torque) in enumerate(zip(shares.nodes, shares.amplitudes, strict=True)):
+        if node in columns:
+            column, sign = columns[node]
+            values[number] = sign * gains[:, lines, :, column] * torque[:, :, None]
+    return Contributions(excitation, shares.labels, lines, values, shares.parts)
+
+
+def worst_case(
+    nominal: OrderResponse, alternatives: Sequence[Contributions], scatter: Sequence[Contributions]
+) -> OrderResponse:
+    """By output and speed the case, combination and angle between engines with the largest half range."""
+    if not alternatives and not scatter and not is_unsettled(nominal.lines):
+        return nominal
+    cases = _cases(nominal, alternatives)
+    largest = np.zeros(nominal.values.shape)
+    found = {}
+    for label, (case, replaced) in cases.items():
+        free = [one.without(replaced) for one in scatter]
+        largest = np.maximum(largest, largest_amplitudes(case.values, free))
+        found[label] = _at_its_worst(case, free)
+    worst = [case for case, _, _ in found.values()]
+    sizes = np.array([case.half_range for case in worst])
+    same = 1 - (SEARCHED if any(angles for _, _, angles in found.values()) else ROUNDING)
+    chosen = np.argmax(sizes >= same * sizes.max(axis=0), axis=0)  # of equal ones the first
+    values = _picked([case.values.swapaxes(1, 2) for case in worst], chosen).swapaxes(1, 2)
+    return WorstResponse(
+        nominal.speeds,
+        nominal.reference,
+        worst[0].lines,
+        values,
+        nominal.outputs,
+        nominal.title,
+        labels=tuple(cases) if alternatives else (),
+        chosen=chosen,
+        alternatives={label: case for label, (case, _) in cases.items()},
+        each=tuple(worst),
+        scattered=tuple(name for one in scatter for name in _named(one, scatter)),
+        signs=_picked([signs for _, signs, _ in found.values()], chosen),
+        largest=largest,
+        angles=_picked_angles([angles for _, _, angles in found.values()], chosen),
+    )
+
+
+def _at_its_worst(
+    case: OrderResponse, scatter: Sequence[Contributions]
+) -> tuple[OrderResponse, NDArray[np.int8], tuple[EngineAngle, ...]]:
+    """A case with what is up or down in it, the signs (n_speeds, n_out, n_contributions), the angles of engines."""
+    if not is_unsettled(case.lines):
+        return *worst_combination(case, scatter), ()
+    found = settled(case.values, case.lines, [(one.lines, one.values) for one in scatter])
+    none = np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)
+    signs = np.concatenate([none, *found.signs], axis=2)
+    return replace(case, values=found.values, lines=found.lines), signs, found.angles
+
+
+def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
+    """Labels, with the excitation where there are several."""
+    return [label if len(among) == 1 else f"{one.excitation}: {label}" for label in one.labels]
+
+
+def _cases(
+    nominal: OrderResponse, alternatives: Sequence[Contributions]
+) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
+    """Every combination of one alternative of each excitation that has some, and the parts that these are of."""
+    count = math.prod(len(one.labels) for one in alternatives)
+    if count > MOST_CASES:
+        names = " and ".join(one.excitation for one in alternatives)
+        raise UsageError(f"{names} make {count} cases together; let one of them have alternatives at a time")
+    named = [list(enumerate(_named(one, alternatives))) for one in alternatives]
+    found = {}
+    for choice in itertools.product(*named):
+        values = nominal.values.copy()
+        for one, (number, _) in zip(alternatives, choice, strict=True):
+            values[:, one.lines] += one.values[number]
+        parts = {(one.excitation, one.parts[number]) for one, (number, _) in zip(alternatives, choice, strict=True)}
+        found[", ".join(label for _, label in choice)] = replace(nominal, values=values), parts
+    return found
+
+
+def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[np.int64]) -> tuple[EngineAngle, ...]:
+    """By engine the angle in the case chosen."""
+    return tuple(
+        replace(
+            same[0],
+            angle=_picked([one.angle[:, :, None] for one in same], chosen)[:, :, 0],
+            period=_picked([one.period[:, :, None] for one in same], chosen)[:, :, 0],
+        )
+        for same in zip(*several, strict=True)
+    )
+
+
+def _picked(several: Sequence[NDArray[Entry]], chosen: NDArray[np.int64]) -> NDArray[Entry]:
+    """Of arrays (n_speeds, n_out, n) the rows of the one chosen by speed and output."""
+    return np.asarray(np.take_along_axis(np.array(several), chosen[None, :, :, None], axis=0)[0])

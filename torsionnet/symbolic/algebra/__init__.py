@@ -1,0 +1,1 @@
+"""Determinants and minors of rows with symbols, as short programs, and the algebras they run in."""

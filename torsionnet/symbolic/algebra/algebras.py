@@ -1,0 +1,241 @@
+"""Algebras in which the program of a transfer function is run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy
+
+from torsionnet.symbolic.algebra.network import Stiffness
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+
+S = sympy.Symbol("s")
+HALF = sympy.Rational(1, 2)
+
+
+@dataclass(frozen=True)
+class Expressions:
+    """Sympy expressions, nested as the program is; ``change`` is applied to every leaf."""
+
+    change: Callable[[Any], Any] = lambda expression: expression
+
+    def leaf(self, payload: Any) -> Any:
+        if isinstance(payload, Fraction):
+            return sympy.Rational(payload.numerator, payload.denominator)
+        if isinstance(payload, Stiffness):
+            return in_s(self.change(part) for part in payload.parts)
+        return self.change(payload)
+
+
+def in_s(coefficients: Iterable[Any]) -> Any:
+    """Sum of coefficient * s^power, sums in brackets."""
+    return sympy.Add(*(sympy.Mul(part, S**power) for power, part in enumerate(coefficients) if part != 0))
+
+
+class PolynomialInS:
+    """A polynomial in s: coefficients of 1, s, s^2, ... in any algebra, the first ``limit`` of them.
+
+    Examples
+    --------
+    >>> (PolynomialInS((1, 2)) * PolynomialInS((0, 3)) + PolynomialInS((1,))).coefficients
+    (1, 3, 6)
+    """
+
+    __slots__ = ("coefficients", "limit")
+
+    def __init__(self, coefficients: tuple[Any, ...], limit: int | None = None) -> None:
+        self.coefficients = coefficients[:limit]
+        self.limit = limit
+
+    def __add__(self, other: PolynomialInS) -> PolynomialInS:
+        longer, shorter = self.coefficients, other.coefficients
+        if len(longer) < len(shorter):
+            longer, shorter = shorter, longer
+        both = tuple(a + b for a, b in zip(longer, shorter, strict=False))
+        return PolynomialInS(both + longer[len(both) :], self.limit)
+
+    def __mul__(self, other: PolynomialInS) -> PolynomialInS:
+        left, right = self.coefficients, other.coefficients
+        if not left or not right:
+            return PolynomialInS((), self.limit)
+        size = len(left) + len(right) - 1
+        total: list[Any] = [0] * (size if self.limit is None else min(size, self.limit))
+        for i, a in enumerate(left):
+            if is_zero(a):
+                continue
+            for j, b in enumerate(right[: len(total) - i]):
+                if not is_zero(b):
+                    total[i + j] = a * b if is_zero(total[i + j]) else total[i + j] + a * b
+        return PolynomialInS(tuple(total), self.limit)
+
+
+def is_zero(value: Any) -> bool:
+    """Whether an element is exactly and visibly zero."""
+    return value.is_zero if isinstance(value, ProgramNode) else bool(value == 0)
+
+
+@dataclass(frozen=True)
+class InPowersOfS:
+    """Polynomials in s with coefficients from ``coefficient``, which takes Fractions and sympy expressions.
+
+    With a ``limit``, only that many coefficients are calculated, from the lowest.
+    """
+
+    coefficient: Callable[[Any], Any]
+    limit: int | None = None
+
+    def leaf(self, payload: Any) -> PolynomialInS:
+        if isinstance(payload, Stiffness):
+            parts = [self.coefficient(part) if part != 0 else 0 for part in payload.parts]
+            while parts and is_zero(parts[-1]):
+                parts.pop()
+            return PolynomialInS(tuple(parts), self.limit)
+        return PolynomialInS((self.coefficient(payload),), self.limit)
+
+
+@dataclass(frozen=True)
+class TermCounts:
+    """How many terms the fully expanded result has at most: those that cancel or fall together count."""
+
+    def leaf(self, payload: Any) -> int:
+        parts = payload.parts if isinstance(payload, Stiffness) else (payload,)
+        return sum(terms_of(part) for part in parts)
+
+
+def terms_of(expression: Any) -> int:
+    """Terms of an expanded expression."""
+    if isinstance(expression, Fraction):
+        return int(expression != 0)
+    if not isinstance(expression, sympy.Add | sympy.Mul | sympy.Pow):
+        return int(expression != 0)
+    return len(sympy.Add.make_args(sympy.expand(expression)))
+
+
+class Length:
+    """How many leaves a nested expression has, those that appear again counted again."""
+
+    __slots__ = ("leaves",)
+
+    def __init__(self, leaves: int) -> None:
+        self.leaves = leaves
+
+    def __add__(self, other: Length) -> Length:
+        return Length(self.leaves + other.leaves)
+
+    __mul__ = __add__
+
+
+class Lengths:
+    """The algebra of :class:`Length`."""
+
+    def leaf(self, payload: Any) -> Length:
+        del payload
+        return Length(1)
+
+
+class DualNode:
+    """A value and its derivative."""
+
+    __slots__ = ("slope", "value")
+
+    def __init__(self, value: Any, slope: Any) -> None:
+        self.value, self.slope = value, slope
+
+    def __add__(self, other: DualNode) -> DualNode:
+        return DualNode(self.value + other.value, self.slope + other.slope)
+
+    def __mul__(self, other: DualNode) -> DualNode:
+        return DualNode(self.value * other.value, self.slope * other.value + self.value * other.slope)
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Programs of value and derivative with respect to a symbol."""
+
+    program: Program
+    symbol: Any
+
+    def leaf(self, payload: Any) -> DualNode:
+        return DualNode(self.program.leaf(payload), self.program.leaf(self._slope(payload)))
+
+    def _slope(self, payload: Any) -> Any:
+        if isinstance(payload, Fraction):
+            return 0
+        if not isinstance(payload, Stiffness):
+            return sympy.diff(payload, self.symbol)
+        slopes = [sympy.diff(part, self.symbol) for part in payload.parts]
+        return Stiffness(*slopes) if any(slopes) else 0
+
+
+@dataclass(frozen=True)
+class Changed:
+    """The same program with other leaves."""
+
+    program: Program
+    change: Callable[[Any], Any]
+
+    def leaf(self, payload: Any) -> ProgramNode:
+        if isinstance(payload, Fraction):
+            return self.program.leaf(payload)
+        if isinstance(payload, Stiffness):
+            return self.program.leaf(stiffness_or_zero(*(self.change(part) for part in payload.parts)))
+        return self.program.leaf(self.change(payload))
+
+
+def stiffness_or_zero(*parts: Any) -> Any:
+    """A leaf for the three parts; a constant if only a number is left."""
+    return Stiffness(*parts) if any(part != 0 for part in parts) else 0
+
+
+def evaluated(expression: Any, element: Callable[[Any], Any]) -> Any:
+    """An expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
+
+    Sums, products and whole powers are done in the algebra itself.
+    """
+    if isinstance(expression, sympy.Add | sympy.Mul):
+        parts = [evaluated(part, element) for part in expression.args]
+        result = parts[0]
+        for part in parts[1:]:
+            result = result + part if isinstance(expression, sympy.Add) else result * part
+        return result
+    if isinstance(expression, sympy.Pow) and expression.exp.is_Integer:
+        base = evaluated(expression.base, element)
+        power = _power(base, abs(int(expression.exp)))
+        return power if expression.exp > 0 else element(sympy.Integer(1)) / power
+    return element(expression)
+
+
+def _power(base: Any, exponent: int) -> Any:
+    result = base
+    for _ in range(exponent - 1):
+        result = result * base
+    return result
+
+
+@dataclass(frozen=True)
+class NumericValues:
+    """Numbers or arrays for the symbols; ``number`` makes a constant from a Fraction."""
+
+    values: Mapping[Any, Any]
+    number: Callable[[Fraction], Any]
+    s: Any = None
+
+    def leaf(self, payload: Any) -> Any:
+        if isinstance(payload, Fraction):
+            return self.number(payload)
+        if isinstance(payload, Stiffness):
+            k, c, j = (self.leaf(part) for part in payload.parts)
+            return k + self.s * (c + self.s * j)
+        return evaluated(payload, self._element)
+
+    def _element(self, expression: Any) -> Any:
+        if expression.is_Rational:
+            return self.number(Fraction(expression.p, expression.q))
+        if expression in self.values:
+            return self.values[expression]
+        if isinstance(expression, sympy.Pow):  # a root
+            return evaluated(expression.base, self._element) ** float(expression.exp)
+        return complex(expression) if expression.has(sympy.I) else self.number(Fraction(repr(float(expression))))

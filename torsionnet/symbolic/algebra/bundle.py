@@ -1,0 +1,111 @@
+"""All laws between two coordinates, without a division.
+
+With rows a_e = (a_ev, a_ec) of the laws y_e between a coordinate v and a coordinate c below it, and A_c and Q_c the
+determinants of what hangs on c, with c free and held,
+
+    held at v    Q = A_c + sum_e y_e a_ec^2 Q_c
+    free at v    A = sum_e y_e a_ev^2 A_c + sum_{e<f} y_e y_f (a_ev a_fc - a_fv a_ec)^2 Q_c
+    motion of c  -sum_e y_e a_ev a_ec Q_c
+
+under a unit torque on v (Cauchy-Binet). A shaft with inertia of its own has the two rows (1, -1) and (1, 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+from torsionnet.symbolic.algebra.block_tree import GraphBlock
+from torsionnet.symbolic.algebra.network import Stiffness, SymbolRow, vanishes
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+
+
+@dataclass(frozen=True)
+class Quotient:
+    """A dynamic stiffness above / below; it is rigid where ``below`` is zero."""
+
+    above: ProgramNode
+    below: ProgramNode
+
+
+def quotient(law: Stiffness, program: Program) -> Quotient:
+    """A law as a quotient."""
+    return Quotient(program.leaf(law), program.leaf(1))
+
+
+def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> Quotient:
+    """Sum of law * ratio^2."""
+    total = Quotient(program.leaf(0), program.leaf(1))
+    for law, ratio in laws:
+        above = program.leaf(ratio**2) * law.above
+        total = Quotient(total.above * law.below + above * total.below, total.below * law.below)
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class Bundle:
+    """The laws of a block of two coordinates, and what hangs on the lower one."""
+
+    block: GraphBlock[Quotient]
+    hanging: Quotient
+    program: Program
+
+    @cached_property
+    def held(self) -> ProgramNode:
+        """The determinant with the upper coordinate held."""
+        far = self._sum([row[self._child] ** 2 for row in self._rows])
+        return self.hanging.above * self._below() + far * self.hanging.below
+
+    @cached_property
+    def free(self) -> ProgramNode:
+        """The determinant with the upper coordinate free."""
+        total = self._sum([row[self.block.top] ** 2 for row in self._rows]) * self.hanging.above
+        both = self._pairs()
+        return total if both.is_zero else total + both * self.hanging.below
+
+    def carried(self, end: str) -> ProgramNode:
+        """Motion of the lower coordinate under a unit torque on the upper one, what hangs there left out."""
+        return self._sum([-row[self.block.top] * row[end] for row in self._rows])
+
+    def reading(self, row: SymbolRow) -> ProgramNode:
+        """A row over both coordinates under a unit torque on the upper one: no law that acts on it appears."""
+        near, far = row.get(self.block.top, 0), row.get(self._child, 0)
+        twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
+        total = self.program.leaf(near) * self.hanging.above * self._below()
+        return total + self._sum([0 if vanishes(twist) else twist for twist in twists]) * self.hanging.below
+
+    @property
+    def _child(self) -> str:
+        return self.block.below[0]
+
+    @property
+    def _rows(self) -> list[SymbolRow]:
+        return [member.row for member in self.block.members]
+
+    def _below(self, *without: int) -> ProgramNode:
+        """Product of the denominators of all laws but some."""
+        result = self.program.leaf(1)
+        for number, member in enumerate(self.block.members):
+            if number not in without:
+                result = result * member.law.below
+        return result
+
+    def _sum(self, factors: Sequence[Any]) -> ProgramNode:
+        """Sum of factor * law, times all denominators."""
+        total = self.program.leaf(0)
+        for number, (factor, member) in enumerate(zip(factors, self.block.members, strict=True)):
+            total = total + self.program.leaf(factor) * member.law.above * self._below(number)
+        return total
+
+    def _pairs(self) -> ProgramNode:
+        """Sum over pairs of laws that do not act on the same motion, times all denominators."""
+        total, top, child = self.program.leaf(0), self.block.top, self._child
+        for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
+            across = one.row[top] * other.row[child] - other.row[top] * one.row[child]
+            if not vanishes(across):
+                both = one.law.above * other.law.above * self._below(i, j)
+                total = total + self.program.leaf(across**2) * both
+        return total

@@ -1,0 +1,104 @@
+"""A delay in symbols: a factor that is no polynomial in s, kept as a function of omega as other such factors are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self
+
+import sympy
+
+from torsionnet.assembly.symbolic import OMEGA
+from torsionnet.core.errors import UsageError
+from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, PolynomialInS
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import Complexes, Floats
+
+
+@dataclass(frozen=True)
+class Delay(DynamicStiffness):
+    """e^(-s time), without a unit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Delay(0.5).kappa(np.array([np.pi])).round(12)
+    array([0.-1.j])
+    """
+
+    time: Any
+
+    @property
+    def coefficients(self) -> tuple[Any, ...]:
+        return (self.time,)
+
+    def with_coefficients(self, *coefficients: Any) -> Self:
+        return type(self)(*coefficients)
+
+    def kappa(self, omega: Floats) -> Complexes:
+        import numpy as np
+
+        return np.asarray(np.exp(-1j * float(self.time) * omega), dtype=complex)
+
+    def kappa_rate(self, omega: float) -> complex:
+        import cmath
+
+        time = float(self.time)
+        return -1j * time * cmath.exp(-1j * time * omega)
+
+    @property
+    def is_passive(self) -> bool:
+        return False
+
+    @property
+    def holds_at_rest(self) -> bool:
+        return True
+
+    def in_many_digits(self, s: Any) -> Any:
+        import mpmath
+
+        return mpmath.exp(-s * mpmath.mpf(self.time.numerator) / self.time.denominator)
+
+    def formula(self, omega: Any) -> Any:
+        return sympy.exp(-sympy.I * omega * self.time)
+
+
+def delay_symbol(owner: str) -> Any:
+    """What stands for the delay of an element: ``delay_NAME(omega)``."""
+    return sympy.Function(f"delay_{owner}")(OMEGA)
+
+
+def delays_of(tables: Mapping[Any, DynamicStiffness]) -> dict[Any, Delay]:
+    """Those of the functions of frequency that are delays."""
+    return {name: table for name, table in tables.items() if isinstance(table, Delay)}
+
+
+def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
+    """Refuse what only polynomials in s have.
+
+    Raises
+    ------
+    UsageError
+        There is a delay.
+    """
+    found = delays_of(tables)
+    if found:
+        names = ", ".join(name.func.__name__.removeprefix("delay_") for name in found)
+        text = f"the delay of {names} is no quotient of polynomials in s, so there is no {what}"
+        raise UsageError(f"{text}; evaluate() and modes() have the delay in them")
+
+
+@dataclass(frozen=True)
+class InPowersNearRest(InPowersOfS):
+    """Power series in s for slow motions, in which a delay is 1 - s tau + ..."""
+
+    delays: Mapping[Any, Delay] | None = None
+
+    def leaf(self, payload: Any) -> PolynomialInS:
+        delay = (self.delays or {}).get(payload) if isinstance(payload, sympy.Basic) else None
+        if delay is None:
+            return super().leaf(payload)
+        terms = [(-delay.time) ** power / sympy.factorial(power) for power in range(self.limit or 1)]
+        return PolynomialInS(tuple(self.coefficient(term) for term in terms), self.limit)

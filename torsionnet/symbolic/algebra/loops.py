@@ -1,0 +1,107 @@
+"""Closed loops and laws over three or more coordinates: deletion and contraction, one block at a time.
+
+det(D + y a a^T) = det D + y a_v^2 det(D on the motions with a = 0), and so for every bilinear form of the adjugate:
+one law less in the first term, one coordinate less in the second, and both again trees of smaller blocks. Blocks with
+more than a few loops are left to sympy's characteristic polynomial.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import comb
+
+from torsionnet.symbolic.algebra.block_tree import GraphBlock
+from torsionnet.symbolic.algebra.bundle import Quotient, sum_of_quotients
+from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
+from torsionnet.symbolic.algebra.network import ONE, Contraction, Network, NetworkMember, SymbolRow, added_up
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.recursion import Recursion, Solved
+
+MOST_LOOPS = 3
+MOST_FORESTS = 2000
+"""Forests that deletion and contraction may lead to in one block."""
+
+
+def tied(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> Solved:
+    """A block of more than two coordinates with what hangs on it."""
+    loops = loops_of(block)
+    if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
+        return ExpandedBlock(block, hanging, program)
+    return Split(block, hanging, program)
+
+
+def loops_of(block: GraphBlock[Quotient]) -> int:
+    """Laws over more than two coordinates, and pairs of coordinates tied beyond a spanning tree."""
+    pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}
+    wide = sum(len(member.row) > 2 for member in block.members)
+    return wide + max(0, len(pairs) - len(block.below))
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """A block without one of its laws, and on the motions that this law does not feel."""
+
+    block: GraphBlock[Quotient]
+    hanging: Mapping[str, Quotient]
+    program: Program
+    others: dict[str, Split] = field(default_factory=dict)
+
+    @cached_property
+    def network(self) -> Network[Quotient]:
+        """The block as a network, what hangs on it as laws to ground."""
+        grounds = (NetworkMember({name: ONE}, law) for name, law in self.hanging.items())
+        return Network((self.block.top, *self.block.below), (*self.block.members, *grounds))
+
+    @cached_property
+    def member(self) -> NetworkMember[Quotient]:
+        """The law to split at: the widest, else one of the fewest between two coordinates."""
+        among = Counter(frozenset(member.row) for member in self.block.members)
+        return max(self.block.members, key=lambda member: (len(member.row), -among[frozenset(member.row)]))
+
+    @cached_property
+    def contraction(self) -> Contraction[Quotient]:
+        return self.network.without(self.member).contracted(self.member.row, keep=self.block.top)
+
+    @cached_property
+    def deleted(self) -> Recursion:
+        return Recursion(self.network.without(self.member), self.program, self.block.top, tied)
+
+    @cached_property
+    def contracted(self) -> Recursion:
+        network = added_up(self.contraction.network, lambda laws: sum_of_quotients(laws, self.program))
+        return Recursion(network, self.program, self.block.top, tied)
+
+    @cached_property
+    def weight(self) -> ProgramNode:
+        """Factor of what is contracted."""
+        result = self.program.leaf(self.contraction.factor) * self.member.law.above
+        for law in self.contraction.idle:
+            result = result * law.below
+        return result
+
+    def _joined(self, deleted: ProgramNode, contracted: ProgramNode) -> ProgramNode:
+        return self.member.law.below * deleted + self.weight * contracted
+
+    @cached_property
+    def held(self) -> ProgramNode:
+        """The determinant with the top held."""
+        return self._joined(self.deleted.held, self.contracted.held)
+
+    @cached_property
+    def free(self) -> ProgramNode:
+        """The determinant with the top free."""
+        return self._joined(self.deleted.determinant, self.contracted.determinant)
+
+    def reading(self, row: SymbolRow) -> ProgramNode:
+        """A row under a unit torque on the top."""
+        return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
+
+    def carried(self, end: str) -> ProgramNode:
+        """Motion of a coordinate under a unit torque on the top, what hangs there left out."""
+        if end not in self.others:
+            bare = {name: law for name, law in self.hanging.items() if name != end}
+            self.others[end] = replace(self, hanging=bare, others={})
+        return self.others[end].reading({end: ONE})

@@ -1,0 +1,66 @@
+"""Determinants of sparse matrices without division, each minor of the rows so far taken down once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+from torsionnet.core.errors import UsageError
+from torsionnet.symbolic.algebra.program import Program, ProgramNode
+
+SparseRow: TypeAlias = Mapping[int, ProgramNode]
+
+MOST_MINORS = 20_000
+"""Products that are taken down before a determinant is given up."""
+
+
+def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNode:
+    """By Laplace's expansion along the rows, those first that leave few columns open.
+
+    Raises
+    ------
+    UsageError
+        It would take too many steps.
+
+    Examples
+    --------
+    >>> program = Program()
+    >>> a, b, c = (program.leaf(value) for value in (2, 3, 5))
+    >>> program.constant(sparse_determinant([{0: a, 1: b}, {0: c, 1: a}], program))
+    Fraction(-11, 1)
+    """
+    order = _order(rows)
+    minors = {0: program.leaf(_parity(order))}
+    steps = 0
+    for place, number in enumerate(order):
+        later = {column for other in order[place + 1 :] for column in rows[other]}
+        closed = sum(1 << column for column in range(len(rows)) if column not in later)
+        found: dict[int, ProgramNode] = {}
+        for used, minor in minors.items():
+            for column, entry in rows[number].items():
+                now = used | 1 << column
+                if used >> column & 1 or closed & ~now:
+                    continue
+                term = minor * entry * (-1 if (used >> column).bit_count() % 2 else 1)
+                found[now] = found[now] + term if now in found else term
+                steps += 1
+        if steps > MOST_MINORS:
+            raise UsageError("the loops are too tangled for symbols; evaluate frequency_response instead")
+        minors = found
+    return minors.get((1 << len(rows)) - 1, program.leaf(0))
+
+
+def _order(rows: Sequence[SparseRow]) -> list[int]:
+    """Rows so that few columns are begun and not yet done with at any time."""
+    left, begun, order = set(range(len(rows))), set[int](), list[int]()
+    while left:
+        number = min(left, key=lambda one: (len(set(rows[one]) - begun), one))
+        left.remove(number)
+        begun |= set(rows[number])
+        order.append(number)
+    return order
+
+
+def _parity(order: Sequence[int]) -> int:
+    swaps = sum(first > second for place, first in enumerate(order) for second in order[place + 1 :])
+    return -1 if swaps % 2 else 1

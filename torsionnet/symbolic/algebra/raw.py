@@ -1,0 +1,43 @@
+"""Sympy expressions put together as they come, without sorting: for results too long to be looked through."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+
+from torsionnet.symbolic.algebra.algebras import Expressions
+
+
+class Raw:
+    """An expression under construction."""
+
+    __slots__ = ("expression",)
+
+    def __init__(self, expression: Any) -> None:
+        self.expression = expression
+
+    def __add__(self, other: Raw) -> Raw:
+        return Raw(_joined(sympy.Add, self.expression, other.expression))
+
+    def __mul__(self, other: Raw) -> Raw:
+        return Raw(_joined(sympy.Mul, self.expression, other.expression))
+
+
+def _joined(operation: Any, left: Any, right: Any) -> Any:
+    if left.is_Number or right.is_Number:
+        return operation(
+            left, right, evaluate=bool(left.is_Number and right.is_Number) or _is_neutral(operation, left, right)
+        )
+    return operation._from_args([*operation.make_args(left), *operation.make_args(right)])  # noqa: SLF001
+
+
+def _is_neutral(operation: Any, left: Any, right: Any) -> bool:
+    return operation.identity in (left, right)
+
+
+class RawExpressions(Expressions):
+    """The algebra of :class:`Raw`."""
+
+    def leaf(self, payload: Any) -> Raw:
+        return Raw(super().leaf(payload))

@@ -1,0 +1,164 @@
+"""Fully expanded polynomials in parameters and s, exact, as maps from packed exponents to integers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import lcm
+from typing import Any
+
+import sympy
+
+from torsionnet.symbolic.algebra.algebras import S
+from torsionnet.symbolic.algebra.network import Stiffness
+
+BITS = 12
+"""Room for one exponent."""
+MASK = (1 << BITS) - 1
+
+
+class Sparse:
+    """A sum of integer * monomial, over scale^depth.
+
+    A monomial is one integer, with ``BITS`` bits for the exponent of each generator, so that monomials multiply by
+    adding. Fractions are kept out: all numbers have one common denominator, the scale.
+    """
+
+    __slots__ = ("depth", "scale", "terms")
+
+    def __init__(self, terms: dict[int, int], depth: int, scale: int) -> None:
+        self.terms, self.depth, self.scale = terms, depth, scale
+
+    def __add__(self, other: Sparse) -> Sparse:
+        depth = max(self.depth, other.depth)
+        left, right = self.at_depth(depth), other.at_depth(depth)
+        if len(left) < len(right):
+            left, right = right, left
+        total = dict(left)
+        for monomial, number in right.items():
+            total[monomial] = total.get(monomial, 0) + number
+        return Sparse(total, depth, self.scale)
+
+    def at_depth(self, depth: int) -> dict[int, int]:
+        """The integers over scale^depth."""
+        if depth == self.depth:
+            return self.terms
+        factor = self.scale ** (depth - self.depth)
+        return {monomial: number * factor for monomial, number in self.terms.items()}
+
+    def __mul__(self, other: Sparse) -> Sparse:
+        shorter, longer = self.terms, other.terms
+        if len(shorter) > len(longer):
+            shorter, longer = longer, shorter
+        total: dict[int, int] = {}
+        for monomial, number in shorter.items():
+            if not total:
+                total = {monomial + more: number * times for more, times in longer.items()}
+                continue
+            for more, times in longer.items():
+                key = monomial + more
+                total[key] = total.get(key, 0) + number * times
+        return Sparse(total, self.depth + other.depth, self.scale)
+
+
+@dataclass(frozen=True)
+class Monomials:
+    """The algebra of :class:`Sparse`: generators s, parameters, and inverses and roots of parameters."""
+
+    generators: tuple[Any, ...]
+    scale: int
+
+    @cached_property
+    def _place(self) -> Mapping[Any, int]:
+        return {generator: BITS * position for position, generator in enumerate(self.generators)}
+
+    def leaf(self, payload: Any) -> Sparse:
+        """A constant, an expression, or a dynamic stiffness."""
+        depth = 0 if _is_whole(payload) else 1
+        found: dict[int, int] = {}
+        for power, part in enumerate(_parts(payload)):
+            for number, factors in monomials(part):
+                key = sum(times << self._place[name] for name, times in factors.items()) + (power << self._place[S])
+                value = number * self.scale**depth
+                found[key] = found.get(key, 0) + value.numerator
+        return Sparse(found, depth, self.scale)
+
+    def by_power(self, polynomial: Sparse) -> list[dict[int, int]]:
+        """Terms for every power of s; what has cancelled is left out."""
+        shift = self._place[S]
+        found: dict[int, dict[int, int]] = {}
+        for monomial, number in polynomial.terms.items():
+            if number:
+                power = monomial >> shift & MASK
+                found.setdefault(power, {})[monomial - (power << shift)] = number
+        return [found.get(power, {}) for power in range(max(found, default=0) + 1)]
+
+    def as_dict(self, polynomial: Sparse) -> dict[tuple[int, ...], Any]:
+        """Exponents of the generators -> rational coefficient, as sympy's rings take it."""
+        divisor = polynomial.scale**polynomial.depth
+        return {
+            tuple(monomial >> place & MASK for place in self._place.values()): sympy.QQ(number, divisor)
+            for monomial, number in polynomial.terms.items()
+            if number
+        }
+
+    def expression(self, terms: Mapping[int, int], divisor: int = 1) -> Any:
+        """A sympy sum; equal numbers make no difference to its terms."""
+        return sympy.Add(*self._terms(terms, divisor))
+
+    def _terms(self, terms: Mapping[int, int], divisor: int) -> Iterator[Any]:
+        for monomial, number in terms.items():
+            factors = [
+                generator ** (monomial >> place & MASK)
+                for generator, place in self._place.items()
+                if monomial >> place & MASK
+            ]
+            if number:
+                yield sympy.Mul(sympy.Rational(number, divisor), *factors)
+
+
+def monomials_for(payloads: Iterable[Any]) -> Monomials:
+    """The algebra in which all payloads can be written."""
+    names: dict[Any, None] = {}
+    scale = 1
+    for payload in payloads:
+        for part in _parts(payload):
+            for number, factors in monomials(part):
+                names |= dict.fromkeys(factors)
+                scale = lcm(scale, number.denominator)
+    return Monomials((S, *sorted(set(names) - {S}, key=str)), scale)
+
+
+def _parts(payload: Any) -> tuple[Any, ...]:
+    return payload.parts if isinstance(payload, Stiffness) else (payload,)
+
+
+def _is_whole(payload: Any) -> bool:
+    return all(number.denominator == 1 for part in _parts(payload) for number, _ in monomials(part))
+
+
+def monomials(expression: Any) -> list[tuple[Fraction, dict[Any, int]]]:
+    """(number, {generator: power}) of every term; inverses and roots are generators of their own."""
+    if isinstance(expression, Fraction):
+        return [(expression, {})] if expression else []
+    if expression.is_Symbol:
+        return [(Fraction(1), {expression: 1})]
+    if expression.is_Rational:
+        return [(Fraction(expression.p, expression.q), {})] if expression else []
+    return [_monomial(term) for term in sympy.Add.make_args(sympy.expand(expression)) if term != 0]
+
+
+def _monomial(term: Any) -> tuple[Fraction, dict[Any, int]]:
+    number, rest = term.as_coeff_Mul()
+    factors: dict[Any, int] = {}
+    for factor in sympy.Mul.make_args(rest):
+        base, power = factor.as_base_exp()
+        if factor == 1:
+            continue
+        key, times = factor, 1
+        if power.is_Integer:
+            key, times = (base, int(power)) if power > 0 else (1 / base, -int(power))
+        factors[key] = factors.get(key, 0) + times
+    return Fraction(number.p, number.q), factors
