@@ -2,6 +2,7 @@
 
 import gc
 import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
@@ -29,6 +30,14 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"response"},
     {"core"},
 )
+FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in none
+    "cli": ("", "commands"),
+    "plot": ("drawing", "schematic", "", "study"),
+    "identification": ("residuals", ""),
+    "symbolic": ("algebra", ""),
+    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
+    "model": ("element_base", "elements"),
+}
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer}
 TOP = 1  # torsionnet/__init__.py offers names from every layer
 
@@ -38,6 +47,8 @@ FORBIDDEN_CALLS = {"eval", "exec", "sympify", "parse_expr"}
 
 MAX_LINES = 500
 MAX_MEDIAN_LINES = 150
+MAX_FILES = 35
+"""Files that stand beside each other in a folder, without its ``__init__``."""
 
 SAME_THING = {
     "a command, what it calls and what shows its result": {
@@ -87,6 +98,31 @@ def upward_imports(module: Module) -> Iterator[str]:
             yield f"{module.relative}:{line} imports {name}, which is in a layer above"
 
 
+def upward_in_layer(module: Module) -> Iterator[str]:
+    """Imports from a floor above in the same layer; what a folder's ``__init__`` offers may come from anywhere in it."""
+    layer, *rest = module.path.relative_to(module.root).parts
+    floors = FLOORS.get(layer, ())
+    if rest == ["__init__.py"] or (own := _floor(floors, rest[:-1])) is None:
+        return
+    for name, line, _ in module.imports:
+        package, *target = name.split(".")
+        other = _floor(floors, target[1:-1]) if [package, *target[:1]] == ["torsionnet", layer] else None
+        if other is not None and other > own:
+            yield f"{module.relative}:{line} imports {name}, which is on a floor above"
+
+
+def _floor(floors: tuple[str, ...], folders: list[str]) -> int | None:
+    name = folders[0] if folders else ""
+    return floors.index(name) if name in floors else None
+
+
+def full_folders(modules: list[Module]) -> Iterator[str]:
+    beside = Counter(module.path.parent for module in modules if module.path.stem != "__init__")
+    for folder, count in beside.items():
+        if count > MAX_FILES:
+            yield f"{folder.name} has {count} files"
+
+
 def foreign_imports(module: Module, package: str) -> Iterator[str]:
     for name, line, for_types in module.imports:
         if name.split(".")[0] == package and not for_types:
@@ -131,6 +167,14 @@ def test_imports_point_down():
     assert broken(upward_imports) == []
 
 
+def test_imports_point_down_in_a_layer():
+    assert broken(upward_in_layer) == []
+
+
+def test_no_folder_is_full():
+    assert list(full_folders(MODULES)) == []
+
+
 def test_only_plot_imports_matplotlib():
     assert broken(lambda module: foreign_imports(module, "matplotlib"), MAY_PLOT) == []
 
@@ -156,6 +200,9 @@ def test_documentation_shows_the_same_layers():
     text = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| \d+ \|([^|]*)\|", text, flags=re.MULTILINE)
     assert [set(re.findall(r"`(\w+)`", row)) for row in rows] == list(LAYERS)
+    floors = re.findall(r"^\| `(\w+)` \|((?: `[^`]*` <?)+)\|$", text, flags=re.MULTILINE)
+    shown = {layer: tuple(re.findall(r"`([^`]*)`", row)) for layer, row in floors}
+    assert shown == {layer: tuple(name or "*" for name in names) for layer, names in FLOORS.items()}
 
 
 def test_no_modules_import_each_other():
@@ -219,6 +266,31 @@ def test_upward_import_is_found(tmp_path, name, source):
 )
 def test_other_imports_are_allowed(tmp_path, name, source):
     assert list(upward_imports(a_module(tmp_path, name, source))) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "allowed"),
+    [
+        ("solve/modes/cut.py", "from torsionnet.solve.running.orders import x", False),
+        ("solve/modes/cut.py", "def f():\n    from torsionnet.solve.responses.grid import x", False),
+        ("solve/modes/cut.py", "from torsionnet.solve.dynamic_stiffness.tape import x", True),
+        ("solve/modes/cut.py", "from torsionnet.solve.modes.eigen import x", True),
+        ("solve/__init__.py", "from torsionnet.solve.design.damper import x", True),
+        ("plot/bode.py", "from torsionnet.plot.study.axes import x", False),
+        ("plot/bode.py", "from torsionnet.plot.schematic.texts import x", True),
+        ("plot/schematic/texts.py", "from torsionnet.plot.bode import x", False),
+        ("model/element_base/laws.py", "from torsionnet.model.elements.gears import x", False),
+        ("model/element_base/laws.py", "from torsionnet.model.checks.names import x", True),
+    ],
+)
+def test_an_import_from_a_floor_above_is_found(tmp_path, name, source, allowed):
+    assert (list(upward_in_layer(a_module(tmp_path, name, source))) == []) is allowed
+
+
+def test_a_full_folder_is_found(tmp_path):
+    modules = [a_module(tmp_path, f"solve/a{number}.py", "") for number in range(MAX_FILES)]
+    assert list(full_folders([*modules, a_module(tmp_path, "solve/__init__.py", "")])) == []
+    assert list(full_folders([*modules, a_module(tmp_path, "solve/b.py", "")])) == ["solve has 36 files"]
 
 
 @pytest.mark.parametrize(
