@@ -9,6 +9,7 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.cli.commands.estimate import peak_table
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.signals import Recording, Signal, spectrogram
 from torsionnet.signals.advice import remarks
 from torsionnet.solve.responses.peaks import _standing_out
@@ -121,3 +122,41 @@ def test_rounding_is_not_enlarged(decibels):
     flat = FrequencyResponse(f, values[:, None, None], (Channel("T", "N*m"),), (Channel("T_2", "N*m"),))
     low, high = plot.bode(flat, decibels=decibels).axes[0].get_ylim()
     assert (low, high) == pytest.approx((-4.437, 4.609) if decibels else (0.6, 1.7), rel=1e-3)
+
+
+LARGE = """torsionnet: 1
+name: large fan
+parameters: {c: {value: 20 kN*m*s/rad, bounds: [2 kN*m*s/rad, 200 kN*m*s/rad]}}
+elements:
+  motor: {type: inertia, node: m, inertia: 500 kg*m^2}
+  shaft: {type: spring, nodes: [m, f], stiffness: 40 MN*m/rad, damping: c}
+  fan: {type: inertia, node: f, inertia: 2000 kg*m^2}
+speeds: {of: m, range: 300..900 rpm, step: 20 rpm}
+excitations: {motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 kN*m}}}}
+sensors: {T_s: {torque: shaft}}
+"""
+
+
+def test_large_torques_are_drawn_in_kilonewtonmetres():
+    """In every picture with an axis of torque; up to 9.9 kN m in N m."""
+    model = tn.loads(LARGE)
+    run = model.order_response("T_s")
+    largest = float(abs(run.values).max())
+    assert largest > 2e4
+    test = {"T_s": [MeasuredOrder(6, np.array([40.0, 60.0]), np.array([2e4, 3e4]))]}
+    record = Recording((Signal("T_s", "torque", np.array([0, -3e5, 1e5])),), RATE)
+    design = model.damper_design("T_s", "c")
+    for axes in (
+        plot.order_response(run).axes[0], plot.order_overlay(run, test).axes[0],
+        plot.time_histories(record).axes[0], *plot.damper_design(design).axes,
+    ):  # fmt: skip
+        assert axes.get_ylabel().endswith("[kN·m]")
+    assert plot.time_histories(record).axes[0].lines[0].get_ydata().tolist() == [0, -300, 100]
+    assert plot.order_overlay(run, test).axes[0].lines[1].get_ydata().tolist() == [20, 30]
+    levels, effect = plot.damper_design(design).axes
+    assert levels.lines[0].get_ydata().max() == pytest.approx(design.before.level / 1e3, rel=1e-3)
+    assert effect.lines[1].get_ydata()[0] == pytest.approx(design.after.level / 1e3)
+    (bar,) = [text.get_text() for text in plot.waterfall(run).axes[0].texts if "N" in text.get_text()]
+    assert bar == f"{float(f'{largest:.1g}') / 1e3:g} kN·m"
+    small = Recording((Signal("T_s", "torque", np.array([0, -9.9e3])),), RATE)
+    assert plot.time_histories(small).axes[0].get_ylabel() == "T_s [N·m]"
