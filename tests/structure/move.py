@@ -126,7 +126,7 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
     """Rewrite everything that names the modules, and let git move their files."""
     names = moves(pairs, root)
     offered = [old for old in names if _is_offered(*old.rpartition(".")[::2], root)]
-    for path in _texts(root):
+    for path in texts(root):
         before = path.read_text(encoding="utf-8")
         after = rewritten(before, names, code=path.suffix in {".py", ".pyi"}, offered=offered)
         if after != before:
@@ -148,7 +148,7 @@ def _is_offered(package: str, name: str, root: Path) -> bool:
     return any(name == (alias.asname or alias.name) for node in imported for alias in node.names)
 
 
-def _texts(root: Path) -> Iterator[Path]:
+def texts(root: Path) -> Iterator[Path]:
     listed = subprocess.run(
         ["git", "ls-files", "-co", "--exclude-standard"], cwd=root, check=True, capture_output=True, text=True
     ).stdout
