@@ -104,8 +104,10 @@ def pair(tmp_path):
             "KINDS = math.e\n\n\nclass Helical(Tooth):\n    wide = True\n\n\ndef angle():\n    return turned(Helical())\n",
             "torsionnet/gears/sizes.py": "SIZES = 1\n",
             "torsionnet/gears/late.py": "SIZES = 2\n",
-            "torsionnet/gears/kinds.py": "from torsionnet.gears.gear import KINDS\n\n\ndef f():\n"
-            "    from torsionnet.gears.late import SIZES\n\n    return KINDS + SIZES\n",
+            "torsionnet/gears/kinds.py": "import torsionnet.gears.angles as angles\n"
+            "from torsionnet.gears.gear import KINDS\n\n\ndef f():\n"
+            "    from torsionnet.gears.late import SIZES\n\n    return KINDS + SIZES + angles.whole()\n",
+            "torsionnet/gears/angles.py": "TURN = 360\n\n\ndef whole():\n    return TURN\n",
             "torsionnet/gears/other.py": "KINDS = 3\nfrom torsionnet.gears import names\n\nLETTER = names.NAME\n",
             "torsionnet/gears/names.py": "KINDS = 4\nNAME = 'x'\n",
             "tests/test_two.py": "from torsionnet.gears import gear, teeth\nfrom torsionnet.gears.teeth import Tooth\n"
@@ -121,7 +123,7 @@ def test_a_joined_module_is_part_of_the_one_that_imported_it(pair):
     assert not (pair / "torsionnet/gears/teeth.py").exists()
     text = (pair / "torsionnet/gears/gear.py").read_text("utf-8")
     assert text.startswith('"""Gears."""\nfrom __future__ import annotations\n')
-    kept = ["KINDS = math.e", "_SHARE = 0.5", "# Half a tooth.\nclass Tooth:", "class Helical(Tooth):", "def angle():"]
+    kept = ["KINDS = math.e", "SHARE = 0.5", "# Half a tooth.\nclass Tooth:", "class Helical(Tooth):", "def angle():"]
     places = [text.index(part) for part in kept]
     assert places == sorted(places)
     assert ">>> _turned(Tooth())" in text
@@ -133,8 +135,11 @@ def test_a_joined_module_is_part_of_the_one_that_imported_it(pair):
 
 
 def test_what_nothing_needs_at_import_goes_to_the_end(pair):
-    join("gears/sizes", "gears/teeth", pair)
-    assert (pair / "torsionnet/gears/teeth.py").read_text("utf-8").rstrip().endswith("_SIZES = 1")
+    join("gears/angles", "gears/kinds", pair)
+    text = (pair / "torsionnet/gears/kinds.py").read_text("utf-8")
+    parts = ["TURN = 360", "def f():", "    return KINDS + SIZES + _whole()", "def _whole():\n    return TURN\n"]
+    places = [text.index(part) for part in parts]
+    assert places == sorted(places)
 
 
 @pytest.mark.parametrize(
@@ -154,7 +159,7 @@ def test_a_join_that_cannot_be_changes_nothing(pair, old, into, why):
 
 def test_modules_that_could_be_joined_are_listed(pair):
     found = [(old.path.stem, into.path.stem) for old, into in candidates(modules_below(pair / "torsionnet"))]
-    assert found == [("gear", "kinds"), ("names", "other"), ("sizes", "teeth"), ("teeth", "gear")]
+    assert found == [("angles", "kinds"), ("gear", "kinds"), ("names", "other"), ("sizes", "teeth"), ("teeth", "gear")]
 
 
 def test_outputs_differ_where_a_command_says_something_else(tmp_path, capsys):

@@ -1,7 +1,8 @@
 """``make join OLD=... INTO=...``: a module becomes part of the one that imports it; without the two, which could be.
 
-OLD and INTO are paths below ``torsionnet``, and INTO is alone in importing OLD. Its definitions go behind those of INTO,
-or before the first that needs one while it is imported; what is used there alone gets a name of its own room (``_name``).
+OLD and INTO are paths below ``torsionnet``, and INTO is alone in importing OLD. Its constants go to the constants,
+its definitions behind those of INTO, or before the first that needs one while it is imported; a function that is used
+there alone gets an underscore.
 Everything that names OLD names INTO then: package, tests, docs, the table of mutation. The sentences that OLD began with
 are printed: what they say and INTO does not is for whoever joins to write down, as is whether the two are one thing at all.
 """
@@ -87,13 +88,16 @@ def _bound(nodes: Iterable[ast.stmt]) -> set[str]:
     return found
 
 
-def _text(module: Module) -> str:
-    """What stands behind the imports, with its remarks."""
+def _parts(module: Module) -> tuple[str, str]:
+    """What stands behind the imports, with its remarks: first constants, and the rest."""
     lines, body = module.text.splitlines(keepends=True), _body(module.tree)
     top = [*_runtime(module.tree), *_type_blocks(module.tree)]
     late = {number for node in top for number in range(node.lineno, (node.end_lineno or 0) + 1)}
     start = _start(lines, body[0])
-    return "".join(line for at, line in enumerate(lines[start:], start + 1) if at not in late).strip("\n") + "\n"
+    split = next((_start(lines, node) for node in body if isinstance(node, _DEFINITIONS)), len(lines))
+    kept = [(at, line) for at, line in enumerate(lines[start:], start) if at + 1 not in late]
+    parts = ([line for at, line in kept if at < split], [line for at, line in kept if at >= split])
+    return "".join(parts[0]).strip("\n") + "\n", "".join(parts[1]).strip("\n") + "\n"
 
 
 def _start(lines: Sequence[str], node: ast.stmt) -> int:
@@ -147,7 +151,7 @@ def joined(old: Module, into: Module) -> str:
     if _imported_later(old, into):
         raise SystemExit(f"{into.relative} does without {old.name} until it is used, which is quicker to start")
     ours = [node for node in _runtime(into.tree) if _comes_from(node, old)]
-    if any(isinstance(node, ast.Import) or any(alias.asname for alias in node.names) for node in ours):
+    if any(alias.asname not in (None, old.path.stem) for node in ours for alias in node.names):
         raise SystemExit(f"{into.relative} uses other names for what it imports from {old.name}")
     if any(not _is_import(one) for module in (old, into) for block in _type_blocks(module.tree) for one in block.body):
         raise SystemExit("there is more than imports for type checkers alone")
@@ -156,14 +160,19 @@ def joined(old: Module, into: Module) -> str:
     if same := (_bound(_body(old.tree)) & there) | (brought & _bound(_body(into.tree))):
         raise SystemExit(f"both {old.relative} and {into.relative} say what {', '.join(sorted(same))} is")
     lines = into.text.splitlines(keepends=True)
-    if any(isinstance(node, ast.ImportFrom) and node.module != old.name for node in ours):
+    if any(_source(node) != old.name for node in ours):
         lines = [re.sub(rf"(?<![\w.]){old.path.stem}\.(?=[A-Za-z_])", "", line) for line in lines]
-    needing = _needed_at_import(_body(into.tree), _bound(_body(old.tree)))
+    body, constants, definitions = _body(into.tree), *_parts(old)
+    needing = _needed_at_import(body, _bound(_body(old.tree)) | {old.path.stem})
     at = _start(lines, needing) if needing else len(lines)
-    lines[at:at] = ["\n\n", _text(old), "\n\n"]
+    first = next((_start(lines, node) for node in body if isinstance(node, _DEFINITIONS)), len(lines))
+    lines[at:at] = ["\n\n", definitions, "\n\n"]
+    lines[min(first, at) : min(first, at)] = ["\n", constants, "\n\n"]
     for node in reversed(ours):
         kept = [alias.name for alias in node.names if f"{_source(node)}.{alias.name}" != old.name]
-        others = [f"from {_source(node)} import {', '.join(kept)}\n"] if kept and _source(node) != old.name else []
+        others = (
+            [f"from {_source(node)} import {', '.join(kept)}\n"] if kept and _source(node) not in ("", old.name) else []
+        )
         lines[node.lineno - 1 : node.end_lineno] = others
     return _with_imports("".join(lines), old)
 
@@ -261,33 +270,29 @@ def join(old: str, into: str, root: Path = ROOT) -> str:
     one, other = (known.get(dotted(Path(PACKAGE) / name)) for name in (old, into))
     if one is None or other is None:
         raise SystemExit(f"there is no {PACKAGE}/{into if one else old}")
-    users = {module.name for module in known.values() for found in module.imports if found.name == one.name}
+    saying = [module for module in known.values() if one.path.stem in module.text]
+    users = {module.name for module in saying for found in module.imports if found.name == one.name}
     if users != {other.name}:
         raise SystemExit(f"{one.relative} is imported by {', '.join(sorted(users)) or 'none'}")
-    text = joined(one, other)
     names = {one.name: other.name}
+    read = {path: path.read_text(encoding="utf-8") for path in texts(root) if path not in (one.path, other.path)}
+    new = {path: rewritten(text, names, code=path.suffix in {".py", ".pyi"}) for path, text in read.items()}
+    public = _bound(node for node in _body(one.tree) if isinstance(node, ast.FunctionDef))
+    text = rewritten(joined(one, other), names, code=False)
+    both = inner(text, sorted(public), "\n".join(_naming(other, new.values())))
+    for path in (path for path in new if new[path] != read[path]):
+        path.write_text(new[path], encoding="utf-8")
+    other.path.write_text(both, encoding="utf-8")
     one.path.unlink()
-    for path in texts(root):
-        before = path.read_text(encoding="utf-8")
-        after = rewritten(before, names, code=path.suffix in {".py", ".pyi"}) if path != other.path else before
-        if after != before:
-            path.write_text(after, encoding="utf-8")
-    elsewhere = "\n".join(_naming(other, root))
-    public = _bound(node for node in _body(one.tree) if not isinstance(node, ast.ClassDef))
-    other.path.write_text(inner(rewritten(text, names, code=False), sorted(public), elsewhere), encoding="utf-8")
     return ast.get_docstring(one.tree) or ""
 
 
-def _naming(module: Module, root: Path) -> Iterator[str]:
-    """The other texts that name a module."""
+def _naming(module: Module, found: Iterable[str]) -> list[str]:
+    """Those of the texts that name a module."""
     package, _, name = module.name.rpartition(".")
-    named = re.compile(
-        rf"{re.escape(module.name)}\b|from {re.escape(package)} import[^()\n]*\b{name}\b|import \([^)]*\b{name}\b"
-    )
-    for path in texts(root):
-        text = path.read_text(encoding="utf-8")
-        if path != module.path and named.search(text):
-            yield text
+    dots, short = re.escape(module.name), rf"from {re.escape(package)} import[^()\n]*\b{name}\b"
+    named = re.compile(rf"{dots}\b|{short}|import \([^)]*\b{name}\b")
+    return [text for text in found if name in text and named.search(text)]
 
 
 if __name__ == "__main__":
