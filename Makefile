@@ -14,7 +14,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move outputs mutation fuzz lint format types generate docs bench bench-short clean
+.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -57,6 +57,10 @@ hops: $(VENV)/.group-test  ## which functions a stiffness, a frequency and a sen
 
 move: $(VENV)/.group-test  ## a module elsewhere, with all that names it: make move OLD=solve/tape NEW=solve/elimination/tape
 	PYTHONPATH=tests $(RUN) -m structure.move $(OLD) $(NEW)
+	$(MAKE) format
+
+join: $(VENV)/.group-test  ## a module into the one that imports it: make join OLD=... INTO=...; without, which could be
+	PYTHONPATH=tests $(RUN) -m structure.join $(OLD) $(INTO)
 	$(MAKE) format
 
 outputs: $(VENV)/.group-test  ## what every command says of every library model: ARGS="record A", ARGS="same A B"

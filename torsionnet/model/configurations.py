@@ -13,6 +13,7 @@ from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_valu
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
+from torsionnet.core.listing import listed
 from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
@@ -225,13 +226,11 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
     if "=" in part:
         axis, name = (piece.strip() for piece in part.split("=", 1))
         if axis not in axes:
-            raise UsageError(
-                f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {_listed(axes)}'
-            )
+            there = listed(axes, none="none")
+            raise UsageError(f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {there}')
         if name not in axes[axis]:
-            raise UsageError(
-                f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {_listed(axes[axis])}'
-            )
+            there = listed(axes[axis], none="none")
+            raise UsageError(f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {there}')
         return axis, name
     homes = [axis for axis, alternatives in axes.items() if part in alternatives]
     if len(homes) == 1:
@@ -241,12 +240,8 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
             f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
         )
     names = [name for alternatives in axes.values() for name in alternatives]
-    hint = f"there is {_listed(names)}" if names else "the model has no configurations"
+    hint = f"there is {listed(names)}" if names else "the model has no configurations"
     raise UsageError(f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}')
-
-
-def _listed(names: Any) -> str:
-    return ", ".join(str(name) for name in names) or "none"
 
 
 def read_overrides(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named
@@ -43,7 +42,3 @@ FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=1
 def by_cylinder(description: str, of: Value, form: str) -> Named:
     """A table by number of cylinder."""
     return Named(description, of, refused=number_fault, form=form)
-
-
-def listed(numbers: Iterable[int]) -> str:
-    return ", ".join(map(str, numbers))

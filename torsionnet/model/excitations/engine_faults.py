@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.model.excitations.cylinder_entries import EACH, listed
+from torsionnet.core.listing import listed
+from torsionnet.model.excitations.cylinder_entries import EACH
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
 from torsionnet.model.excitations.firing import unlike_crank

@@ -24,7 +24,7 @@ from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, 
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import as_shown, table
-from torsionnet.report.report_words import capital, listed, named, plain, unit
+from torsionnet.report.report_words import capital, named, named_first, plain, unit
 from torsionnet.report.wording import SHOWN
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
     ends = [between(each) for each in group]
     names, nodes = [plain(each.name) for each in group], list(dict.fromkeys(ends))
     rest = f"; … and {len(nodes) - MOST} more" if len(nodes) > MOST else ""
-    head: Row = (listed(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
+    head: Row = (named_first(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
     values = list(_values(element, rig)) or [("", "", "", "")]
     for number, row in enumerate(values):
         yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")
