@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from html import escape
-from inspect import getdoc
 from importlib import import_module
+from inspect import getdoc
 from itertools import combinations, product
 from pathlib import Path
 from typing import NamedTuple
@@ -64,8 +64,8 @@ def layers_page() -> str:
     floors = [[code(name), " < ".join(code(floor or "*") for floor in floors)] for name, floors in FLOORS.items()]
     return (
         table(["layer", "modules", "knows about"], levels)
-        + "\nWhere a layer has floors, a module imports from its own and from those below it; no folder has more than 35 "
-        "files. `*` are the files\nthat stand in no folder of the layer.\n\n"
+        + "\nWhere a layer has {term}`floors <floor>`, a module imports from its own and from those below it; no folder "
+        "has more than\n35 files. `*` are the files that stand in no folder of the layer.\n\n"
         + table(["layer", "floors, the lowest first"], floors)
     )
 
@@ -177,7 +177,7 @@ class Drawing:
 
 
 def picture() -> str:
-    """The house as SVG: layers from the top, floors in them, arrows to what is imported; beside it the way of a model."""
+    """The house as SVG: layers from the top, floors in them, arrows to what is imported; beside it a model's way."""
     drawing, places = Drawing(), list(_places())
     bottom = places[-1][1] + places[-1][2]
     drawing.text(LEFT, TOP - 16, "Who imports from whom", "h", "start")

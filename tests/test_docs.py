@@ -184,7 +184,8 @@ class TestGeneratedPages:
 
 
 @pytest.mark.parametrize("begins", ["A stiffness", "A firing order", "A value of a study"])
-def test_walks_are_told_in_the_order_in_which_they_go(generate, begins):
+@pytest.mark.usefixtures("generate")
+def test_walks_are_told_in_the_order_in_which_they_go(begins):
     """Functions that a paragraph names are met in that order; other names of it are those of classes and folders."""
     page = (DOCS / "architecture.md").read_text(encoding="utf-8")
     paragraph = page.partition(f"**{begins}**")[2].partition("\n\n")[0]
