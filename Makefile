@@ -52,7 +52,7 @@ compare-parts: $(VENV)/.group-test  ## 300 random plants of components and parts
 structure: $(VENV)/.group-test  ## counts: code lines, import circles, doubled names; ARGS=COMMIT beside another commit
 	PYTHONPATH=tests $(RUN) -m structure $(ARGS)
 
-hops: $(VENV)/.group-test  ## which functions a stiffness, a frequency and a sensor's name pass
+hops: $(VENV)/.group-test  ## which functions a stiffness, a firing order, a value of a study and others pass; ARGS=-v names them
 	PYTHONPATH=tests $(RUN) -m structure.hops $(ARGS)
 
 move: $(VENV)/.group-test  ## a module elsewhere, with all that names it: make move OLD=solve/tape NEW=solve/elimination/tape

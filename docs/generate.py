@@ -16,10 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import sympy
+from house_picture import layers_page, picture
 from page_parts import code, prose, table
 from schema_pages import file_entries_page
 from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
+from walk_pages import walks_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
@@ -552,6 +554,9 @@ PAGES = {
     "bench_numbers.md": bench_numbers_page,
     "report.md": report_page,
     "report_texts.md": report_texts_page,
+    "layers.md": layers_page,
+    "house.svg": picture,
+    "walks.md": walks_page,
 }
 
 

@@ -1,45 +1,17 @@
 """The rules of docs/architecture.md that a reader of one module cannot see: imports point down, and a few more."""
 
 import gc
-import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
 import pytest
+from structure.floors import FLOORS, HEIGHT, height
 from structure.measures import circles, doubled_classes, doubled_files
 from structure.modules import Module, modules_below
 
 PACKAGE = Path(__file__).parents[1] / "torsionnet"
-
-LAYERS = (  # top to bottom: first name below torsionnet
-    {"cli", "demo", "__main__"},
-    {"explore"},
-    {"report"},
-    {"plot"},
-    {"bench", "identification", "study"},
-    {"io"},
-    {"loading", "drivetrain", "running_machinery"},
-    {"symbolic"},
-    {"solve"},
-    {"assembly"},
-    {"model"},
-    {"modal"},
-    {"signals"},
-    {"response"},
-    {"core"},
-)
-FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in none
-    "cli": ("", "commands"),
-    "plot": ("drawing", "schematic", "", "study"),
-    "identification": ("residuals", ""),
-    "symbolic": ("algebra", ""),
-    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
-    "model": ("element_base", "elements"),
-}
-HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer}
-TOP = 1  # torsionnet/__init__.py offers names from every layer
 
 MAY_PLOT = {"plot"}
 MAY_PRINT = {"cli", "demo", "__main__"}
@@ -79,10 +51,6 @@ SAME_THING = {
         "study",
     },
 }
-
-
-def height(name: str) -> int:
-    return HEIGHT[name] if name else TOP
 
 
 def upward_imports(module: Module) -> Iterator[str]:
@@ -194,15 +162,6 @@ def test_modules_are_short():
 def test_half_of_the_modules_are_very_short():
     lengths = [len(module.path.read_text(encoding="utf-8").splitlines()) for module in MODULES]
     assert median(length for length in lengths if length) <= MAX_MEDIAN_LINES
-
-
-def test_documentation_shows_the_same_layers():
-    text = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| \d+ \|([^|]*)\|", text, flags=re.MULTILINE)
-    assert [set(re.findall(r"`(\w+)`", row)) for row in rows] == list(LAYERS)
-    floors = re.findall(r"^\| `(\w+)` \|((?: `[^`]*` <?)+)\|$", text, flags=re.MULTILINE)
-    shown = {layer: tuple(re.findall(r"`([^`]*)`", row)) for layer, row in floors}
-    assert shown == {layer: tuple(name or "*" for name in names) for layer, names in FLOORS.items()}
 
 
 def test_no_modules_import_each_other():
