@@ -9,12 +9,15 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
+from user_types import rig
 
 import torsionnet as tn
 from torsionnet.model.elements import Element, element_classes
 
 DOCS = Path(__file__).parents[1] / "docs"
+MISTAKES = Path(rig.__file__).with_name("mistakes.py")
 PACKAGES = [
     *(tn.bench, tn.identification, tn.io, tn.modal, tn.plot, tn.report, tn.sensitivity, tn.signals, tn.study),
     importlib.import_module("torsionnet.response"),
@@ -150,6 +153,28 @@ def test_what_a_kind_of_value_accepts_is_told():
     assert [ast.unparse(one.annotation) for one in clutch if one.arg == "state"] == [
         "Literal['closed', 'open', 'slipping']"
     ]
+
+
+def test_the_program_of_a_user_is_right(tmp_path):
+    """``make types`` lets type checkers look at it; what they pass has to run."""
+    table = tmp_path / "couplings.csv"
+    table.write_text("size,stiffness [N*m/rad],loss_factor\nA350,5e4,0.1\n", encoding="utf-8")
+    elements = rig.others(table)
+    assert elements["maker"].stiffness.value == 50_000
+    shaft = rig.driveline(3000, [0.2, 0.3])
+    own = np.sqrt(3000 * (1 / 0.078 + (207 / 50) ** 2 / 0.5)) / (2 * np.pi)
+    assert rig.first_frequency(shaft) == pytest.approx(0, abs=1e-9)
+    assert shaft.modes().natural_frequencies[1] == pytest.approx(own, rel=1e-9)
+
+
+def test_mistakes_fail_when_they_run():
+    lines = MISTAKES.read_text(encoding="utf-8").splitlines()
+    found = [line for line in lines if "# wrong" in line and not line.startswith("from")]
+    assert len(found) > 20
+    for line in lines:
+        if "# wrong" in line:
+            with pytest.raises((tn.TorsionnetError, TypeError, AttributeError, ImportError)):
+                exec(line, {"tn": tn})
 
 
 def test_elements_of_users_need_no_signature():

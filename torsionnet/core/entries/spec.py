@@ -19,7 +19,7 @@ class EntryError(ValueError):
     def __init__(self, message: str | Fault | Iterable[Fault], path: Path = ()) -> None:
         if isinstance(message, str):
             message = Fault(message, path)
-        self.faults = [message] if isinstance(message, Fault) else list(message)
+        self.faults: list[Fault] = [message] if isinstance(message, Fault) else list(message)
         super().__init__(self.fault.message)
 
     @property

@@ -94,7 +94,10 @@ class LossFactor(PhysicalQuantity):
         return DampingMeasure(measure, _within(raw[measure], "1", measure), None)
 
     plain = DampingQuantity.plain
-    accepted = DampingQuantity.accepted
+
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
 
     def schema(self) -> Schema:
         keys = {name: SCALAR_SCHEMA for name in MEASURES if name != "c"}
