@@ -80,10 +80,11 @@ format: $(VENV)/.group-lint  ## let ruff reformat, and repair what it safely can
 	$(RUN) -m ruff format .
 	$(RUN) -m ruff check --fix .
 
-types: $(VENV)/.group-lint  ## mypy, strict
+types: $(VENV)/.group-lint $(VENV)/.group-test  ## mypy, strict; what pyright and mypy say of programs that use the package
 	$(RUN) -m mypy
+	PYTHONPATH=tests $(RUN) -m user_types
 
-generate: $(VENV)/.group-docs  ## pages, names for type checkers and the JSON Schema made from the code
+generate: $(VENV)/.group-docs  ## pages, stubs for type checkers and the JSON Schema made from the code
 	$(RUN) docs/generate.py
 	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
 	$(RUN) -m torsionnet schema --file study -o library/study.schema.json

@@ -1,7 +1,7 @@
 """Pages and tables made from the code when the documentation is built: elements, units, damping, traps, validation.
 
 ``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build. The program also
-writes the names of the element types for type checkers, a stub in the package.
+writes the stubs of the package, for type checkers and editors.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import sympy
 from house_picture import layers_page, picture
 from page_parts import code, prose, table
 from schema_pages import file_entries_page
+from stubs import write_stubs
 from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
 from walk_pages import walks_page
@@ -57,7 +58,6 @@ from torsionnet.report.wording import replaceable
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
-STUB = DOCS.parent / "torsionnet" / "model" / "elements" / "element_types.pyi"
 
 SAMPLES = {
     "torque": "180 kN*m",
@@ -131,12 +131,6 @@ def element_classes_page() -> str:
     """The types in the reference of the Python interface."""
     entries = "\n\n".join(f".. autoclass:: {name}" for name in sorted(element_classes()))
     return f"```{{eval-rst}}\n.. currentmodule:: torsionnet\n\n{entries}\n```\n"
-
-
-def element_types_stub() -> str:
-    """The types where a type checker looks for them; at run time the register has them."""
-    lines = sorted(f"from {cls.__module__} import {name} as {name}" for name, cls in element_classes().items())
-    return "\n".join(lines) + "\n"
 
 
 def own_fields(cls: type[Element]) -> list[Field[Any]]:
@@ -573,4 +567,4 @@ def write_all(folder: Path = GENERATED) -> None:
 
 if __name__ == "__main__":
     write_all()
-    STUB.write_text(element_types_stub(), encoding="utf-8")
+    write_stubs()

@@ -18,7 +18,7 @@ from torsionnet.model.bench import Encoder
 from torsionnet.signals import PAPER
 
 
-def rig(eta, c_2):
+def rig(eta: float, c_2: float) -> tn.Drivetrain:
     """The DMF rig with a hysteretic spring and a viscous damper in its flywheel."""
     paper = tn.load("dmf_rig")
     elements = [element for name, element in paper.definition.elements.items() if name != "dmf"]

@@ -48,9 +48,8 @@ class AnInerter(Element):
 '''
 
 PROGRAM = '''
-import math, pathlib, sys, warnings
+import math, pathlib, sys
 import torsionnet as tn
-warnings.simplefilter("ignore", DeprecationWarning)  # old names of packages are public, too
 from torsionnet import *
 
 assert "AnInerter" in tn.__all__ and "AnInerter" in dir(tn) and AnInerter is tn.AnInerter
@@ -75,10 +74,11 @@ from torsionnet.model.files.model_schema import json_schema
 assert json_schema()["$defs"]["element_an_inerter"]["properties"]["inertance"]
 
 sys.path.append(sys.argv[1])
-import generate, symbol_picture
+import generate, stubs, symbol_picture
 assert "## an_inerter" in generate.elements_page()
 assert ".. autoclass:: AnInerter" in generate.element_classes_page()
-assert "an_inerter import AnInerter as AnInerter" in generate.element_types_stub()
+assert "    inertance: Scalar," in stubs.element_types_stub().partition("class AnInerter(_AnInerter):")[2]
+assert " AnInerter as AnInerter" in stubs.package_stub("torsionnet")
 symbol_picture.write(pathlib.Path(), "an_inerter", [generate.sample(tn.AnInerter, full=True)])
 assert pathlib.Path("symbol_an_inerter.svg").stat().st_size
 

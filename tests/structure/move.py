@@ -144,10 +144,12 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
 
 
 def _is_offered(package: str, name: str, root: Path) -> bool:
-    """Whether a package imports the name, as it does what it offers."""
+    """Whether a package imports the name or has it in the table of what it offers."""
     tree = ast.parse((root / package.replace(".", "/") / "__init__.py").read_text(encoding="utf-8"))
     imported = (node for node in tree.body if isinstance(node, ast.ImportFrom))
-    return any(name == (alias.asname or alias.name) for node in imported for alias in node.names)
+    tables = (node for node in ast.walk(tree) if isinstance(node, ast.Dict))
+    names = {alias.asname or alias.name for node in imported for alias in node.names}
+    return name in names | {key.value for table in tables for key in table.keys if isinstance(key, ast.Constant)}
 
 
 def texts(root: Path) -> Iterator[Path]:

@@ -70,6 +70,10 @@ class LookupTable(Spec):
             "additionalProperties": reference("scalar"),
         }
 
+    @property
+    def accepted(self) -> str:
+        return "NumberByNumber"
+
 
 def _number(raw: Any) -> Number:
     value = read_value(raw)

@@ -136,7 +136,9 @@ class Watch:
     """Looks at the blocks of a record on their way to be processed, before they are decimated."""
 
     def __init__(self, outputs: Sequence[str], input: str, seconds: float) -> None:
-        self.outputs, self.input, self.seconds = tuple(outputs), input, seconds
+        self.outputs: tuple[str, ...] = tuple(outputs)
+        self.input: str = input
+        self.seconds: float = seconds
         self.steps: dict[str, list[float]] = {output: [] for output in self.outputs}
         self.sweep: dict[str, list[tuple[FloatArray, FloatArray]]] = {output: [] for output in self.outputs}
 

@@ -35,6 +35,10 @@ class Band(Spec):
         pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"description": f"{self.description}: {BAND_FORMS}", "anyOf": [{"type": "string"}, pair]}
 
+    @property
+    def accepted(self) -> str:
+        return "str | tuple[Scalar, Scalar] | list[Scalar] | list[float] | list[str]"
+
 
 def parse_band(raw: Any, *, from_zero: bool = False) -> tuple[float, float]:
     """Two frequencies in Hz from ``0.3..40 Hz`` or a list of two.
@@ -81,6 +85,10 @@ class Bands(Spec):
 
     def schema(self) -> Schema:
         return {"type": ["array", "string"], "description": f"{self.description}: {BAND_FORMS}, or a list of these"}
+
+    @property
+    def accepted(self) -> str:
+        return "str | list[Scalar] | list[float] | list[str] | collections.abc.Sequence[object]"
 
 
 def _is_band(raw: Any) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import Schema, Spec, reference
+from torsionnet.core.entries.spec import Schema, Spec, dotted, reference, several
 from torsionnet.core.errors import Fault, did_you_mean
 
 Kinds = Callable[[], Mapping[str, type[Declared]]]
@@ -67,6 +67,12 @@ class Nested(Composite):
             schema = {"anyOf": [dict(cls.specs())[self.shorthand].schema(), schema]}
         return {self.name: {**schema, "description": self.description}, **cls.definitions()}
 
+    @property
+    def accepted(self) -> str:
+        of = dotted(self.of())
+        short = f" | {dict(self.of().specs())[self.shorthand].accepted}" if self.shorthand else ""
+        return f"{of} | Entries{short}"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Typed(Composite):
@@ -120,6 +126,10 @@ class Typed(Composite):
             found[names[kind]] = cls.schema(told_by=self.key)
             found |= cls.definitions()
         return found
+
+    @property
+    def accepted(self) -> str:
+        return " | ".join([*map(dotted, self.kinds().values()), "Entries"])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -179,6 +189,10 @@ class Named(Composite):
     def definitions(self) -> Schema:
         return self.of.definitions()
 
+    @property
+    def accepted(self) -> str:
+        return f"collections.abc.Mapping[str, {self.of.accepted}]"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Listed(Composite):
@@ -217,6 +231,10 @@ class Listed(Composite):
     def definitions(self) -> Schema:
         return self.of.definitions()
 
+    @property
+    def accepted(self) -> str:
+        return several(self.of.accepted)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PairOf(Composite):
@@ -239,3 +257,7 @@ class PairOf(Composite):
     def schema(self) -> Schema:
         pair = {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
         return {**pair, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return several(self.of.accepted)

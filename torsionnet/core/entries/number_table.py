@@ -80,3 +80,7 @@ class NumberTable(Spec):
         count = len(self.columns)
         row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
         return {"type": "array", "items": row, "minItems": self.fewest, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "NumberRows"

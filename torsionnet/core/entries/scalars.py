@@ -99,6 +99,10 @@ class AnyQuantity(Spec):
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PhysicalQuantity(Spec):
@@ -136,6 +140,10 @@ class PhysicalQuantity(Spec):
             return f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}"
         return None
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Value(Spec):
@@ -164,6 +172,10 @@ class Value(Spec):
         unit = f" [{expected_unit(self.dimension)}]" if self.dimension != "1" else ""
         return {**SCALAR_SCHEMA, "description": f"{self.description}{unit}"}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ValueInUnitOfUse(Spec):
@@ -189,6 +201,10 @@ class ValueInUnitOfUse(Spec):
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": f"{self.description} [unit of what is measured]"}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 class AnyNumber(Spec):
     """A number with the unit of what it is a value of; stored in SI."""
@@ -204,6 +220,10 @@ class AnyNumber(Spec):
 
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
 
 
 def _number(value: Expression) -> Any:

@@ -19,7 +19,7 @@ class EntryError(ValueError):
     def __init__(self, message: str | Fault | Iterable[Fault], path: Path = ()) -> None:
         if isinstance(message, str):
             message = Fault(message, path)
-        self.faults = [message] if isinstance(message, Fault) else list(message)
+        self.faults: list[Fault] = [message] if isinstance(message, Fault) else list(message)
         super().__init__(self.fault.message)
 
     @property
@@ -86,6 +86,11 @@ class Spec:
         del value
         return ()
 
+    @property
+    def accepted(self) -> str:
+        """An annotation of what Python may give: full names, and those of :mod:`torsionnet.core.entries.accepted`."""
+        return "object"
+
 
 def reference(name: str) -> Schema:
     """JSON Schema that refers to a definition."""
@@ -114,3 +119,13 @@ def entry(spec: Spec, default: Any = MISSING, *, kw_only: Any = MISSING, must: b
     if default is MISSING:
         return field(metadata=metadata, kw_only=kw_only)
     return field(default=default, metadata=metadata, kw_only=kw_only)
+
+
+def dotted(cls: type) -> str:
+    """The full name of a class, for :attr:`Spec.accepted`."""
+    return f"{cls.__module__}.{cls.__qualname__}"
+
+
+def several(accepted: str) -> str:
+    """The annotation of a list of what is accepted; a text is no list of characters."""
+    return "Scalars" if accepted == "Scalar" else f"tuple[{accepted}, ...] | list[{accepted}]"

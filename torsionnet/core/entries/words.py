@@ -45,6 +45,10 @@ class Text(Spec):
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "str"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OneOf(Spec):
@@ -60,6 +64,10 @@ class OneOf(Spec):
 
     def schema(self) -> Schema:
         return {"enum": list(self.options), "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"typing.Literal[{', '.join(map(repr, self.options))}]"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,6 +85,10 @@ class Count(Spec):
     def schema(self) -> Schema:
         return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "WholeNumber"
+
 
 class Flag(Spec):
     """true or false."""
@@ -88,3 +100,7 @@ class Flag(Spec):
 
     def schema(self) -> Schema:
         return {"type": "boolean", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "bool"

@@ -28,6 +28,11 @@ class CatalogueEntry(Spec):
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        catalogue = "torsionnet.model.catalogues.catalogue"
+        return f"pathlib.PurePath | {catalogue}.Catalogue | {catalogue}.CatalogueRow"
+
 
 class SizeName(Spec):
     """The size of a catalogue, which may look like a number."""
@@ -39,3 +44,7 @@ class SizeName(Spec):
 
     def schema(self) -> Schema:
         return {"type": ["string", "number"], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "str | float"

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, dotted, under
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
@@ -69,6 +69,10 @@ class SensedEntry(Spec):
         found = {"type": "object", "properties": dict.fromkeys(SENSED, node), "additionalProperties": False}
         return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return f"{dotted(SensedMotion)} | collections.abc.Mapping[str, {OneOrTwoNodes('').accepted}]"
+
 
 class OneOrTwoNodes(Spec):
     """A node, or two; the second may be ground."""
@@ -91,6 +95,10 @@ class OneOrTwoNodes(Spec):
         name = {"type": "string"}
         pair = {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
         return {"anyOf": [name, pair], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "str | TwoNames"
 
 
 class ControlLawEntry(Spec):
@@ -136,6 +144,10 @@ class ControlLawEntry(Spec):
         kinds |= {name: {"anyOf": [SCALAR_SCHEMA, rows]} for name in "ABCD"}
         law = {"type": "object", "properties": kinds, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, law], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(ControlLaw)} | GivenTransferFunction | GivenStateSpace | Entries"
 
 
 def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, PhysicalQuantity, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.spec import EntryError, Schema, dotted
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Algebra, Expression
 
@@ -67,6 +67,10 @@ class DampingQuantity(PhysicalQuantity):
             entries.append((("at",), value.at, "frequency"))
         return tuple(entries)
 
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
+
 
 def _within(raw: Any, dimension: str, key: str) -> Expression:
     try:
@@ -90,6 +94,10 @@ class LossFactor(PhysicalQuantity):
         return DampingMeasure(measure, _within(raw[measure], "1", measure), None)
 
     plain = DampingQuantity.plain
+
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
 
     def schema(self) -> Schema:
         keys = {name: SCALAR_SCHEMA for name in MEASURES if name != "c"}

@@ -27,6 +27,10 @@ class NodeName(Spec):
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "str"
+
 
 def read_node(raw: Any, *, allow_ground: bool = True) -> str:
     if not isinstance(raw, str) or not raw:
@@ -89,3 +93,7 @@ class NodePair(Spec):
             "maxItems": 2,
             "description": self.description,
         }
+
+    @property
+    def accepted(self) -> str:
+        return "TwoNames"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.spec import EntryError, Schema, several
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
@@ -60,6 +60,11 @@ class TableByName(Several):
             for path, expression, dimension in self.of.expressions(one)
         )
 
+    @property
+    def accepted(self) -> str:
+        of = self.of.accepted
+        return f"collections.abc.Mapping[str, {of}] | tuple[tuple[str, {of}], ...]"
+
 
 class TableByNode(TableByName):
     """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
@@ -97,6 +102,10 @@ class ListOf(Several):
             for index, one in enumerate(value)
             for path, expression, dimension in self.of.expressions(one)
         )
+
+    @property
+    def accepted(self) -> str:
+        return several(self.of.accepted)
 
 
 def _is_stored(raw: Any) -> bool:

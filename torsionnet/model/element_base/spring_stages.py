@@ -32,6 +32,10 @@ class StageEnd(Spec):
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": f"{self.description} [N*m or rad]"}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True)
 class SpringStage(Declared):
@@ -84,6 +88,10 @@ class SpringStages(Composite):
 
     def definitions(self) -> Schema:
         return self._listed.definitions()
+
+    @property
+    def accepted(self) -> str:
+        return self._listed.accepted
 
 
 def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
+from torsionnet.core.entries.spec import dotted
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 
@@ -27,3 +28,7 @@ class TableEntry(NumberTable):
 
     def plain(self, value: Any) -> Any:
         return [list(row) for row in zip(value.frequencies, value.stiffness, value.damping, strict=True)]
+
+    @property
+    def accepted(self) -> str:
+        return f"{dotted(StiffnessTable)} | {super().accepted}"

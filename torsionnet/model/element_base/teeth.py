@@ -35,3 +35,7 @@ class Teeth(Spec):
             "maxItems": 2,
             "description": self.description,
         }
+
+    @property
+    def accepted(self) -> str:
+        return "tuple[int, int] | list[int]"

@@ -59,6 +59,10 @@ class Stations(Spec):
     def schema(self) -> Schema:
         return {"type": "object", "additionalProperties": {"type": "string"}, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "collections.abc.Mapping[str, str] | tuple[tuple[str, str], ...]"
+
 
 @register
 @dataclass(frozen=True, eq=False, repr=False)

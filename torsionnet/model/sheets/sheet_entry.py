@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.entries.nearby import nearby_file
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, dotted
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
 
@@ -36,3 +36,7 @@ class SheetEntry(Spec):
 
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"str | pathlib.Path | {dotted(MassElasticSheet)}"

@@ -57,8 +57,9 @@ class Sheet:
     """One connected part: its lines, how wide they are, and those that wait for a band of their own."""
 
     def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
-        self.tree, self.plan = tree, plan
-        self.courses = courses(tree)
+        self.tree: Tree = tree
+        self.plan: DrawingPlan = plan
+        self.courses: dict[Vertex, Course] = courses(tree)
         self.starts: dict[Vertex, float] = {}
         self.steps: dict[Vertex, list[RouteStep]] = {}
         self.needs: dict[Vertex, float] = {}

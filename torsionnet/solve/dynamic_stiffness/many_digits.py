@@ -35,7 +35,9 @@ class ManyDigits:
     """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
-        self.request, self.laws, self.actions = request, assembly.laws, assembly.system.actions
+        self.request: TransferRequest = request
+        self.laws: tuple[Law, ...] = assembly.laws
+        self.actions: tuple[ActionLaw, ...] = assembly.system.actions
         measured = request.measured if request.is_measured else ()
         self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
 
