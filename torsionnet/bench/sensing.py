@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.bench.exciting import rounded
+from torsionnet.core.entries.spec import present
 from torsionnet.model.bench import Acquisition, Encoder, Transducer
 from torsionnet.response.recording import FloatArray, Signal
 
@@ -59,7 +60,7 @@ def filtered(values: FloatArray, acquisition: Acquisition) -> FloatArray:
     """Low-pass in front of the analog input, settled at the first value; it delays, as the real one does."""
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
-    sections = butter(ORDER, acquisition.anti_alias, fs=acquisition.rate, output="sos")
+    sections = butter(ORDER, present(acquisition.anti_alias), fs=acquisition.rate, output="sos")
     settled = sosfilt_zi(sections) * values[0]
     return np.asarray(sosfilt(sections, values, zi=settled)[0])
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.nodes import ElementName
@@ -52,7 +52,7 @@ class Overlay:
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
-class AlternativeEntry(Spec):
+class AlternativeEntry(Plural[Overlay]):
     """``{parameter: value, on: [element], off: [element], operating_point: {...}, box.engaged: II}``."""
 
     @property
@@ -79,7 +79,7 @@ class AlternativeEntry(Spec):
             if key in _KNOWN:
                 known[key] = found
             elif not wrong:
-                parameters[key] = found
+                parameters[key] = cast("Expression", found)
         return Overlay(parameters, **known, entries=entries), faults
 
     def plain(self, value: Any) -> Any:
@@ -101,7 +101,7 @@ class AlternativeEntry(Spec):
 
 _ELEMENT = ElementName("an element of the model")
 _ELEMENTS = "a list of element names"
-_KNOWN: dict[str, Spec] = {
+_KNOWN: dict[str, Spec[object]] = {
     "on": Listed("elements to switch on", _ELEMENT, form=_ELEMENTS),
     "off": Listed("elements to switch off", _ELEMENT, form=_ELEMENTS),
     "operating_point": OPERATING_POINT,
@@ -119,7 +119,7 @@ def _name_fault(name: str) -> str | None:
     return None
 
 
-class AxesEntry(Spec):
+class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
     """``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
 
     @property

@@ -7,14 +7,14 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, reference
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import Dimension
 
 
-class LookupTable(Spec):
+class LookupTable(Plural[Rows]):
     """``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
 
     is_read_off: ClassVar[bool] = True

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Composite, Listed, Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.spec import Plural, Schema, entry
 from torsionnet.core.entries.words import MODEL_NAME, Text
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.model import Model
@@ -27,7 +27,7 @@ ALL = "all"
 _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all, or a list of names")
 
 
-class SomeConfigurations(Composite):
+class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
     """``all``, the name of one, or a list of names."""
 
     @property
@@ -46,7 +46,7 @@ class SomeConfigurations(Composite):
         return {"description": self.description, "anyOf": [{"type": ["string", "number"]}, names]}
 
 
-class QuantityOfFileOrPython(Typed):
+class QuantityOfFileOrPython(Typed[StudyQuantity]):
     """A quantity of a file, or any that Python made, functions of a user among them."""
 
     def read(self, raw: Any) -> tuple[Any, list[Fault]]:

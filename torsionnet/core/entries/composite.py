@@ -4,31 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias, TypeVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import Schema, Spec, reference
+from torsionnet.core.entries.spec import Plural, Schema, Spec, Stored_co, reference
 from torsionnet.core.errors import Fault, did_you_mean
 
-Kinds = Callable[[], Mapping[str, type[Declared]]]
+D = TypeVar("D", bound=Declared)
+Kinds: TypeAlias = Callable[[], Mapping[str, type[D]]]
 
 
-class Composite(Spec):
+class Composite(Spec[Stored_co]):
     """Base of entries that are made of others."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Stored_co | None, list[Fault]]:
         raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Nested(Composite):
+class Nested(Composite[D]):
     """The entries of another class; with ``shorthand`` a value alone stands for the entry of that name.
 
     ``name`` is that of its definition in the schema.
     """
 
-    of: Callable[[], type[Declared]]
+    of: Callable[[], type[D]]
     name: str
     shorthand: str = ""
     optional: bool = False
@@ -42,7 +43,7 @@ class Nested(Composite):
     def example(self) -> str:
         return self.shown or self.description
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[D | None, list[Fault]]:
         cls = self.of()
         if self.shorthand and not isinstance(raw, Mapping | cls):
             value, faults = dict(cls.specs())[self.shorthand].read(raw)
@@ -69,10 +70,10 @@ class Nested(Composite):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Typed(Composite):
+class Typed(Composite[D]):
     """The entries of one of several classes, told by ``type:`` or another word."""
 
-    kinds: Kinds
+    kinds: Kinds[D]
     what: str
     name: str
     """Of its definition in the schema; those of the kinds begin with it."""
@@ -83,10 +84,10 @@ class Typed(Composite):
     def example(self) -> str:
         return self.shown or self.description
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[D | None, list[Fault]]:
         known = self.kinds()
         if isinstance(raw, tuple(known.values())):
-            return raw, []
+            return cast("D", raw), []
         kind = raw.get(self.key) if isinstance(raw, Mapping) else None
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
@@ -123,10 +124,10 @@ class Typed(Composite):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Named(Composite):
+class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]]):
     """A table of entries by name."""
 
-    of: Spec
+    of: Spec[Stored_co]
     refused: Callable[[str], str | None] = field(default=lambda _: None)
     """Why a name cannot be one, or None."""
     names: Schema = field(default_factory=dict)
@@ -135,7 +136,7 @@ class Named(Composite):
     fewest: int = 0
 
     @property
-    def absent(self) -> dict[str, Any]:
+    def absent(self) -> Mapping[str, Stored_co]:
         return {}
 
     @property
@@ -146,10 +147,10 @@ class Named(Composite):
     def example(self) -> str:
         return self.form
 
-    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
             return {}, [Fault(f"expected {self.form}, got {raw!r}")]
-        table: dict[str, Any] = {}
+        table: dict[str, Stored_co] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
             reason = self.refused(str(name))
@@ -160,7 +161,7 @@ class Named(Composite):
             value, found = (self.of.absent, []) if empty else self.of.read(entry)
             faults += [fault.under(name) for fault in found]
             if not found:
-                table[str(name)] = value
+                table[str(name)] = cast("Stored_co", value)
         return table, faults
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -181,17 +182,17 @@ class Named(Composite):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Listed(Composite):
+class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
     """A list of entries."""
 
-    of: Spec
+    of: Spec[Stored_co]
     form: str = "a list"
 
     @property
-    def absent(self) -> tuple[Any, ...]:
+    def absent(self) -> tuple[Stored_co, ...]:
         return ()
 
-    def read(self, raw: Any) -> tuple[tuple[Any, ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[Stored_co, ...], list[Fault]]:
         if not isinstance(raw, list | tuple):
             return (), [Fault(f"expected {self.form}, got {raw!r}")]
         values: list[Any] = []
@@ -219,12 +220,12 @@ class Listed(Composite):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PairOf(Composite):
+class PairOf(Composite[tuple[Stored_co, Stored_co]]):
     """Two values ``[a, b]``."""
 
-    of: Spec
+    of: Spec[Stored_co]
 
-    def read(self, raw: Any) -> tuple[tuple[Any, Any] | None, list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[Stored_co, Stored_co] | None, list[Fault]]:
         if not isinstance(raw, list | tuple) or len(raw) != 2:
             return None, [Fault(f"expected two values [a, b], got {raw!r}")]
         values, faults = Listed(self.description, self.of).read(raw)

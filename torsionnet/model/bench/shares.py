@@ -12,7 +12,7 @@ from torsionnet.core.errors import Fault
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Shares(Spec):
+class Shares(Spec[dict[int, float]]):
     """Order to share: ``{2: 2 %, 3: 1 %}``."""
 
     highest: int = 20

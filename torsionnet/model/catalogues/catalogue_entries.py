@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 CATALOGUE, SIZE = "catalogue", "size"
 
 
-class CatalogueEntry(Spec):
+class CatalogueEntry(Spec["CatalogueRow"]):
     """The name of a catalogue: a file beside the model, or one that comes with the package."""
 
     def coerce(self, raw: Any) -> CatalogueRow:
@@ -29,7 +29,7 @@ class CatalogueEntry(Spec):
         return {"type": "string", "description": self.description}
 
 
-class SizeName(Spec):
+class SizeName(Spec[str]):
     """The size of a catalogue, which may look like a number."""
 
     def coerce(self, raw: Any) -> str:

@@ -42,7 +42,7 @@ class SensedMotion:
         return SENSED.index(self.quantity)
 
 
-class SensedEntry(Spec):
+class SensedEntry(Spec[SensedMotion]):
     """``{velocity: node}``, or ``{velocity: [node, node]}`` for the motion of the first against the second."""
 
     def coerce(self, raw: Any) -> SensedMotion:
@@ -70,7 +70,7 @@ class SensedEntry(Spec):
         return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
 
 
-class OneOrTwoNodes(Spec):
+class OneOrTwoNodes(Spec[tuple[str, ...]]):
     """A node, or two; the second may be ground."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -93,7 +93,7 @@ class OneOrTwoNodes(Spec):
         return {"anyOf": [name, pair], "description": self.description}
 
 
-class ControlLawEntry(Spec):
+class ControlLawEntry(Spec[ControlLaw]):
     """A transfer function: a gain, PID, polynomials, zeros and poles, state space, or an object of python-control."""
 
     def coerce(self, raw: Any) -> ControlLaw:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.entries.scalars import PhysicalQuantity, check_unit, read_scalar, read_value
+from torsionnet.core.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
@@ -87,16 +87,16 @@ def is_share(key: Number) -> bool:
 
 
 def read_off(
-    found: Iterable[tuple[Path, Spec, Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
-) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    found: Iterable[tuple[Path, Spec[object], Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
+) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
     """Expressions of an element, those at which a curve is read off with the range that it covers.
 
     ``curves`` are the rows by the name of the entry, and the value that rows given as shares are shares of, else 1.
     """
     for path, spec, expression, dimension in found:
         rows, share_of = curves.get(str(path[0]), ((), 1))
-        if rows and isinstance(spec, PhysicalQuantity):
-            given = {one.name: getattr(spec, one.name) for one in fields(PhysicalQuantity)}
+        if rows and isinstance(spec, QuantityKind):
+            given = {one.name: getattr(spec, one.name) for one in fields(QuantityKind)}
             yield path, OnCurve(**given, rows=rows, share_of=share_of), expression, dimension
         else:
             yield path, spec, expression, dimension

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, PhysicalQuantity, plain_scalar, read_scalar
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
 from torsionnet.core.entries.spec import EntryError, Schema
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Algebra, Expression
 
 
-class DampingQuantity(PhysicalQuantity):
+class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
     """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
     def coerce(self, raw: Any) -> Expression | DampingMeasure:
@@ -75,7 +75,7 @@ def _within(raw: Any, dimension: str, key: str) -> Expression:
         raise EntryError(error.fault.under(key)) from None
 
 
-class LossFactor(PhysicalQuantity):
+class LossFactor(QuantityKind[Expression | DampingMeasure]):
     """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
 
     def coerce(self, raw: Any) -> Expression | DampingMeasure:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.entries.composite import Named
-from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
@@ -16,7 +15,7 @@ from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
-class ElementTable(Named):
+class ElementTable(Named[Element]):
     """Elements know their names, which are part of what is said about them."""
 
     @property
@@ -83,6 +82,6 @@ def _kind_fault(kind: Any) -> Fault:
     )
 
 
-def element_kinds() -> Mapping[str, type[Declared]]:
+def element_kinds() -> Mapping[str, type[Element]]:
     """All registered types of element."""
     return ELEMENT_TYPES

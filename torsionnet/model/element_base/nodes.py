@@ -13,7 +13,7 @@ from torsionnet.model.element_base.laws import GROUND
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NodeName(Spec):
+class NodeName(Spec[str]):
     """The node an element's port is attached to."""
 
     allow_ground: bool = True
@@ -56,7 +56,7 @@ class ReferenceNode(NodeName):
     allow_ground: bool = False
 
 
-class NodePair(Spec):
+class NodePair(Spec[tuple[str, str]]):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 
     def coerce(self, raw: Any) -> tuple[str, str]:

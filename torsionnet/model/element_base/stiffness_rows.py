@@ -10,7 +10,7 @@ from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableEntry(NumberTable):
+class TableEntry(NumberTable[StiffnessTable]):
     """Rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
 
     columns: tuple[RowColumn, ...] = (

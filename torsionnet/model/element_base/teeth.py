@@ -11,7 +11,7 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 MOST_TEETH = 1_000_000
 
 
-class Teeth(Spec):
+class Teeth(Spec[tuple[int, int]]):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
 
     def coerce(self, raw: Any) -> tuple[int, int]:

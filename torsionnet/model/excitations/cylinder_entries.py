@@ -20,7 +20,7 @@ def number_fault(name: str) -> str | None:
     return None if name.isdecimal() and 0 < int(name) <= 99 else f'cylinders have numbers from 1 to 99, not "{name}"'
 
 
-class CylindersEntry(Listed):
+class CylindersEntry(Listed[int]):
     """A list of cylinders, or ``each``: one after the other, as conditions of their own."""
 
     def read(self, raw: Any) -> tuple[Any, list[Fault]]:
@@ -40,7 +40,7 @@ class CylindersEntry(Listed):
 FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=10)
 
 
-def by_cylinder(description: str, of: Value, form: str) -> Named:
+def by_cylinder(description: str, of: Value, form: str) -> Named[float]:
     """A table by number of cylinder."""
     return Named(description, of, refused=number_fault, form=form)
 

@@ -38,14 +38,16 @@ class OrderTable(Declared):
     article: ClassVar[str] = "a table"
     form: ClassVar[str] = f"{{columns: [{FORM}], rows: [[2, 35, 0], [4, 8, 90]]}}"
 
-    columns: Any = entry(
+    columns: tuple[str, ...] = entry(
         Listed(
             "headings: order or frequency, speed; amplitude, rms or peak_to_peak, phase; or real and imag",
             Text("a heading", "a heading"),
             "a list of headings",
         )
     )
-    rows: Any = entry(Listed("rows of numbers", Listed("numbers", _NUMBER, "a row of numbers"), "a list of rows"))
+    rows: tuple[tuple[float, ...], ...] = entry(
+        Listed("rows of numbers", Listed("numbers", _NUMBER, "a row of numbers"), "a list of rows")
+    )
 
     def contradictions(self) -> list[Fault]:
         if not self.rows:
@@ -66,7 +68,7 @@ class OrderTable(Declared):
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 
-class OrderTableEntry(Nested):
+class OrderTableEntry(Nested[OrderTable]):
     """A table, or the name of a file that has it; what is written are the numbers."""
 
     def read(self, raw: Any) -> tuple[Any, list[Fault]]:
@@ -105,9 +107,11 @@ class MeasuredExcitation(ReactingExcitation):
 
     kind: ClassVar[str] = "measured"
 
-    node: Any = entry(NodeName("the node it acts on", allow_ground=False))
-    speed_of: Any = entry(NodeName("the shaft of the orders and speeds; default: node", allow_ground=False), None)
-    table: Any = entry(
+    node: str = entry(NodeName("the node it acts on", allow_ground=False))
+    speed_of: str | None = entry(
+        NodeName("the shaft of the orders and speeds; default: node", allow_ground=False), None
+    )
+    table: OrderTable = entry(
         OrderTableEntry(
             "the recording: a file such as orders.csv, or its numbers",
             lambda: OrderTable,

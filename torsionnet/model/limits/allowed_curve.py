@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Plural, Schema
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
@@ -20,7 +20,7 @@ Pairs = tuple[tuple[float, Number], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AllowedTable(Spec):
+class AllowedTable(Plural[Pairs]):
     """A table ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``; stored as pairs by rising key."""
 
     over: str
@@ -51,7 +51,7 @@ class AllowedTable(Spec):
                 faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
             allowed, wrong = ALLOWED.read(value)
             faults += [fault.under(key) for fault in wrong]
-            found[at] = allowed
+            found[at] = cast("Number", allowed)
         return (() if faults else tuple(sorted(found.items(), key=lambda pair: pair[0]))), faults
 
     def coerce(self, raw: Any) -> Pairs:

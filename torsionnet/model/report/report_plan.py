@@ -57,7 +57,7 @@ class Pair:
         return {"output": self.output, "input": self.input, "excitation": self.excitation}
 
 
-class PairEntry(Spec):
+class PairEntry(Spec[Pair]):
     """``OUTPUT/INPUT``, or its parts by name."""
 
     def coerce(self, raw: Any) -> Pair:
@@ -105,7 +105,7 @@ def section_fault(name: Any) -> str:
     return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
-class SectionName(Spec):
+class SectionName(Spec[str]):
     """A section of a report."""
 
     def coerce(self, raw: Any) -> str:
@@ -118,7 +118,7 @@ class SectionName(Spec):
         return {"oneOf": [{"const": name, "description": text} for name, text in SECTIONS.items()]}
 
 
-class ConfigurationName(Spec):
+class ConfigurationName(Spec[str]):
     """A name, which in a file may look like a number."""
 
     def coerce(self, raw: Any) -> str:

@@ -11,7 +11,7 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
 
 
-class SheetEntry(Spec):
+class SheetEntry(Spec[MassElasticSheet]):
     """The name of a file in the folder of the model file, or below."""
 
     @property

@@ -15,7 +15,7 @@ from torsionnet.core.errors import UsageError
 _FREQUENCY = Value("frequency", "frequency")
 
 
-class Frequencies(Spec):
+class Frequencies(Spec[tuple[float, ...]]):
     """A list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
 
     def coerce(self, raw: Any) -> tuple[float, ...]:
@@ -26,12 +26,16 @@ class Frequencies(Spec):
         return tuple(under(index, _FREQUENCY, value) for index, value in enumerate(raw))
 
     def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:
-        specs: dict[str, Spec] = {"from": _FREQUENCY, "to": _FREQUENCY, "count": Count("", lower=2, upper=100_000)}
+        specs: dict[str, Spec[float]] = {
+            "from": _FREQUENCY,
+            "to": _FREQUENCY,
+            "count": Count("", lower=2, upper=100_000),
+        }
         if raw.keys() != specs.keys():
             raise EntryError(f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}")
         start, stop, count = (under(key, spec, raw[key]) for key, spec in specs.items())
         try:
-            return steps_between(start, stop, count)
+            return steps_between(start, stop, int(count))
         except UsageError as error:
             raise EntryError(str(error)) from None
 

@@ -11,7 +11,7 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
 _FREQUENCY = Value("a frequency", "frequency", below=1e9)
 
 
-class FrequencyList(Spec):
+class FrequencyList(Spec[tuple[float, ...]]):
     """A frequency, or a list of them that rises; stored in Hz."""
 
     def coerce(self, raw: Any) -> tuple[float, ...]:

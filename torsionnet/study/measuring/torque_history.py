@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite, Listed
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.spec import EntryError, Schema, present
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.io.recording_files import read_recording
 
@@ -28,7 +28,7 @@ class TorqueHistory:
     values: tuple[float, ...]
 
 
-class TorqueHistoryEntry(Composite):
+class TorqueHistoryEntry(Composite[TorqueHistory]):
     """A channel of a recording beside the file of the study, or a list of torques with their rate."""
 
     @property
@@ -55,7 +55,7 @@ class TorqueHistoryEntry(Composite):
         faults = [fault.under("rate") for fault in wrong] + [fault.under("values") for fault in others]
         if not faults and len(values) < 2:
             faults = [Fault("a torque over time has two samples or more", ("values",))]
-        return (None if faults else TorqueHistory(rate, values)), faults
+        return (None if faults else TorqueHistory(present(rate), values)), faults
 
     def plain(self, value: Any) -> Any:
         """The numbers, so that a written study can be read anywhere."""

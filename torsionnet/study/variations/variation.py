@@ -22,7 +22,7 @@ MOST_FREQUENT = "most frequent"
 V = TypeVar("V", bound="type[Variation]")
 
 
-class ParameterValue(Spec):
+class ParameterValue(Spec[Number]):
     """A value of a parameter: with unit, in SI, or in percent of the value in the model."""
 
     def coerce(self, raw: Any) -> Number:
