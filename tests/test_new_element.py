@@ -40,8 +40,8 @@ class AnInerter(Element):
     kind: ClassVar[str] = "an_inerter"
     glyph: ClassVar[str] = "damper"
 
-    nodes: Any = entry(NodePair("the two nodes it connects"))
-    inertance: Any = entry(PhysicalQuantity("inertance", "inertia", "b"))
+    nodes: tuple[str, str] = entry(NodePair("the two nodes it connects"))
+    inertance: Expression = entry(PhysicalQuantity("inertance", "inertia", "b"))
 
     def parts(self, value):
         return (Law(difference(*self.nodes), inertia=value(self.inertance)),)
