@@ -291,12 +291,14 @@ class ChannelEntry(Spec[Made_co]):
     name: str
     """Of its definition in the schema."""
 
-    def coerce(self, raw: Any) -> Made_co:
+    def coerce(self, raw: object) -> Made_co:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
         return cast("Made_co", self._read(raw))
 
-    def _read(self, raw: Any) -> Input | Sensor:
+    def _read(self, raw: object) -> Input | Sensor:
+        if not isinstance(raw, Mapping):
+            raise EntryError(f"expected {self.description}, got {raw!r}")
         quantity, of, against = self._one_quantity(raw)
         if self.made is Input:
             return Input(quantity, of, against)
@@ -322,9 +324,7 @@ class ChannelEntry(Spec[Made_co]):
         """Quantities that may be between two nodes."""
         return self.quantities if self.made is Input else MOTIONS
 
-    def _one_quantity(self, raw: Any) -> tuple[str, str, str | None]:
-        if not isinstance(raw, Mapping):
-            raise EntryError(f"expected {self.description}, got {raw!r}")
+    def _one_quantity(self, raw: Mapping[Any, Any]) -> tuple[str, str, str | None]:
         for key in raw:
             if key not in self.quantities and key not in self._extra:
                 rest = f"expected {' or '.join(self.quantities)}"

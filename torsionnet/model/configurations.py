@@ -59,7 +59,7 @@ class AlternativeEntry(Plural[Overlay]):
     def absent(self) -> Overlay:
         return Overlay()
 
-    def read(self, raw: Any) -> tuple[Overlay, list[Fault]]:
+    def read(self, raw: object) -> tuple[Overlay, list[Fault]]:
         if isinstance(raw, Overlay):
             return raw, []
         if raw is None:
@@ -89,7 +89,7 @@ class AlternativeEntry(Plural[Overlay]):
         return reference("alternative")
 
     def definitions(self) -> Schema:
-        alternative = {
+        alternative: Schema = {
             "type": ["object", "null"],
             "description": self.description,
             "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
@@ -130,7 +130,7 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
     def may_be_empty(self) -> bool:
         return True
 
-    def read(self, raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
+    def read(self, raw: object) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
         if not isinstance(raw, Mapping):
             return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}")]
         if raw and not any(_is_axis(entry) for entry in raw.values()):
@@ -150,7 +150,11 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
         return {axis: ALTERNATIVES.plain(alternatives) for axis, alternatives in value.items()}
 
     def schema(self) -> Schema:
-        axes = {"type": ["object", "null"], "description": "axes by name", "additionalProperties": reference("axis")}
+        axes: Schema = {
+            "type": ["object", "null"],
+            "description": "axes by name",
+            "additionalProperties": reference("axis"),
+        }
         return {
             "description": self.description,
             "anyOf": [axes, {**ALTERNATIVES.schema(), "description": "alternatives by name"}],

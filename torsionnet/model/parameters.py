@@ -42,7 +42,7 @@ class Bounds(tuple[float, float]):
 class BoundsEntry(Spec[Bounds]):
     """Two numbers, the lower one first."""
 
-    def coerce(self, raw: Any) -> Bounds:
+    def coerce(self, raw: object) -> Bounds:
         if isinstance(raw, Bounds):
             return raw
         if not isinstance(raw, list | tuple) or len(raw) != 2:
@@ -70,7 +70,7 @@ class BoundsEntry(Spec[Bounds]):
 class Bound(Spec[Number]):
     """A number with or without unit."""
 
-    def coerce(self, raw: Any) -> Number:
+    def coerce(self, raw: object) -> Number:
         value = read_value(raw)
         if not isinstance(value, Number):
             raise EntryError("a bound is a number or a quantity, no expression")

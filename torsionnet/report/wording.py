@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.resources import files
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
@@ -128,7 +128,7 @@ def _unknown(text: str) -> str | None:
 class Language(Text):
     """A language by its code."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         text = super().coerce(raw)
         if not re.fullmatch(r"[A-Za-z]{2,3}(-[A-Za-z0-9]{1,8})*", text):
             raise EntryError(f'a language is a code such as de or pt-BR, got "{text}"')

@@ -34,7 +34,7 @@ class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
     def absent(self) -> tuple[str, ...]:
         return ()
 
-    def read(self, raw: Any) -> tuple[tuple[str, ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[str, ...], list[Fault]]:
         found: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])
         return found
 
@@ -49,7 +49,7 @@ class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
 class QuantityOfFileOrPython(Typed[StudyQuantity]):
     """A quantity of a file, or any that Python made, functions of a user among them."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         return (raw, []) if isinstance(raw, StudyQuantity) else super().read(raw)
 
 

@@ -31,7 +31,7 @@ class Band(Spec[tuple[float, float]]):
         return "..".join(repr(edge).removesuffix(".0") for edge in value) + " Hz"
 
     def schema(self) -> Schema:
-        pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"description": f"{self.description}: {BAND_FORMS}", "anyOf": [{"type": "string"}, pair]}
 
 

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, TypeVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import Plural, Schema, Spec, Stored_co, reference
+from torsionnet.core.entries.spec import Json, Plural, Schema, Spec, Stored_co, reference
 from torsionnet.core.errors import Fault, did_you_mean
 
 D = TypeVar("D", bound=Declared)
@@ -109,7 +109,7 @@ class Typed(Composite[D]):
     def definitions(self) -> Schema:
         known = self.kinds()
         names = {kind: f"{self.name}_{kind.replace(' ', '_')}" for kind in known}
-        rules = [
+        rules: list[Json] = [
             {"if": {"properties": {self.key: {"const": kind}}, "required": [self.key]}, "then": reference(name)}
             for kind, name in names.items()
         ]
@@ -238,5 +238,5 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
         return [self.of.plain(part) for part in value]
 
     def schema(self) -> Schema:
-        pair = {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
         return {**pair, "description": self.description}

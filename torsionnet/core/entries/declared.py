@@ -198,5 +198,5 @@ def _with_default(declared: Field[Any]) -> Schema:
     schema = {**spec.schema()}
     if "$ref" in schema:
         schema.setdefault("description", spec.description)
-    plain = isinstance(declared.default, bool | int | float | str) and declared.default != ""
-    return {**schema, "default": declared.default} if plain else schema
+    default = declared.default
+    return {**schema, "default": default} if isinstance(default, bool | int | float | str) and default != "" else schema

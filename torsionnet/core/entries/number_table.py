@@ -75,5 +75,5 @@ class NumberTable(Spec[Stored_co]):
 
     def schema(self) -> Schema:
         count = len(self.columns)
-        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
+        row: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
         return {"type": "array", "items": row, "minItems": self.fewest, "description": self.description}

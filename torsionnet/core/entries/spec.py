@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast, overload
 
@@ -10,7 +10,9 @@ from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
 
-Schema: TypeAlias = "dict[str, Any]"
+Json: TypeAlias = "Mapping[str, Json] | Sequence[Json] | str | int | float | bool | None"
+"""What JSON and YAML can hold."""
+Schema: TypeAlias = "dict[str, Json]"
 
 T = TypeVar("T")
 Stored_co = TypeVar("Stored_co", covariant=True)

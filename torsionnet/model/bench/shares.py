@@ -17,7 +17,7 @@ class Shares(Spec[dict[int, float]]):
 
     highest: int = 20
 
-    def coerce(self, raw: Any) -> dict[int, float]:
+    def coerce(self, raw: object) -> dict[int, float]:
         if not isinstance(raw, Mapping):
             raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, got {raw!r}")
         shares = {}

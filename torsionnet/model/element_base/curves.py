@@ -19,7 +19,7 @@ from torsionnet.model.lookup_table import LookupTable
 class Temperature(PhysicalQuantity):
     """A temperature, in degC or K: a number alone would leave open which."""
 
-    def coerce(self, raw: Any) -> Expression:
+    def coerce(self, raw: object) -> Expression:
         value = read_scalar(raw, self.dimension)
         if isinstance(value, Number) and value.unit_dimension is None:
             raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
@@ -44,7 +44,7 @@ class LookupCurve(LookupTable):
     def example(self) -> str:
         return self.shown
 
-    def key(self, raw: Any) -> Number:
+    def key(self, raw: object) -> Number:
         key = self._number(read_value(raw), raw)
         if self.over == "temperature" and key.unit_dimension is None:
             raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
@@ -54,7 +54,7 @@ class LookupCurve(LookupTable):
             raise EntryError(f"the rows of this curve begin above 0, got {raw}")
         return key
 
-    def value(self, raw: Any) -> Number:
+    def value(self, raw: object) -> Number:
         value = self._number(read_scalar(raw, self.dimension), raw)
         if value.value < 0 or (self.exclusive and value.value == 0):
             raise EntryError(f"must {'be greater than' if self.exclusive else 'not be less than'} 0, got {raw}")
@@ -66,7 +66,7 @@ class LookupCurve(LookupTable):
         return []
 
     @staticmethod
-    def _number(value: Expression, raw: Any) -> Number:
+    def _number(value: Expression, raw: object) -> Number:
         if not isinstance(value, Number):
             raise EntryError(f'a curve holds numbers; "{raw}" is an expression of parameters')
         return value

@@ -15,7 +15,7 @@ from torsionnet.core.expressions import Algebra, Expression
 class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
     """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
-    def coerce(self, raw: Any) -> Expression | DampingMeasure:
+    def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
             return raw
         if isinstance(raw, Mapping):
@@ -54,7 +54,7 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
 
     def schema(self) -> Schema:
         keys = {**dict.fromkeys(MEASURES, SCALAR_SCHEMA), "at": SCALAR_SCHEMA}
-        measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
+        measure: Schema = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": f"{self.description} [N*m*s/rad]"}
 
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
@@ -68,7 +68,7 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
         return tuple(entries)
 
 
-def _within(raw: Any, dimension: str, key: str) -> Expression:
+def _within(raw: object, dimension: str, key: str) -> Expression:
     try:
         return read_scalar(raw, dimension)
     except EntryError as error:
@@ -78,7 +78,7 @@ def _within(raw: Any, dimension: str, key: str) -> Expression:
 class LossFactor(QuantityKind[Expression | DampingMeasure]):
     """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
 
-    def coerce(self, raw: Any) -> Expression | DampingMeasure:
+    def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
             return raw
         if not isinstance(raw, Mapping):
@@ -93,7 +93,7 @@ class LossFactor(QuantityKind[Expression | DampingMeasure]):
 
     def schema(self) -> Schema:
         keys = {name: SCALAR_SCHEMA for name in MEASURES if name != "c"}
-        measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
+        measure: Schema = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": self.description}
 
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:

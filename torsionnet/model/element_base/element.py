@@ -285,7 +285,7 @@ class Element(Declared):
     @classmethod
     def schema(cls, *, told_by: str = "") -> Schema:
         """JSON Schema of the entry; with a catalogue, that gives what else would be required."""
-        schema = super().schema(told_by=told_by)
+        schema: dict[str, Any] = dict(super().schema(told_by=told_by))
         from_row = [name for name in schema["required"] if name != told_by]
         lone = {"not": {"required": [CATALOGUE]}}
         return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}

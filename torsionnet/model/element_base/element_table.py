@@ -22,7 +22,7 @@ class ElementTable(Named[Element]):
     def example(self) -> str:
         return FORM
 
-    def read(self, raw: Any) -> tuple[dict[str, Element], list[Fault]]:
+    def read(self, raw: object) -> tuple[dict[str, Element], list[Fault]]:
         """Every element that can be made, and the faults of the others."""
         if not isinstance(raw, Mapping) or not raw:
             return {}, [Fault(f"a model needs elements: {FORM}", kind="missing key", about="elements")]
@@ -36,7 +36,7 @@ class ElementTable(Named[Element]):
         return elements, faults
 
 
-def _read_element(name: Any, raw: Any) -> tuple[Element | None, list[Fault]]:
+def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if isinstance(raw, Element):
         return raw, []
     if not isinstance(name, str) or name_fault(name):

@@ -113,7 +113,7 @@ class Values:
     parameters: Mapping[str, Any]
     algebra: Algebra = RATIONAL
 
-    def __call__(self, scalar: Any) -> Any:
+    def __call__(self, scalar: Expression | None) -> Any:
         return as_expression(scalar).evaluate(self.parameters, self.algebra)
 
     def root(self, square: Any, reason: str) -> Any:
@@ -124,7 +124,7 @@ class Values:
             raise ArithmeticError(reason) from None
 
 
-def as_expression(scalar: Any) -> Expression:
+def as_expression(scalar: object) -> Expression:
     """The expression behind a field that its element has already coerced."""
     if not isinstance(scalar, Expression):
         raise TypeError(f"{scalar!r} was not coerced to an expression")

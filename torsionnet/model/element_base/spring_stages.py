@@ -18,7 +18,7 @@ from torsionnet.core.units import DIMENSIONS
 class StageEnd(Spec[Number]):
     """A torque or an angle, told by its unit."""
 
-    def coerce(self, raw: Any) -> Number:
+    def coerce(self, raw: object) -> Number:
         end = read_value(raw)
         if not isinstance(end, Number) or end.unit_dimension not in (DIMENSIONS["torque"], DIMENSIONS["angle"]):
             raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; got {raw!r}")

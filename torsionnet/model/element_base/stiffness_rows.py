@@ -19,7 +19,7 @@ class TableEntry(NumberTable[StiffnessTable]):
         RowColumn("damping", "damping"),
     )
 
-    def coerce(self, raw: Any) -> StiffnessTable:
+    def coerce(self, raw: object) -> StiffnessTable:
         if isinstance(raw, StiffnessTable):
             return raw
         columns = zip(*self.rows(raw), strict=True)

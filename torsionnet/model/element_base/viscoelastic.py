@@ -29,7 +29,7 @@ class ModulusRows(NumberTable[Moduli]):
         RowColumn("loss modulus", "shear modulus", negative=False, zero=False),
     )
 
-    def coerce(self, raw: Any) -> Moduli:
+    def coerce(self, raw: object) -> Moduli:
         return tuple((float(f.value), float(G_1.value), float(G_2.value)) for f, G_1, G_2 in self.rows(raw))
 
     def plain(self, value: Any) -> Any:

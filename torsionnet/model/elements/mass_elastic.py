@@ -37,7 +37,7 @@ class Stations(Plural[tuple[tuple[str, str], ...]]):
     def absent(self) -> tuple[tuple[str, str], ...]:
         return ()
 
-    def coerce(self, raw: Any) -> tuple[tuple[str, str], ...]:
+    def coerce(self, raw: object) -> tuple[tuple[str, str], ...]:
         if isinstance(raw, tuple):
             return raw
         if not isinstance(raw, Mapping) or not raw:

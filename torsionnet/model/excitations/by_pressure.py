@@ -59,7 +59,7 @@ class ByPressure(Composite[Mapping[float, Stored_co]]):
         return self.of.definitions()
 
 
-def mean_pressure(raw: Any) -> float:
+def mean_pressure(raw: object) -> float:
     """A mean indicated pressure in Pa, of a size that an engine has."""
     try:
         pressure = MEAN_PRESSURE.coerce(raw)

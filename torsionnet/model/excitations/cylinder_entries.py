@@ -23,7 +23,7 @@ def number_fault(name: str) -> str | None:
 class CylindersEntry(Listed[int]):
     """A list of cylinders, or ``each``: one after the other, as conditions of their own."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if raw == EACH:
             return EACH, []
         if isinstance(raw, str):

@@ -27,7 +27,7 @@ FIRING_TDC = "firing_tdc"
 class ZeroEntry(Spec[float]):
     """Where firing top dead centre is in the angles of a trace; stored in rad."""
 
-    def coerce(self, raw: Any) -> float:
+    def coerce(self, raw: object) -> float:
         if raw == FIRING_TDC:
             return 0.0
         try:

@@ -83,7 +83,7 @@ class ByOrder(Plural[Mapping[float, D]]):
     def example(self) -> str:
         return f"{{{'2' if self.key is ORDER else '50 Hz'}: {self.of.example}}}"
 
-    def read(self, raw: Any) -> tuple[dict[float, D], list[Fault]]:
+    def read(self, raw: object) -> tuple[dict[float, D], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
             what = "orders" if self.called == "order" else "frequencies"
             return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, got {raw!r}")]

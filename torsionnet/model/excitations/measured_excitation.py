@@ -13,7 +13,7 @@ from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, entry
+from torsionnet.core.entries.spec import EntryError, Json, Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError
 from torsionnet.model.element_base.nodes import NodeName
@@ -71,7 +71,7 @@ class OrderTable(Declared):
 class OrderTableEntry(Nested[OrderTable]):
     """A table, or the name of a file that has it; what is written are the numbers."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if not isinstance(raw, str | FilePath):
             return super().read(raw)
         try:
@@ -84,8 +84,8 @@ class OrderTableEntry(Nested[OrderTable]):
 
     def definitions(self) -> Schema:
         found = super().definitions()
-        table = found[self.name]
-        return {**found, self.name: {"description": table["description"], "anyOf": [{"type": "string"}, table]}}
+        either: list[Json] = [{"type": "string"}, found[self.name]]
+        return {**found, self.name: {"description": self.description, "anyOf": either}}
 
 
 @register_excitation

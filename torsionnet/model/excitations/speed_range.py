@@ -23,14 +23,14 @@ _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Z
 class SpeedBand(Spec[tuple[float, float]]):
     """Two speeds, the lower one first; stored in rad/s."""
 
-    def coerce(self, raw: Any) -> tuple[float, float]:
+    def coerce(self, raw: object) -> tuple[float, float]:
         low, high = (SPEED.coerce(edge) for edge in self._edges(raw))
         if low >= high:
             raise EntryError(f"a range goes from a lower to a higher speed, as in {FORMS}; got {raw!r}")
         return low, high
 
     @staticmethod
-    def _edges(raw: Any) -> tuple[Any, Any]:
+    def _edges(raw: object) -> tuple[Any, Any]:
         if isinstance(raw, list | tuple) and len(raw) == 2:
             return raw[0], raw[1]
         match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
@@ -45,7 +45,7 @@ class SpeedBand(Spec[tuple[float, float]]):
         return list(value)
 
     def schema(self) -> Schema:
-        pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"description": f"{self.description}: {FORMS}", "anyOf": [{"type": "string"}, pair]}
 
 

@@ -29,7 +29,7 @@ class SpeedTable(Spec[SpeedRows]):
     def example(self) -> str:
         return "rows [speed, value] as [[300 rpm, 0.2], [750 rpm, 1]]"
 
-    def coerce(self, raw: Any) -> SpeedRows:
+    def coerce(self, raw: object) -> SpeedRows:
         if not isinstance(raw, list | tuple) or len(raw) < 2:
             raise EntryError(f"expected {self.example}, got {raw!r}")
         rows = tuple(self._row(index, row) for index, row in enumerate(raw))
@@ -50,7 +50,7 @@ class SpeedTable(Spec[SpeedRows]):
         return [list(row) for row in value]
 
     def schema(self) -> Schema:
-        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        row: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"type": "array", "items": row, "minItems": 2, "description": self.description}
 
 

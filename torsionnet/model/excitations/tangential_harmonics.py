@@ -58,7 +58,7 @@ _BY_PRESSURE = ByPressure("mean indicated pressure -> orders", _BY_ORDER)
 class HarmonicTables(Composite[Tables]):
     """One table by order, or several by mean indicated pressure; stored by Pa, None for one that stands alone."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):
             if None in raw:
                 return dict(raw), []

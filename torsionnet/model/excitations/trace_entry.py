@@ -34,7 +34,7 @@ class TraceEntry(Composite[PressureTrace]):
     def example(self) -> str:
         return "p100.csv, or a list of pressures"
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, PressureTrace):
             return raw, []
         try:
@@ -44,7 +44,7 @@ class TraceEntry(Composite[PressureTrace]):
         except ModelError as error:
             return None, list(error.faults)
 
-    def _read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def _read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, str | Path):
             return read_pressure_file(raw if isinstance(raw, Path) else nearby_file(raw)), []
         start = 0.0
@@ -63,8 +63,8 @@ class TraceEntry(Composite[PressureTrace]):
         return list(value.values) if not value.start else {"start": value.start, "pressures": list(value.values)}
 
     def schema(self) -> Schema:
-        several = {"type": "array", "items": SCALAR_SCHEMA}
-        begun = {
+        several: Schema = {"type": "array", "items": SCALAR_SCHEMA}
+        begun: Schema = {
             "type": "object",
             "properties": {"start": SCALAR_SCHEMA, "pressures": several},
             "required": ["start", "pressures"],

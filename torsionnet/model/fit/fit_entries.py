@@ -104,11 +104,11 @@ class FitParameter(Declared):
 class ParameterTable(Named[FitParameter]):
     """Parameters by name, or their names alone."""
 
-    def read(self, raw: Any) -> tuple[Mapping[str, FitParameter], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, FitParameter], list[Fault]]:
         return super().read(dict.fromkeys(raw) if isinstance(raw, list) and raw else raw)
 
     def schema(self) -> Schema:
-        names = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        names: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 1}
         return {"description": self.description, "anyOf": [super().schema(), names]}
 
 

@@ -34,7 +34,7 @@ class AllowedTable(Plural[Pairs]):
     def example(self) -> str:
         return "{300 rpm: 40 MPa, 750 rpm: 25 MPa}" if self.over == "speed" else "{0.4: 40 MPa, 1: 25 MPa}"
 
-    def read(self, raw: Any) -> tuple[Pairs, list[Fault]]:
+    def read(self, raw: object) -> tuple[Pairs, list[Fault]]:
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
@@ -54,7 +54,7 @@ class AllowedTable(Plural[Pairs]):
             found[at] = cast("Number", allowed)
         return (() if faults else tuple(sorted(found.items(), key=lambda pair: pair[0]))), faults
 
-    def coerce(self, raw: Any) -> Pairs:
+    def coerce(self, raw: object) -> Pairs:
         pairs, faults = self.read(raw)
         if faults:
             raise EntryError(faults[0].message)

@@ -26,7 +26,7 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
     def absent(self) -> tuple[tuple[float, float], ...]:
         return ()
 
-    def read(self, raw: Any) -> tuple[tuple[tuple[float, float], ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[tuple[float, float], ...], list[Fault]]:
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import torsionnet.model.section_entries as sections
 from torsionnet.core.entries.declared import Declared
@@ -50,7 +50,7 @@ class Part(Declared):
                 object.__setattr__(self, name, stored)
 
     @classmethod
-    def read(cls, raw: Any) -> tuple[Self | None, list[Fault]]:
+    def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
         """As for any entry, but with what could be read where something could not."""
         if isinstance(raw, cls) or not isinstance(raw, Mapping):
             return super().read(raw)

@@ -23,7 +23,7 @@ def _part() -> type[Part]:
 class PartTable(Named["Part"]):
     """Parts that could be read in part stay: what uses them is checked all the same."""
 
-    def read(self, raw: Any) -> tuple[Mapping[str, Part], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, Part], list[Fault]]:
         if not isinstance(raw, Mapping):
             return super().read(raw)
         table, faults = {}, list(self._name_faults(raw))

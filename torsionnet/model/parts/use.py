@@ -24,7 +24,7 @@ class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
 
     of: Spec[Stored_co]
 
-    def coerce(self, raw: Any) -> Any:
+    def coerce(self, raw: object) -> Any:
         if not isinstance(raw, list | tuple):
             return self.of.coerce(raw)
         values, faults = Listed(self.description, self.of).read(raw)

@@ -60,7 +60,7 @@ class Pair:
 class PairEntry(Spec[Pair]):
     """``OUTPUT/INPUT``, or its parts by name."""
 
-    def coerce(self, raw: Any) -> Pair:
+    def coerce(self, raw: object) -> Pair:
         if isinstance(raw, Pair):
             return raw
         try:
@@ -69,7 +69,7 @@ class PairEntry(Spec[Pair]):
             raise EntryError(str(error)) from None
 
     @staticmethod
-    def _in_parts(raw: Any) -> Pair:
+    def _in_parts(raw: object) -> Pair:
         if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
         raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
@@ -81,7 +81,7 @@ class PairEntry(Spec[Pair]):
         return reference("report_transfer_function")
 
     def definitions(self) -> Schema:
-        detailed = {
+        detailed: Schema = {
             "type": "object",
             "properties": {name: {"type": "string", "description": text} for name, text in _PARTS.items()},
             "required": ["output", "input"],
@@ -108,7 +108,7 @@ def section_fault(name: Any) -> str:
 class SectionName(Spec[str]):
     """A section of a report."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         name = ConfigurationName("").coerce(raw)
         if reason := section_fault(name):
             raise EntryError(reason)
@@ -121,7 +121,7 @@ class SectionName(Spec[str]):
 class ConfigurationName(Spec[str]):
     """A name, which in a file may look like a number."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         if not isinstance(raw, str | int) or isinstance(raw, bool):
             raise EntryError(f"expected a name, got {raw!r}")
         return str(raw)

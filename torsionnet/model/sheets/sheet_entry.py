@@ -18,7 +18,7 @@ class SheetEntry(Spec[MassElasticSheet]):
     def example(self) -> str:
         return "the name of a file beside the model, as engine.csv"
 
-    def coerce(self, raw: Any) -> MassElasticSheet:
+    def coerce(self, raw: object) -> MassElasticSheet:
         if isinstance(raw, MassElasticSheet):
             return raw
         if not isinstance(raw, str | Path):

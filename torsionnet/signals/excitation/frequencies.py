@@ -18,7 +18,7 @@ _FREQUENCY = Value("frequency", "frequency")
 class Frequencies(Spec[tuple[float, ...]]):
     """A list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
 
-    def coerce(self, raw: Any) -> tuple[float, ...]:
+    def coerce(self, raw: object) -> tuple[float, ...]:
         if isinstance(raw, Mapping):
             return self._between(raw)
         if isinstance(raw, str) or not hasattr(raw, "__iter__"):
@@ -43,9 +43,9 @@ class Frequencies(Spec[tuple[float, ...]]):
         return [plain_number(frequency) for frequency in value]
 
     def schema(self) -> Schema:
-        listed = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}
-        keys = {"from": SCALAR_SCHEMA, "to": SCALAR_SCHEMA, "count": {"type": "integer", "minimum": 2}}
-        between = {"type": "object", "properties": keys, "required": list(keys), "additionalProperties": False}
+        listed: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}
+        keys: Schema = {"from": SCALAR_SCHEMA, "to": SCALAR_SCHEMA, "count": {"type": "integer", "minimum": 2}}
+        between: Schema = {"type": "object", "properties": keys, "required": list(keys), "additionalProperties": False}
         return {"anyOf": [listed, between], "description": self.description}
 
 

@@ -35,13 +35,12 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
     def example(self) -> str:
         return FORM
 
-    def read(self, raw: Any) -> tuple[TorqueHistory | None, list[Fault]]:
+    def read(self, raw: object) -> tuple[TorqueHistory | None, list[Fault]]:
         if isinstance(raw, TorqueHistory):
             return raw, []
-        keys = set(raw) if isinstance(raw, Mapping) else set()
-        if keys == {"rate", "values"}:
+        if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
             return self._listed(raw)
-        if keys != {"file", "channel"}:
+        if not isinstance(raw, Mapping) or set(raw) != {"file", "channel"}:
             return None, [Fault(f"expected {FORM}, got {raw!r}")]
         try:
             return _recorded(str(raw["file"]), str(raw["channel"])), []
@@ -62,8 +61,8 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         return {"rate": value.rate, "values": list(value.values)}
 
     def schema(self) -> Schema:
-        samples = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2}
-        forms = (
+        samples: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2}
+        forms: tuple[Schema, ...] = (
             {"file": {"type": "string"}, "channel": {"type": "string"}},
             {"rate": SCALAR_SCHEMA, "values": samples},
         )

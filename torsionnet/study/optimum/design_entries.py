@@ -49,7 +49,7 @@ class DesignedNames(Named[DesignBounds | None]):
         return super().read(dict.fromkeys(map(str, raw)) if isinstance(raw, list) and raw else raw)
 
     def schema(self) -> Schema:
-        names = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        names: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 1}
         return {"description": self.description, "anyOf": [super().schema(), names]}
 
 

@@ -26,7 +26,7 @@ ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
 class QuantityFormula(Spec[Expression]):
     """An expression of other quantities."""
 
-    def coerce(self, raw: Any) -> Expression:
+    def coerce(self, raw: object) -> Expression:
         if isinstance(raw, Expression):
             return raw
         if not isinstance(raw, str):
