@@ -27,7 +27,7 @@ from walk_pages import walks_page
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
+from torsionnet.core.entries.scalars import QuantityKind, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.entries.words import Count, Flag, OneOf
 from torsionnet.core.errors import ModelError
@@ -182,7 +182,7 @@ def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
             data = data | {declared.name: declared.name}
         if declared.name == "ratio" and isinstance(data.get("teeth"), tuple):
             data = {name: value for name, value in data.items() if name != "teeth"} | {"ratio": kind.symbol}
-        elif isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
+        elif isinstance(kind, QuantityKind) and (declared.name in data or isinstance(declared.default, str)):
             trial = data | {declared.name: kind.symbol}
             data = trial if constructible(cls, trial) and has_laws(cls, trial) else data
     return data
@@ -210,7 +210,7 @@ def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
     kind = spec_of(declared)
     if isinstance(kind, NodeName):
         return declared.name
-    if isinstance(kind, PhysicalQuantity):
+    if isinstance(kind, QuantityKind):
         loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES.get(kind.dimension)
         return kind.symbol if symbolic else loss
     return True if isinstance(kind, Flag) else None
@@ -312,7 +312,7 @@ def fields_table(cls: type[Element]) -> str:
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec_of(declared)
     kind = kind.of if isinstance(kind, Several) else kind
-    is_quantity = isinstance(kind, PhysicalQuantity)
+    is_quantity = isinstance(kind, QuantityKind)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
@@ -335,9 +335,9 @@ def bounds(kind: Spec) -> str:
             text = "`true` or `false`"
         case Teeth():
             text = "whole, not 0"
-        case PhysicalQuantity(lower=None):
+        case QuantityKind(lower=None):
             text = "not 0" if kind.nonzero else ""
-        case PhysicalQuantity():
+        case QuantityKind():
             text = f"{'>' if kind.exclusive else '>='} {kind.lower:g}"
         case _:
             text = ""

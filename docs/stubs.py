@@ -14,7 +14,7 @@ from textwrap import fill, indent
 
 import torsionnet as tn
 import torsionnet.core.entries.accepted as accepted
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.lazy import TABLES
 from torsionnet.core.units import expected_unit
@@ -106,7 +106,7 @@ def _description(cls: type[Element]) -> str:
 
 
 def _told(spec: Spec) -> str:
-    unit = f" [{expected_unit(spec.dimension)}]" if isinstance(spec, PhysicalQuantity) and spec.dimension != "1" else ""
+    unit = f" [{expected_unit(spec.dimension)}]" if isinstance(spec, QuantityKind) and spec.dimension != "1" else ""
     return f"{spec.description}{unit}"
 
 

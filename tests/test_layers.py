@@ -1,5 +1,6 @@
 """The rules of docs/architecture.md that a reader of one module cannot see: imports point down, and a few more."""
 
+import ast
 import gc
 from collections import Counter
 from collections.abc import Iterator
@@ -110,6 +111,36 @@ def evaluation(module: Module) -> Iterator[str]:
             yield f"{module.relative}:{line} calls {name}"
 
 
+def untyped_entries(module: Module) -> Iterator[str]:
+    """Entries whose type is, or holds, anything: mypy checks the others against their specifications."""
+    for node in ast.walk(module.tree):
+        made = node.value if isinstance(node, ast.AnnAssign) else None
+        if isinstance(made, ast.Call) and ast.unparse(made.func) == "entry" and _is_anything(node.annotation):
+            yield f"{module.relative}:{node.lineno} an entry has the type {ast.unparse(node.annotation)}"
+
+
+def aliases_of_anything(module: Module) -> Iterator[str]:
+    """Other names for Any, alone or among others: what is behind them has no type."""
+    for node in module.tree.body:
+        value = node.value if isinstance(node, ast.Assign | ast.AnnAssign) else None
+        if isinstance(value, ast.Constant) and re.fullmatch(r"[\w\[\], |.]*\bAny\b[\w\[\], |.]*", str(value.value)):
+            value = ast.parse(value.value, mode="eval").body
+        if any(isinstance(one, ast.Name) and one.id == "Any" for one in _united(value)):
+            yield f"{module.relative}:{node.lineno} gives Any another name"
+
+
+def _is_anything(annotation: ast.expr) -> bool:
+    return any(isinstance(one, ast.Name) and one.id == "Any" for one in ast.walk(annotation))
+
+
+def _united(node: ast.expr | None) -> Iterator[ast.expr | None]:
+    """The members of a union, or the type alone."""
+    if isinstance(node, ast.BinOp):
+        yield from (*_united(node.left), *_united(node.right))
+    else:
+        yield node
+
+
 MODULES = modules_below(PACKAGE)
 
 
@@ -153,6 +184,14 @@ def test_only_the_command_line_prints():
 
 def test_text_is_never_evaluated():
     assert broken(evaluation) == []
+
+
+def test_entries_have_types():
+    assert broken(untyped_entries) == []
+
+
+def test_any_has_no_other_names():
+    assert broken(aliases_of_anything) == []
 
 
 def test_modules_are_short():
@@ -263,6 +302,11 @@ def test_a_full_folder_is_found(tmp_path):
         (evaluation, "import sympy\nsympy.sympify('x')"),
         (evaluation, "from sympy.parsing.sympy_parser import parse_expr\nparse_expr('x')"),
         (evaluation, "import sympy\nsympy.S('x')"),
+        (untyped_entries, "class A:\n    x: Any = entry(Value('x', '1'))"),
+        (untyped_entries, "class A:\n    x: tuple[str, Any] | None = entry(PAIR, None)"),
+        (aliases_of_anything, "Number: TypeAlias = Any"),
+        (aliases_of_anything, "Value = Any | None"),
+        (aliases_of_anything, "Value: TypeAlias = 'dict[str, str] | Any'"),
         (lambda module: foreign_imports(module, "matplotlib"), "def f():\n    import matplotlib.pyplot as plt"),
     ],
 )

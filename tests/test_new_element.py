@@ -19,12 +19,13 @@ ROOT = Path(__file__).parents[1]
 
 FILE = '''
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.laws import Law, difference
 
 
@@ -40,8 +41,8 @@ class AnInerter(Element):
     kind: ClassVar[str] = "an_inerter"
     glyph: ClassVar[str] = "damper"
 
-    nodes: Any = entry(NodePair("the two nodes it connects"))
-    inertance: Any = entry(PhysicalQuantity("inertance", "inertia", "b"))
+    nodes: tuple[str, str] = entry(NodePair("the two nodes it connects"))
+    inertance: Expression = entry(PhysicalQuantity("inertance", "inertia", "b"))
 
     def parts(self, value):
         return (Law(difference(*self.nodes), inertia=value(self.inertance)),)

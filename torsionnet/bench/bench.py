@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.bench.exciting import Delivered, deliver, rounded
+from torsionnet.core.entries.spec import present
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
@@ -173,7 +174,7 @@ def _filtered(values: FloatArray, acquisition: Acquisition) -> FloatArray:
     """Low-pass in front of the analog input, settled at the first value; it delays, as the real one does."""
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
-    sections = butter(ORDER, acquisition.anti_alias, fs=acquisition.rate, output="sos")
+    sections = butter(ORDER, present(acquisition.anti_alias), fs=acquisition.rate, output="sos")
     settled = sosfilt_zi(sections) * values[0]
     return np.asarray(sosfilt(sections, values, zi=settled)[0])
 

@@ -113,7 +113,7 @@ class Values:
     parameters: Mapping[str, Any]
     algebra: Algebra = RATIONAL
 
-    def __call__(self, scalar: Any) -> Any:
+    def __call__(self, scalar: Expression | None) -> Any:
         if not isinstance(scalar, Expression):
             raise TypeError(f"{scalar!r} was not coerced to an expression")
         return scalar.evaluate(self.parameters, self.algebra)

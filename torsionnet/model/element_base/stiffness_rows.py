@@ -11,7 +11,7 @@ from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableEntry(NumberTable):
+class TableEntry(NumberTable[StiffnessTable]):
     """Rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
 
     columns: tuple[RowColumn, ...] = (
@@ -20,7 +20,7 @@ class TableEntry(NumberTable):
         RowColumn("damping", "damping"),
     )
 
-    def coerce(self, raw: Any) -> StiffnessTable:
+    def coerce(self, raw: object) -> StiffnessTable:
         if isinstance(raw, StiffnessTable):
             return raw
         columns = zip(*self.rows(raw), strict=True)

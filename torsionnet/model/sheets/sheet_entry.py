@@ -11,14 +11,14 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
 
 
-class SheetEntry(Spec):
+class SheetEntry(Spec[MassElasticSheet]):
     """The name of a file in the folder of the model file, or below."""
 
     @property
     def example(self) -> str:
         return "the name of a file beside the model, as engine.csv"
 
-    def coerce(self, raw: Any) -> MassElasticSheet:
+    def coerce(self, raw: object) -> MassElasticSheet:
         if isinstance(raw, MassElasticSheet):
             return raw
         if not isinstance(raw, str | Path):

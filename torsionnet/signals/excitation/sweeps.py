@@ -99,10 +99,10 @@ class LogarithmicSweep(_Sweep):
         return np.asarray(np.sin(TURN * self.start * np.expm1(rate * time) / rate))
 
 
-class Frequencies(Spec):
+class Frequencies(Spec[tuple[float, ...]]):
     """A list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
 
-    def coerce(self, raw: Any) -> tuple[float, ...]:
+    def coerce(self, raw: object) -> tuple[float, ...]:
         if isinstance(raw, Mapping):
             return self._between(raw)
         if isinstance(raw, str) or not hasattr(raw, "__iter__"):
@@ -110,7 +110,11 @@ class Frequencies(Spec):
         return tuple(under(index, _FREQUENCY, value) for index, value in enumerate(raw))
 
     def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:
-        specs: dict[str, Spec] = {"from": _FREQUENCY, "to": _FREQUENCY, "count": Count("", lower=2, upper=100_000)}
+        specs: dict[str, Spec[float]] = {
+            "from": _FREQUENCY,
+            "to": _FREQUENCY,
+            "count": Count("", lower=2, upper=100_000),
+        }
         if raw.keys() != specs.keys():
             raise EntryError(f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}")
         start, stop, count = (under(key, spec, raw[key]) for key, spec in specs.items())
@@ -123,9 +127,9 @@ class Frequencies(Spec):
         return [plain_number(frequency) for frequency in value]
 
     def schema(self) -> Schema:
-        listed = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}
-        keys = {"from": SCALAR_SCHEMA, "to": SCALAR_SCHEMA, "count": {"type": "integer", "minimum": 2}}
-        between = {"type": "object", "properties": keys, "required": list(keys), "additionalProperties": False}
+        listed: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}
+        keys: Schema = {"from": SCALAR_SCHEMA, "to": SCALAR_SCHEMA, "count": {"type": "integer", "minimum": 2}}
+        between: Schema = {"type": "object", "properties": keys, "required": list(keys), "additionalProperties": False}
         return {"anyOf": [listed, between], "description": self.description}
 
 
