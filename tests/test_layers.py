@@ -2,6 +2,7 @@
 
 import ast
 import gc
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path

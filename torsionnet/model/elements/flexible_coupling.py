@@ -21,7 +21,7 @@ from torsionnet.model.element_base.damping_entries import DampingQuantity, LossF
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.frequency_curves import over_frequency
-from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, as_expression, difference, make_row
+from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedShape
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
@@ -140,7 +140,7 @@ class FlexibleCoupling(Element):
         row = difference(*self.nodes)
         groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
         if self.material is not None or self.frequency_factor or self.loss_over_frequency:
-            one = 0 if self.damping is None else value(as_expression(self.damping))
+            one = 0 if self.damping is None else value(self.damping)
             return Law(row, damping=one * groups, table=self._over_frequency(groups, value))
         stiffness = self._stiffness(value)
         damping = viscous(self.damping, stiffness, value) * groups

@@ -119,7 +119,7 @@ class Frequencies(Spec[tuple[float, ...]]):
             raise EntryError(f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}")
         start, stop, count = (under(key, spec, raw[key]) for key, spec in specs.items())
         try:
-            return _steps_between(start, stop, count)
+            return _steps_between(start, stop, int(count))
         except UsageError as error:
             raise EntryError(str(error)) from None
 
