@@ -13,8 +13,8 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet import plot
+from torsionnet.bench import Encoder
 from torsionnet.identification import Candidate, choose_model
-from torsionnet.model.bench import Encoder
 from torsionnet.signals import PAPER
 
 

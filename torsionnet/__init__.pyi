@@ -20,6 +20,8 @@ from torsionnet.core.errors import TorsionnetWarning as TorsionnetWarning
 from torsionnet.core.errors import UsageError as UsageError
 from torsionnet.core.version import __version__ as __version__
 from torsionnet.drivetrain import Drivetrain as Drivetrain
+from torsionnet.entry_classes import OperatingPoint as OperatingPoint
+from torsionnet.entry_classes import Parameter as Parameter
 from torsionnet.identification import Fit as Fit
 from torsionnet.identification import Measurement as Measurement
 from torsionnet.identification import Unknown as Unknown
@@ -66,8 +68,6 @@ from torsionnet.model.elements.element_types import Vehicle as Vehicle
 from torsionnet.model.elements.element_types import ViscousDamper as ViscousDamper
 from torsionnet.model.files import library_benches as library_benches
 from torsionnet.model.files import library_models as library_models
-from torsionnet.model.operating_point import OperatingPoint as OperatingPoint
-from torsionnet.model.parameters import Parameter as Parameter
 from torsionnet.report import write_report as write_report
 from torsionnet.response import Channel as Channel
 from torsionnet.response import Conventions as Conventions

@@ -1,4 +1,9 @@
 # Written by `make generate`.
+from torsionnet.entry_classes import BurstRandom as BurstRandom
+from torsionnet.entry_classes import LinearChirp as LinearChirp
+from torsionnet.entry_classes import LogarithmicSweep as LogarithmicSweep
+from torsionnet.entry_classes import Multisine as Multisine
+from torsionnet.entry_classes import SteppedSine as SteppedSine
 from torsionnet.io.recording_files import iter_blocks as iter_blocks
 from torsionnet.io.recording_files import read_recording as read_recording
 from torsionnet.io.recording_files import write_recording as write_recording
@@ -17,11 +22,6 @@ from torsionnet.signals.encoder import angle_from_pulses as angle_from_pulses
 from torsionnet.signals.encoder import unwrapped as unwrapped
 from torsionnet.signals.estimators import estimate as estimate
 from torsionnet.signals.estimators import multiple_coherence as multiple_coherence
-from torsionnet.signals.excitation import BurstRandom as BurstRandom
-from torsionnet.signals.excitation import LinearChirp as LinearChirp
-from torsionnet.signals.excitation import LogarithmicSweep as LogarithmicSweep
-from torsionnet.signals.excitation import Multisine as Multisine
-from torsionnet.signals.excitation import SteppedSine as SteppedSine
 from torsionnet.signals.harmonics import Harmonics as Harmonics
 from torsionnet.signals.harmonics import sweep_harmonics as sweep_harmonics
 from torsionnet.signals.order_tracking import OrderMap as OrderMap

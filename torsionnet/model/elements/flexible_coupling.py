@@ -140,7 +140,7 @@ class FlexibleCoupling(Element):
         row = difference(*self.nodes)
         groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
         if self.material is not None or self.frequency_factor or self.loss_over_frequency:
-            one = 0 if self.damping is None else value(self.damping)
+            one = 0 if self.damping is None else value(scalar(self.damping))
             return Law(row, damping=one * groups, table=self._over_frequency(groups, value))
         stiffness = self._stiffness(value)
         damping = viscous(self.damping, stiffness, value) * groups
