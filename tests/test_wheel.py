@@ -48,6 +48,7 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
         "torsionnet/__init__.pyi",
         "torsionnet/plot/__init__.pyi",
         "torsionnet/model/elements/element_types.pyi",
+        "torsionnet/entry_classes.pyi",
     }
     assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
     page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
