@@ -353,7 +353,9 @@ def test_broken_links_are_found(tmp_path):
 
 PUBLIC = ("", "bench", "identification", "io", "modal", "plot", "report", "signals", "solve.sensitivity", "study")
 ELSEWHERE = {"sensitivity", "units"}  # other names of packages
-CURRENT_MODULE = re.compile(r"currentmodule:: (\S+)|auto(?:class|function|data|module):: (\S+)|:members: (.+)")
+CURRENT_MODULE = re.compile(
+    r"currentmodule:: (\S+)|(?:auto(?:class|function|data|module)|py:data):: (\S+)|:members: (.+)"
+)
 
 INCLUDED = re.compile(r"^```{include} (\S+)\n```$", re.MULTILINE)
 
