@@ -14,7 +14,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move outputs mutation fuzz lint format types generate docs bench bench-short clean
+.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -52,11 +52,15 @@ compare-parts: $(VENV)/.group-test  ## 300 random plants of components and parts
 structure: $(VENV)/.group-test  ## counts: code lines, import circles, doubled names; ARGS=COMMIT beside another commit
 	PYTHONPATH=tests $(RUN) -m structure $(ARGS)
 
-hops: $(VENV)/.group-test  ## which functions a stiffness, a frequency and a sensor's name pass
+hops: $(VENV)/.group-test  ## which functions a stiffness, a firing order, a value of a study and others pass; ARGS=-v names them
 	PYTHONPATH=tests $(RUN) -m structure.hops $(ARGS)
 
 move: $(VENV)/.group-test  ## a module elsewhere, with all that names it: make move OLD=solve/tape NEW=solve/elimination/tape
 	PYTHONPATH=tests $(RUN) -m structure.move $(OLD) $(NEW)
+	$(MAKE) format
+
+join: $(VENV)/.group-test  ## a module into the one that imports it: make join OLD=... INTO=...; without, which could be
+	PYTHONPATH=tests $(RUN) -m structure.join $(OLD) $(INTO)
 	$(MAKE) format
 
 outputs: $(VENV)/.group-test  ## what every command says of every library model: ARGS="record A", ARGS="same A B"
@@ -76,10 +80,11 @@ format: $(VENV)/.group-lint  ## let ruff reformat, and repair what it safely can
 	$(RUN) -m ruff format .
 	$(RUN) -m ruff check --fix .
 
-types: $(VENV)/.group-lint  ## mypy, strict
+types: $(VENV)/.group-lint $(VENV)/.group-test  ## mypy, strict; what pyright and mypy say of programs that use the package
 	$(RUN) -m mypy
+	PYTHONPATH=tests $(RUN) -m user_types
 
-generate: $(VENV)/.group-docs  ## pages, names for type checkers and the JSON Schema made from the code
+generate: $(VENV)/.group-docs  ## pages, stubs for type checkers and the JSON Schema made from the code
 	$(RUN) docs/generate.py
 	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
 	$(RUN) -m torsionnet schema --file study -o library/study.schema.json

@@ -1,7 +1,7 @@
 """Pages and tables made from the code when the documentation is built: elements, units, damping, traps, validation.
 
 ``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build. The program also
-writes the names of the element types for type checkers, a stub in the package.
+writes the stubs of the package, for type checkers and editors.
 """
 
 from __future__ import annotations
@@ -16,15 +16,18 @@ from pathlib import Path
 from typing import Any
 
 import sympy
+from house_picture import layers_page, picture
 from page_parts import code, prose, table
 from schema_pages import file_entries_page
+from stubs import write_stubs
 from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
+from walk_pages import walks_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
+from torsionnet.core.entries.scalars import QuantityKind, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.entries.words import Count, Flag, OneOf
 from torsionnet.core.errors import ModelError
@@ -55,7 +58,6 @@ from torsionnet.report.wording import replaceable
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
-STUB = DOCS.parent / "torsionnet" / "model" / "elements" / "element_types.pyi"
 
 SAMPLES = {
     "torque": "180 kN*m",
@@ -131,12 +133,6 @@ def element_classes_page() -> str:
     return f"```{{eval-rst}}\n.. currentmodule:: torsionnet\n\n{entries}\n```\n"
 
 
-def element_types_stub() -> str:
-    """The types where a type checker looks for them; at run time the register has them."""
-    lines = sorted(f"from {cls.__module__} import {name} as {name}" for name, cls in element_classes().items())
-    return "\n".join(lines) + "\n"
-
-
 def own_fields(cls: type[Element]) -> list[Field[Any]]:
     return [declared for declared in cls.declared() if declared.name not in COMMON]
 
@@ -186,7 +182,7 @@ def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
             data = data | {declared.name: declared.name}
         if declared.name == "ratio" and isinstance(data.get("teeth"), tuple):
             data = {name: value for name, value in data.items() if name != "teeth"} | {"ratio": kind.symbol}
-        elif isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
+        elif isinstance(kind, QuantityKind) and (declared.name in data or isinstance(declared.default, str)):
             trial = data | {declared.name: kind.symbol}
             data = trial if constructible(cls, trial) and has_laws(cls, trial) else data
     return data
@@ -214,7 +210,7 @@ def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
     kind = spec_of(declared)
     if isinstance(kind, NodeName):
         return declared.name
-    if isinstance(kind, PhysicalQuantity):
+    if isinstance(kind, QuantityKind):
         loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES.get(kind.dimension)
         return kind.symbol if symbolic else loss
     return True if isinstance(kind, Flag) else None
@@ -316,7 +312,7 @@ def fields_table(cls: type[Element]) -> str:
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec_of(declared)
     kind = kind.of if isinstance(kind, Several) else kind
-    is_quantity = isinstance(kind, PhysicalQuantity)
+    is_quantity = isinstance(kind, QuantityKind)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
@@ -339,9 +335,9 @@ def bounds(kind: Spec) -> str:
             text = "`true` or `false`"
         case Teeth():
             text = "whole, not 0"
-        case PhysicalQuantity(lower=None):
+        case QuantityKind(lower=None):
             text = "not 0" if kind.nonzero else ""
-        case PhysicalQuantity():
+        case QuantityKind():
             text = f"{'>' if kind.exclusive else '>='} {kind.lower:g}"
         case _:
             text = ""
@@ -552,6 +548,9 @@ PAGES = {
     "bench_numbers.md": bench_numbers_page,
     "report.md": report_page,
     "report_texts.md": report_texts_page,
+    "layers.md": layers_page,
+    "house.svg": picture,
+    "walks.md": walks_page,
 }
 
 
@@ -568,4 +567,4 @@ def write_all(folder: Path = GENERATED) -> None:
 
 if __name__ == "__main__":
     write_all()
-    STUB.write_text(element_types_stub(), encoding="utf-8")
+    write_stubs()

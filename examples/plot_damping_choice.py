@@ -13,12 +13,12 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet import plot
+from torsionnet.bench import Encoder
 from torsionnet.identification import Candidate, choose_model
-from torsionnet.model.bench import Encoder
 from torsionnet.signals import PAPER
 
 
-def rig(eta, c_2):
+def rig(eta: float, c_2: float) -> tn.Drivetrain:
     """The DMF rig with a hysteretic spring and a viscous damper in its flywheel."""
     paper = tn.load("dmf_rig")
     elements = [element for name, element in paper.definition.elements.items() if name != "dmf"]

@@ -14,10 +14,10 @@ from torsionnet import plot
 
 plt.style.use(plot.STYLE)
 
-PIPE = {"outer_diameter": "127 mm", "inner_diameter": "108.6 mm", "length": "3 km"}
+OUTER, INNER, LENGTH = "127 mm", "108.6 mm", "3 km"
 
 
-def string(pipe):
+def string(pipe: tn.Element) -> tn.Drivetrain:
     top = tn.Inertia("top_drive", node="top", inertia="2000 kg*m^2")
     hold = tn.Damper("drive", nodes=("top", "ground"), damping="500 N*m*s/rad")
     collars = tn.Inertia("collars", node="bit", inertia="300 kg*m^2")
@@ -25,11 +25,11 @@ def string(pipe):
     return tn.Drivetrain("drill string", [top, hold, pipe, collars, cutting])
 
 
-exact = string(tn.ContinuousShaft("pipe", nodes=("top", "bit"), **PIPE))
+exact = string(tn.ContinuousShaft("pipe", ("top", "bit"), OUTER, LENGTH, inner_diameter=INNER))
 frequencies = np.linspace(0.02, 3.4, 4000)
 figure, axes = plt.subplots()
 for segments in (5, 20):
-    model = string(tn.Shaft("pipe", nodes=("top", "bit"), segments=segments, **PIPE))
+    model = string(tn.Shaft("pipe", ("top", "bit"), OUTER, LENGTH, inner_diameter=INNER, segments=segments))
     response = model.frequency_response("velocity(bit)", "bit", frequencies)
     axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), lw=1, label=f"{segments} segments")
 response = exact.frequency_response("velocity(bit)", "bit", frequencies)

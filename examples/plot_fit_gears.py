@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import torsionnet as tn
 from torsionnet import plot, sensitivity
-from torsionnet.model.bench import Encoder
+from torsionnet.bench import Encoder
 from torsionnet.signals import PAPER
 
 bench = tn.load_bench("amt_bench")

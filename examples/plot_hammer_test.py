@@ -18,7 +18,10 @@ from scipy.io import loadmat
 
 from torsionnet import plot, signals
 
-file = Path(find_spec("vibrationtesting").submodule_search_locations[0], "data", "case1.mat")
+package = find_spec("vibrationtesting")
+assert package is not None
+assert package.origin is not None
+file = Path(package.origin).parent / "data" / "case1.mat"
 names = {"Time_chan_1": "force", "Time_chan_2": "acceleration"}
 quantities = {"Time_chan_1": "torque", "Time_chan_2": "acceleration"}
 record = signals.read_recording(file, quantities, names)

@@ -6,6 +6,8 @@ A centrifugal pendulum swings at :math:`\sqrt{R/r}` periods a turn at any speed,
 shaft over the whole range; a tuned damper does so at one frequency only.
 """
 
+from collections.abc import Sequence
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -17,7 +19,7 @@ plt.style.use(plot.STYLE)
 ORDER, RADIUS = 2, 0.080  # order to be taken; from the axis of the shaft to the pivots
 
 
-def drivetrain(elements):
+def drivetrain(elements: Sequence[tn.Element]) -> tn.Drivetrain:
     return tn.Drivetrain(
         "engine and gearbox",
         [

@@ -11,12 +11,14 @@ import matplotlib.pyplot as plt
 
 import torsionnet as tn
 from torsionnet import plot
+from torsionnet.study.optimum.conditions_damper import DamperOverConditions
 
 plt.style.use(plot.STYLE)
 
 study = tn.load_study("inline_six_damper")
 result = tn.study.run_study(study)
 best = study.answers["damper"].found(study, result)
+assert isinstance(best, DamperOverConditions)  # for type checkers: what an answer finds depends on its type
 figure = best.figure(plot)
 print("\n".join(best.sentences))
 

@@ -17,7 +17,7 @@ plt.style.use(plot.STYLE)
 rig = tn.load("dmf_rig")
 
 
-def with_spring(spring, title):
+def with_spring(spring: tn.Element, title: str) -> tn.Drivetrain:
     """The rig with another spring between the flywheel's masses."""
     elements = [spring if name == "dmf" else element for name, element in rig.elements.items()]
     parameters = {name: p for name, p in rig.parameter_definitions.items() if name != "c_2" or title == "both"}

@@ -16,8 +16,8 @@ for library in ("OPENBLAS", "OMP", "MKL"):
 settings.register_profile("torsionnet", deadline=None)
 settings.load_profile("torsionnet")
 
-# The plugin of `make mutation` reads its settings from the run that loads it.
-collect_ignore = ["mutation/plugin.py"]
+# The plugin of `make mutation` reads its settings from the run that loads it; mistakes of users do not import.
+collect_ignore = ["mutation/plugin.py", "user_types/mistakes.py"]
 
 TOOLS = {
     "Chromium": "the system's packages, as apt-get install chromium",

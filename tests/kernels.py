@@ -55,6 +55,18 @@ def all_lower():
     return names
 
 
+def own_and_lower():
+    """The processor's own kernel, then those below it; one empty name, which chooses nothing, where BLAS is another."""
+    try:
+        names = [kernel()]
+    except NoOtherKernelError:
+        return [""]
+    try:
+        return names + all_lower()
+    except NoOtherKernelError:
+        return names
+
+
 def dispatched():
     """The sets of instructions for which numpy has code of its own and that this processor has."""
     from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__

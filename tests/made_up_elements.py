@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.laws import difference, make_row
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Constraint, Element, Law
@@ -17,8 +17,8 @@ GLYPHS = sorted({cls.glyph for cls in ELEMENT_TYPES.values()} | {"", "a glyph no
 class OnePort(Element):
     """Inertia and damping at a node."""
 
-    node: Any = entry(NodeName("its node"))
-    mass: Any = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
+    node: str = entry(NodeName("its node"))
+    mass: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
 
     def parts(self, value):
         return (Law(make_row([(self.node, 1)]), inertia=value(self.mass), damping=1),)
@@ -28,8 +28,8 @@ class OnePort(Element):
 class Absorber(Element):
     """A mass of its own on a spring and a dashpot, at a node."""
 
-    node: Any = entry(NodeName("its node"))
-    mass: Any = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
+    node: str = entry(NodeName("its node"))
+    mass: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
 
     @property
     def internal_nodes(self):
@@ -45,8 +45,8 @@ class Absorber(Element):
 class TwoPorts(Element):
     """Stiffness between two nodes."""
 
-    nodes: Any = entry(NodePair("its nodes"))
-    give: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
+    nodes: tuple[str, str] = entry(NodePair("its nodes"))
+    give: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
 
     def parts(self, value):
         return (Law(difference(*self.nodes), stiffness=value(self.give)),)
@@ -56,10 +56,10 @@ class TwoPorts(Element):
 class ThreePorts(Element):
     """Stiffness on the mean of two angles against a third."""
 
-    left: Any = entry(NodeName("one end"))
-    right: Any = entry(NodeName("other end"))
-    middle: Any = entry(NodeName("middle"))
-    give: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
+    left: str = entry(NodeName("one end"))
+    right: str = entry(NodeName("other end"))
+    middle: str = entry(NodeName("middle"))
+    give: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
 
     def parts(self, value):
         row = make_row([(self.left, 1), (self.right, 1), (self.middle, -2)])
@@ -70,8 +70,8 @@ class ThreePorts(Element):
 class FourPorts(ThreePorts):
     """One more."""
 
-    fourth: Any = entry(NodeName("fourth end"))
-    other: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
+    fourth: str = entry(NodeName("fourth end"))
+    other: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
 
     def parts(self, value):
         return (*super().parts(value), Law(difference(self.left, self.fourth), stiffness=value(self.other)))
@@ -82,9 +82,9 @@ class Maxwell(Element):
     """A spring and a dashpot in series."""
 
     glyph = "spring"
-    nodes: Any = entry(NodePair("its nodes"))
-    stiffness: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
-    damping: Any = entry(PhysicalQuantity("damping", "damping", "c"), 4)
+    nodes: tuple[str, str] = entry(NodePair("its nodes"))
+    stiffness: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
+    damping: Expression = entry(PhysicalQuantity("damping", "damping", "c"), 4)
 
     @property
     def internal_nodes(self):
@@ -104,7 +104,7 @@ class Maxwell(Element):
 class Zener(Maxwell):
     """A spring beside a Maxwell element."""
 
-    beside: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 100)
+    beside: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 100)
 
     def parts(self, value):
         return (*super().parts(value), Law(difference(*self.nodes), stiffness=value(self.beside)))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.bench.bench import sensed
 from torsionnet.bench.exciting import deliver
-from torsionnet.bench.sensing import sensed
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.model.files import json_schema, library_benches

@@ -10,7 +10,9 @@ import shlex
 import sys
 from pathlib import Path
 
+import networkx
 import pytest
+from structure.floors import LAYERS
 
 import torsionnet as tn
 from torsionnet.cli import main
@@ -121,6 +123,8 @@ class TestGeneratedPages:
             "report",
             "report_texts",
             "study_file",
+            "layers",
+            "walks",
         ],
     )
     def test_pages_in_the_repository_are_current(self, generate, name):
@@ -128,8 +132,20 @@ class TestGeneratedPages:
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
         assert committed == getattr(generate, f"{name}_page")(), "run: make generate"
 
-    def test_type_checkers_know_every_element_type(self, generate):
-        assert generate.STUB.read_text(encoding="utf-8") == generate.element_types_stub(), "run: make generate"
+    def test_picture_of_the_house_is_current(self, generate):
+        committed = (DOCS / "generated" / "house.svg").read_text(encoding="utf-8")
+        assert committed == generate.picture(), "run: make generate"
+
+    @pytest.mark.usefixtures("generate")
+    def test_arrows_of_the_house_lead_to_all_that_is_imported_and_to_nothing_twice(self):
+        house = importlib.import_module("house_picture")
+        level = {name: depth for depth, layer in enumerate(LAYERS) for name in layer.names}
+        imported = {(level[a], level[b]) for a, b in house._imports() if level[a] != level[b]}
+        wanted = networkx.transitive_reduction(networkx.DiGraph(imported))
+        assert set(house.arrows()) == set(wanted.edges)
+        assert {(3, 4), (0, 2)} <= set(house.arrows()) < imported
+        ends = [(one.first, one.last) for one in house.lanes()]
+        assert sorted(ends) == sorted((a, b) for a, b in wanted.edges if b > a + 1)
 
     def test_traps_are_refused_with_a_message(self, generate):
         assert generate.traps_page().count("\n") == len(generate.TRAPS) + 2
@@ -175,6 +191,19 @@ class TestGeneratedPages:
         generate.symbol_pictures(tmp_path)
         first, second = ({path.name: path.read_bytes() for path in one.iterdir()} for one in (pictures, tmp_path))
         assert first == second
+
+
+@pytest.mark.parametrize("begins", ["A stiffness", "A firing order", "A value of a study"])
+@pytest.mark.usefixtures("generate")
+def test_walks_are_told_in_the_order_in_which_they_go(begins):
+    """Functions that a paragraph names are met in that order; other names of it are those of classes and folders."""
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    paragraph = page.partition(f"**{begins}**")[2].partition("\n\n")[0]
+    told = [name for name in re.findall(r"(?<!})`([\w.]+)`", paragraph) if name != "Number"]
+    (met,) = [names for of, names in importlib.import_module("walk_pages").followed() if of.startswith(begins.lower())]
+    met = iter(name for _, name in met)
+    assert [name for name in told if not any(one == name or one.endswith(f".{name}") for one in met)] == []
+    assert len(told) > 5
 
 
 def is_whole(text):
@@ -323,7 +352,7 @@ def test_broken_links_are_found(tmp_path):
 
 
 PUBLIC = ("", "bench", "identification", "io", "modal", "plot", "report", "signals", "solve.sensitivity", "study")
-ELSEWHERE = {"document", "interchange", "sensitivity", "units"}  # other names of packages
+ELSEWHERE = {"sensitivity", "units"}  # other names of packages
 CURRENT_MODULE = re.compile(
     r"currentmodule:: (\S+)|(?:auto(?:class|function|data|module)|py:data):: (\S+)|:members: (.+)"
 )

@@ -16,7 +16,8 @@ import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Facts, Heading, Math, NumberText, Report, Section
 from torsionnet.report.report_tables import table
-from torsionnet.report.writers import browser, markdown, mathml, pdf
+from torsionnet.report.writers import markdown, mathml, pdf
+from torsionnet.report.writers import pdf as browser
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import latex_document
 from torsionnet.report.writers.latex_text import escaped as latex_escaped

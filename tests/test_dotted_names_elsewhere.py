@@ -15,7 +15,7 @@ from torsionnet.io import (
     write_frequency_response,
     write_recording,
 )
-from torsionnet.io.fmu.step_size import suggested_step
+from torsionnet.io.fmu.archive import suggested_step
 
 FREQUENCIES = np.linspace(1.0, 40.0, 60)
 

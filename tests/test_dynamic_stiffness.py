@@ -2,7 +2,7 @@
 
 import pickle
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -11,11 +11,13 @@ import torsionnet as tn
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import UsageError
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.laws import difference
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.elements import Law
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import parametric_response
@@ -30,9 +32,9 @@ class Bushes(Element):
 
     kind: ClassVar[str] = "bushes"
     glyph: ClassVar[str] = "spring"
-    nodes: Any = entry(NodePair("both ends"))  # noqa: RUF009
-    table: Any = entry(TableEntry("rows"))  # noqa: RUF009
-    number: Any = entry(PhysicalQuantity("how many", "1", "n"))  # noqa: RUF009
+    nodes: tuple[str, str] = entry(NodePair("both ends"))
+    table: StiffnessTable = entry(TableEntry("rows"))  # noqa: RUF009
+    number: Expression = entry(PhysicalQuantity("how many", "1", "n"))  # noqa: RUF009
 
     def parts(self, value):
         row, n = difference(*self.nodes), value(self.number)

@@ -19,11 +19,10 @@ from library_cases import library_cases
 import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.explore import open_session
-from torsionnet.explore.answers import answer
+from torsionnet.explore.answers import answer, lines
 from torsionnet.explore.api import QUESTIONS, reply
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair, read_pair
-from torsionnet.explore.page_frequencies import lines
-from torsionnet.explore.pages import STATIC, pages
+from torsionnet.explore.server import STATIC, pages
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import RequestError, State, read_state
 from torsionnet.io import write_frequency_response

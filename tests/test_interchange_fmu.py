@@ -9,7 +9,7 @@ from fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
 from models import geared_line
 
 import torsionnet as tn
-from torsionnet.io.fmu.step_size import suggested_step
+from torsionnet.io.fmu.archive import suggested_step
 
 validation = pytest.importorskip("fmpy.validation")
 

@@ -11,8 +11,8 @@ from random_drivetrains import draw
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
+from torsionnet.io.fmu.archive import suggested_step
 from torsionnet.io.fmu.dependencies import dependencies
-from torsionnet.io.fmu.step_size import suggested_step
 from torsionnet.io.fmu.traced_matrices import trace_system
 from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
 

@@ -1,5 +1,6 @@
 """The rules of docs/architecture.md that a reader of one module cannot see: imports point down, and a few more."""
 
+import ast
 import gc
 import re
 from collections import Counter
@@ -8,38 +9,11 @@ from pathlib import Path
 from statistics import median
 
 import pytest
+from structure.floors import FLOORS, HEIGHT, height
 from structure.measures import circles, doubled_classes, doubled_files
 from structure.modules import Module, modules_below
 
 PACKAGE = Path(__file__).parents[1] / "torsionnet"
-
-LAYERS = (  # top to bottom: first name below torsionnet
-    {"cli", "demo", "__main__"},
-    {"explore"},
-    {"report"},
-    {"plot"},
-    {"bench", "identification", "study"},
-    {"io"},
-    {"loading", "drivetrain", "running_machinery"},
-    {"symbolic"},
-    {"solve"},
-    {"assembly"},
-    {"model"},
-    {"modal"},
-    {"signals"},
-    {"response"},
-    {"core"},
-)
-FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in none
-    "cli": ("", "commands"),
-    "plot": ("drawing", "schematic", "", "study"),
-    "identification": ("residuals", ""),
-    "symbolic": ("algebra", ""),
-    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
-    "model": ("element_base", "elements"),
-}
-HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer}
-TOP = 1  # torsionnet/__init__.py offers names from every layer
 
 MAY_PLOT = {"plot"}
 MAY_PRINT = {"cli", "demo", "__main__"}
@@ -79,10 +53,6 @@ SAME_THING = {
         "study",
     },
 }
-
-
-def height(name: str) -> int:
-    return HEIGHT[name] if name else TOP
 
 
 def upward_imports(module: Module) -> Iterator[str]:
@@ -142,6 +112,36 @@ def evaluation(module: Module) -> Iterator[str]:
             yield f"{module.relative}:{line} calls {name}"
 
 
+def untyped_entries(module: Module) -> Iterator[str]:
+    """Entries whose type is, or holds, anything: mypy checks the others against their specifications."""
+    for node in ast.walk(module.tree):
+        made = node.value if isinstance(node, ast.AnnAssign) else None
+        if isinstance(made, ast.Call) and ast.unparse(made.func) == "entry" and _is_anything(node.annotation):
+            yield f"{module.relative}:{node.lineno} an entry has the type {ast.unparse(node.annotation)}"
+
+
+def aliases_of_anything(module: Module) -> Iterator[str]:
+    """Other names for Any, alone or among others: what is behind them has no type."""
+    for node in module.tree.body:
+        value = node.value if isinstance(node, ast.Assign | ast.AnnAssign) else None
+        if isinstance(value, ast.Constant) and re.fullmatch(r"[\w\[\], |.]*\bAny\b[\w\[\], |.]*", str(value.value)):
+            value = ast.parse(value.value, mode="eval").body
+        if any(isinstance(one, ast.Name) and one.id == "Any" for one in _united(value)):
+            yield f"{module.relative}:{node.lineno} gives Any another name"
+
+
+def _is_anything(annotation: ast.expr) -> bool:
+    return any(isinstance(one, ast.Name) and one.id == "Any" for one in ast.walk(annotation))
+
+
+def _united(node: ast.expr | None) -> Iterator[ast.expr | None]:
+    """The members of a union, or the type alone."""
+    if isinstance(node, ast.BinOp):
+        yield from (*_united(node.left), *_united(node.right))
+    else:
+        yield node
+
+
 MODULES = modules_below(PACKAGE)
 
 
@@ -187,6 +187,14 @@ def test_text_is_never_evaluated():
     assert broken(evaluation) == []
 
 
+def test_entries_have_types():
+    assert broken(untyped_entries) == []
+
+
+def test_any_has_no_other_names():
+    assert broken(aliases_of_anything) == []
+
+
 def test_modules_are_short():
     assert [module.relative for module in MODULES if len(module.text.splitlines()) > MAX_LINES] == []
 
@@ -194,15 +202,6 @@ def test_modules_are_short():
 def test_half_of_the_modules_are_very_short():
     lengths = [len(module.path.read_text(encoding="utf-8").splitlines()) for module in MODULES]
     assert median(length for length in lengths if length) <= MAX_MEDIAN_LINES
-
-
-def test_documentation_shows_the_same_layers():
-    text = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| \d+ \|([^|]*)\|", text, flags=re.MULTILINE)
-    assert [set(re.findall(r"`(\w+)`", row)) for row in rows] == list(LAYERS)
-    floors = re.findall(r"^\| `(\w+)` \|((?: `[^`]*` <?)+)\|$", text, flags=re.MULTILINE)
-    shown = {layer: tuple(re.findall(r"`([^`]*)`", row)) for layer, row in floors}
-    assert shown == {layer: tuple(name or "*" for name in names) for layer, names in FLOORS.items()}
 
 
 def test_no_modules_import_each_other():
@@ -304,6 +303,11 @@ def test_a_full_folder_is_found(tmp_path):
         (evaluation, "import sympy\nsympy.sympify('x')"),
         (evaluation, "from sympy.parsing.sympy_parser import parse_expr\nparse_expr('x')"),
         (evaluation, "import sympy\nsympy.S('x')"),
+        (untyped_entries, "class A:\n    x: Any = entry(Value('x', '1'))"),
+        (untyped_entries, "class A:\n    x: tuple[str, Any] | None = entry(PAIR, None)"),
+        (aliases_of_anything, "Number: TypeAlias = Any"),
+        (aliases_of_anything, "Value = Any | None"),
+        (aliases_of_anything, "Value: TypeAlias = 'dict[str, str] | Any'"),
         (lambda module: foreign_imports(module, "matplotlib"), "def f():\n    import matplotlib.pyplot as plt"),
     ],
 )

@@ -19,12 +19,13 @@ ROOT = Path(__file__).parents[1]
 
 FILE = '''
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.laws import Law, difference
 
 
@@ -40,17 +41,16 @@ class AnInerter(Element):
     kind: ClassVar[str] = "an_inerter"
     glyph: ClassVar[str] = "damper"
 
-    nodes: Any = entry(NodePair("the two nodes it connects"))
-    inertance: Any = entry(PhysicalQuantity("inertance", "inertia", "b"))
+    nodes: tuple[str, str] = entry(NodePair("the two nodes it connects"))
+    inertance: Expression = entry(PhysicalQuantity("inertance", "inertia", "b"))
 
     def parts(self, value):
         return (Law(difference(*self.nodes), inertia=value(self.inertance)),)
 '''
 
 PROGRAM = '''
-import math, pathlib, sys, warnings
+import math, pathlib, sys
 import torsionnet as tn
-warnings.simplefilter("ignore", DeprecationWarning)  # old names of packages are public, too
 from torsionnet import *
 
 assert "AnInerter" in tn.__all__ and "AnInerter" in dir(tn) and AnInerter is tn.AnInerter
@@ -75,10 +75,11 @@ from torsionnet.model.files.model_schema import json_schema
 assert json_schema()["$defs"]["element_an_inerter"]["properties"]["inertance"]
 
 sys.path.append(sys.argv[1])
-import generate, symbol_picture
+import generate, stubs, symbol_picture
 assert "## an_inerter" in generate.elements_page()
 assert ".. autoclass:: AnInerter" in generate.element_classes_page()
-assert "an_inerter import AnInerter as AnInerter" in generate.element_types_stub()
+assert "    inertance: Scalar," in stubs.element_types_stub().partition("class AnInerter(_AnInerter):")[2]
+assert " AnInerter as AnInerter" in stubs.package_stub("torsionnet")
 symbol_picture.write(pathlib.Path(), "an_inerter", [generate.sample(tn.AnInerter, full=True)])
 assert pathlib.Path("symbol_an_inerter.svg").stat().st_size
 

@@ -1,9 +1,11 @@
-"""`make move` and the comparison of recorded outputs, on small trees of their own."""
+"""`make move`, `make join` and the comparison of recorded outputs, on small trees of their own."""
 
 import subprocess
 import sys
 
 import pytest
+from structure.join import candidates, join
+from structure.modules import modules_below
 from structure.move import move, rewritten
 from structure.outputs import run, same
 
@@ -83,6 +85,81 @@ def test_a_move_that_cannot_be_changes_nothing(tree, old, new, why):
     with pytest.raises(SystemExit, match=why):
         move([(old, new)], tree)
     assert not subprocess.run(["git", "diff", "--quiet"], cwd=tree, check=False).returncode
+
+
+@pytest.fixture
+def pair(tmp_path):
+    repository(
+        tmp_path,
+        {
+            "torsionnet/__init__.py": "",
+            "torsionnet/gears/__init__.py": "",
+            "torsionnet/gears/teeth.py": '"""Teeth."""\n\nfrom __future__ import annotations\n\nimport math\n'
+            "from typing import TYPE_CHECKING\n\nfrom torsionnet.gears.sizes import SIZES\n\nif TYPE_CHECKING:\n"
+            "    from fractions import Fraction\n\nSHARE = 0.5\n\n\n# Half a tooth.\nclass Tooth:\n"
+            '    """One tooth.\n\n    >>> Tooth().angle\n    90.0\n    """\n\n    angle = math.degrees(math.pi * SHARE)\n\n\n'
+            "def turned(tooth: Tooth) -> Fraction | float:\n"
+            '    """An angle.\n\n    >>> turned(Tooth())\n    91.0\n    """\n    return tooth.angle + SIZES\n',
+            "torsionnet/gears/gear.py": '"""Gears."""\n\nimport math\n\nfrom torsionnet.gears.teeth import Tooth, turned\n\n'
+            "KINDS = math.e\n\n\nclass Helical(Tooth):\n    wide = True\n\n\ndef angle():\n    return turned(Helical())\n",
+            "torsionnet/gears/sizes.py": "SIZES = 1\n",
+            "torsionnet/gears/late.py": "SIZES = 2\n",
+            "torsionnet/gears/kinds.py": "import torsionnet.gears.angles as angles\n"
+            "from torsionnet.gears.gear import KINDS\n\n\ndef f():\n"
+            "    from torsionnet.gears.late import SIZES\n\n    return KINDS + SIZES + angles.whole()\n",
+            "torsionnet/gears/angles.py": "TURN = 360\n\n\ndef whole():\n    return TURN\n",
+            "torsionnet/gears/other.py": "KINDS = 3\nfrom torsionnet.gears import names\n\nLETTER = names.NAME\n",
+            "torsionnet/gears/names.py": "KINDS = 4\nNAME = 'x'\n",
+            "tests/test_two.py": "from torsionnet.gears import gear, teeth\nfrom torsionnet.gears.teeth import Tooth\n"
+            "\nSUM = teeth.Tooth().angle + gear.angle() + Tooth.angle\n",
+            "docs/way.md": "`gears/teeth.py`\n",
+        },
+    )
+    return tmp_path
+
+
+def test_a_joined_module_is_part_of_the_one_that_imported_it(pair):
+    assert join("gears/teeth", "gears/gear", pair) == "Teeth."
+    assert not (pair / "torsionnet/gears/teeth.py").exists()
+    text = (pair / "torsionnet/gears/gear.py").read_text("utf-8")
+    assert text.startswith('"""Gears."""\nfrom __future__ import annotations\n')
+    kept = ["KINDS = math.e", "SHARE = 0.5", "# Half a tooth.\nclass Tooth:", "class Helical(Tooth):", "def angle():"]
+    places = [text.index(part) for part in kept]
+    assert places == sorted(places)
+    assert ">>> _turned(Tooth())" in text
+    assert "if TYPE_CHECKING:\n    from fractions import Fraction\n" in text
+    code = "import sys; sys.path.insert(0, 'tests'); import test_two; print(test_two.SUM)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=pair, check=True, capture_output=True, text=True)
+    assert done.stdout == "271.0\n"
+    assert (pair / "docs/way.md").read_text("utf-8") == "`gears/gear.py`\n"
+
+
+def test_what_nothing_needs_at_import_goes_to_the_end(pair):
+    join("gears/angles", "gears/kinds", pair)
+    text = (pair / "torsionnet/gears/kinds.py").read_text("utf-8")
+    parts = ["TURN = 360", "def f():", "    return KINDS + SIZES + _whole()", "def _whole():\n    return TURN\n"]
+    places = [text.index(part) for part in parts]
+    assert places == sorted(places)
+
+
+@pytest.mark.parametrize(
+    ("old", "into", "why"),
+    [
+        ("gears/late", "gears/kinds", "quicker to start"),
+        ("gears/names", "gears/other", "both .* say what KINDS is"),
+        ("gears/sizes", "gears/gear", "is imported by torsionnet.gears.teeth"),
+        ("gears/none", "gears/gear", "there is no torsionnet/gears/none"),
+    ],
+)
+def test_a_join_that_cannot_be_changes_nothing(pair, old, into, why):
+    with pytest.raises(SystemExit, match=why):
+        join(old, into, pair)
+    assert not subprocess.run(["git", "diff", "--quiet"], cwd=pair, check=False).returncode
+
+
+def test_modules_that_could_be_joined_are_listed(pair):
+    found = [(old.path.stem, into.path.stem) for old, into in candidates(modules_below(pair / "torsionnet"))]
+    assert found == [("angles", "kinds"), ("gear", "kinds"), ("names", "other"), ("sizes", "teeth"), ("teeth", "gear")]
 
 
 def test_outputs_differ_where_a_command_says_something_else(tmp_path, capsys):

@@ -44,7 +44,12 @@ def library_names(pytestconfig):
 def test_wheel_holds_models_and_type_marker(wheel, library_names):
     files = set(zipfile.ZipFile(wheel).namelist())
     assert "torsionnet/py.typed" in files
-    assert "torsionnet/model/elements/element_types.pyi" in files
+    assert files >= {
+        "torsionnet/__init__.pyi",
+        "torsionnet/plot/__init__.pyi",
+        "torsionnet/model/elements/element_types.pyi",
+        "torsionnet/entry_classes.pyi",
+    }
     assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
     page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
     assert files >= {f"torsionnet/explore/static/{name}" for name in page}

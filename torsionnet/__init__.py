@@ -11,107 +11,80 @@ mode shapes and transfer functions between any two sensors, also against a measu
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
-from torsionnet.core.lazy import names_on_demand
-from torsionnet.core.version import __version__
-
-_HOMES = {
-    "Adaptive": "torsionnet.solve.responses.grid",
-    "Bench": "torsionnet.bench",
-    "Channel": "torsionnet.response",
-    "Conventions": "torsionnet.response",
-    "Drivetrain": "torsionnet.drivetrain",
-    "Element": "torsionnet.model.elements",
-    "Fault": "torsionnet.core.errors",
-    "Fit": "torsionnet.identification",
-    "FrequencyResponse": "torsionnet.response",
-    "FrequencyResponses": "torsionnet.response",
-    "Input": "torsionnet.model.channels",
-    "Measurement": "torsionnet.identification",
-    "MissingExtraError": "torsionnet.core.errors",
-    "ModelError": "torsionnet.core.errors",
-    "Modes": "torsionnet.response",
-    "OperatingPoint": "torsionnet.model.operating_point",
-    "Parameter": "torsionnet.model.parameters",
-    "Sensor": "torsionnet.model.channels",
-    "SolveError": "torsionnet.core.errors",
-    "TorsionnetError": "torsionnet.core.errors",
-    "TorsionnetWarning": "torsionnet.core.errors",
-    "Unknown": "torsionnet.identification",
-    "UsageError": "torsionnet.core.errors",
-    "convert_damping": "torsionnet.core.damping",
-    "library_models": "torsionnet.model.files",
-    "identify": "torsionnet.identification",
-    "library_benches": "torsionnet.model.files",
-    "load": "torsionnet.loading",
-    "load_bench": "torsionnet.bench",
-    "load_study": "torsionnet.study",
-    "loads": "torsionnet.loading",
-    "write_report": "torsionnet.report",
-}
-
-_PACKAGES = {
-    "bench": "torsionnet.bench",
-    "identification": "torsionnet.identification",
-    "io": "torsionnet.io",
-    "modal": "torsionnet.modal",
-    "plot": "torsionnet.plot",
-    "report": "torsionnet.report",
-    "sensitivity": "torsionnet.solve.sensitivity",
-    "signals": "torsionnet.signals",
-    "study": "torsionnet.study",
-    "units": "torsionnet.core.units",
-}
-_RENAMED = {"document": "report", "interchange": "io"}
+from torsionnet.core.lazy import offered
+from torsionnet.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from torsionnet import bench, identification, io, modal, plot, report, signals, study
-    from torsionnet import io as interchange
-    from torsionnet import report as document
-    from torsionnet.bench import Bench, load_bench
-    from torsionnet.core import units
-    from torsionnet.core.damping import convert_damping
-    from torsionnet.core.errors import (
-        Fault,
-        MissingExtraError,
-        ModelError,
-        SolveError,
-        TorsionnetError,
-        TorsionnetWarning,
-        UsageError,
-    )
-    from torsionnet.drivetrain import Drivetrain
-    from torsionnet.identification import Fit, Measurement, Unknown, identify
-    from torsionnet.loading import load, loads
-    from torsionnet.model.channels import Input, Sensor
     from torsionnet.model.elements import Element
-    from torsionnet.model.elements.element_types import *
-    from torsionnet.model.files import library_benches, library_models
-    from torsionnet.model.operating_point import OperatingPoint
-    from torsionnet.model.parameters import Parameter
-    from torsionnet.report import write_report
-    from torsionnet.response import Channel, Conventions, FrequencyResponse, FrequencyResponses, Modes
-    from torsionnet.solve import sensitivity
-    from torsionnet.solve.responses.grid import Adaptive
-    from torsionnet.study.loading_study import load_study
 
-
-_offered = names_on_demand(__name__, {**_HOMES, **_PACKAGES})
+_named, _attribute, _ = offered(
+    __name__,
+    {
+        "Adaptive": "torsionnet.solve.responses.grid",
+        "Bench": "torsionnet.bench",
+        "Channel": "torsionnet.response",
+        "Conventions": "torsionnet.response",
+        "Drivetrain": "torsionnet.drivetrain",
+        "Element": "torsionnet.model.elements",
+        "Fault": "torsionnet.core.errors",
+        "Fit": "torsionnet.identification",
+        "FrequencyResponse": "torsionnet.response",
+        "FrequencyResponses": "torsionnet.response",
+        "Input": "torsionnet.model.channels",
+        "Measurement": "torsionnet.identification",
+        "MissingExtraError": "torsionnet.core.errors",
+        "ModelError": "torsionnet.core.errors",
+        "Modes": "torsionnet.response",
+        "OperatingPoint": "torsionnet.model.operating_point",
+        "Parameter": "torsionnet.model.parameters",
+        "Sensor": "torsionnet.model.channels",
+        "SolveError": "torsionnet.core.errors",
+        "TorsionnetError": "torsionnet.core.errors",
+        "TorsionnetWarning": "torsionnet.core.errors",
+        "Unknown": "torsionnet.identification",
+        "UsageError": "torsionnet.core.errors",
+        "convert_damping": "torsionnet.core.damping",
+        "identify": "torsionnet.identification",
+        "library_benches": "torsionnet.model.files",
+        "library_models": "torsionnet.model.files",
+        "load": "torsionnet.loading",
+        "load_bench": "torsionnet.bench",
+        "load_study": "torsionnet.study",
+        "loads": "torsionnet.loading",
+        "write_report": "torsionnet.report",
+    },
+    modules=(
+        "torsionnet.bench",
+        "torsionnet.identification",
+        "torsionnet.io",
+        "torsionnet.modal",
+        "torsionnet.plot",
+        "torsionnet.report",
+        "torsionnet.solve.sensitivity",
+        "torsionnet.signals",
+        "torsionnet.study",
+        "torsionnet.core.units",
+    ),
+)
 
 
 def __getattr__(name: str) -> object:
-    if name in _RENAMED:
-        instead = _RENAMED[name]
-        warnings.warn(f"torsionnet.{name} is called torsionnet.{instead} now", DeprecationWarning, stacklevel=2)
-        return _offered(instead)
+    """What the table names, or an element type by the name of its class."""
     if name == "__all__":
         return _public_names()
-    if name[:1].isupper() and name not in _HOMES and name in _element_types():
+    if name[:1].isupper() and name not in _named and name in _element_types():
         return _element_types()[name]
-    value = globals()[name] = _offered(name)
-    return value
+    return _attribute(name)
+
+
+def __dir__() -> list[str]:
+    return sorted(_public_names())
+
+
+def _public_names() -> list[str]:
+    return ["__version__", *_named, *_element_types()]
 
 
 def _element_types() -> dict[str, type[Element]]:
@@ -119,11 +92,3 @@ def _element_types() -> dict[str, type[Element]]:
     from torsionnet.model.elements import element_classes
 
     return element_classes()
-
-
-def _public_names() -> list[str]:
-    return ["__version__", *_HOMES, *_PACKAGES, *_RENAMED, *_element_types()]
-
-
-def __dir__() -> list[str]:
-    return sorted(_public_names())

@@ -106,6 +106,8 @@ def rewritten(text: str, names: Mapping[str, str], *, code: bool, offered: Colle
     'see first/c/b.py'
     """
     plain = {old: new for old, new in names.items() if old not in offered}
+    if not any(old.rpartition(".")[2] in text for old in names):
+        return text
     if code and re.search(r"^\s*from torsionnet[\w.]* import ", text, re.MULTILINE):
         text = cst.parse_module(text).visit(_SplitImports(plain)).code
     dots = {old: r"(?!\w)" if old in plain else r"(?=\.\w| import )" for old in names}
@@ -126,7 +128,7 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
     """Rewrite everything that names the modules, and let git move their files."""
     names = moves(pairs, root)
     offered = [old for old in names if _is_offered(*old.rpartition(".")[::2], root)]
-    for path in _texts(root):
+    for path in texts(root):
         before = path.read_text(encoding="utf-8")
         after = rewritten(before, names, code=path.suffix in {".py", ".pyi"}, offered=offered)
         if after != before:
@@ -142,13 +144,15 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
 
 
 def _is_offered(package: str, name: str, root: Path) -> bool:
-    """Whether a package imports the name, as it does what it offers."""
+    """Whether a package imports the name or has it in the table of what it offers."""
     tree = ast.parse((root / package.replace(".", "/") / "__init__.py").read_text(encoding="utf-8"))
     imported = (node for node in tree.body if isinstance(node, ast.ImportFrom))
-    return any(name == (alias.asname or alias.name) for node in imported for alias in node.names)
+    tables = (node for node in ast.walk(tree) if isinstance(node, ast.Dict))
+    names = {alias.asname or alias.name for node in imported for alias in node.names}
+    return name in names | {key.value for table in tables for key in table.keys if isinstance(key, ast.Constant)}
 
 
-def _texts(root: Path) -> Iterator[Path]:
+def texts(root: Path) -> Iterator[Path]:
     listed = subprocess.run(
         ["git", "ls-files", "-co", "--exclude-standard"], cwd=root, check=True, capture_output=True, text=True
     ).stdout

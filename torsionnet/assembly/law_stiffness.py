@@ -97,6 +97,18 @@ class LawStiffness:
             values[law] += sampled[variants, places]
         return replace(self, omega=omega, actions=actions).sampled_as(values)
 
+    def variants(self, which: NDArray[np.intp]) -> LawStiffness:
+        """Some variants, at the same frequencies."""
+        return replace(
+            self,
+            inertia=self.inertia[which],
+            damping=self.damping[which],
+            stiffness=self.stiffness[which],
+            omega=self.omega if self.omega.ndim == 1 else self.omega[which],
+            sampled=tuple((law, values[which]) for law, values in self.sampled),
+            actions=tuple(values[which] for values in self.actions),
+        )
+
     def sampled_as(self, values: ComplexArray) -> LawStiffness:
         """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
         nothing = np.zeros((1, self.n_laws))

@@ -13,11 +13,14 @@ from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import load_model
 from torsionnet.cli.options import SETTINGS
 from torsionnet.cli.terminal import message, tell
+from torsionnet.core.listing import listed
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.table import Table
+
+MOST_NAMES = 12
 
 
 @dataclass(frozen=True)
@@ -95,14 +98,11 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
     available = rig.configurations
     if not configurations:
         if available:
-            message("note", f"parameters as written; configurations: {_listed(available)} (-c NAME, or -c all)")
+            names = listed(available, MOST_NAMES, ", ...")
+            message("note", f"parameters as written; configurations: {names} (-c NAME, or -c all)")
         return [""]
     if EVERY in configurations and EVERY not in available:
         if not available:
             message("note", "the model has no configurations")
         return list(available) or [""]
     return list(dict.fromkeys(configurations))
-
-
-def _listed(names: Sequence[str], most: int = 12) -> str:
-    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")

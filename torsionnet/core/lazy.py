@@ -1,32 +1,57 @@
-"""Packages whose names are imported where they are first used, so that starting up stays quick."""
+"""Packages whose names are imported where they are first used, so that starting up stays quick.
+
+What a package offers is said once, in the table that it hands to :func:`offered`. The stub beside it, in which type
+checkers and editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
+"""
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Mapping
+
+TABLES: dict[str, dict[str, str]] = {}
+"""Package -> public name -> what it is: ``module:name``, or a module."""
 
 
-def names_on_demand(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
-    """The ``__getattr__`` of a package.
+def offered(
+    package: str, homes: Mapping[str, str], modules: Iterable[str] = ()
+) -> tuple[list[str], Callable[[str], object], Callable[[], list[str]]]:
+    """``__all__``, ``__getattr__`` and ``__dir__`` of a package.
 
     Parameters
     ----------
     package : str
         Its full name.
     homes : mapping
-        Public name -> module it comes from; a module that ends in the name itself is what is offered.
+        Public name -> module that it comes from.
+    modules : iterable of str
+        Modules offered under the last part of their name.
 
     Examples
     --------
-    >>> offered = names_on_demand("torsionnet", {"units": "torsionnet.core.units", "Fault": "torsionnet.core.errors"})
-    >>> offered("Fault").__name__, offered("units").__name__
-    ('Fault', 'torsionnet.core.units')
+    >>> names, get, _ = offered("torsionnet.core", {"Fault": "torsionnet.core.errors"}, ["torsionnet.core.units"])
+    >>> names, get("Fault").__name__, get("units").__name__
+    (['Fault', 'units'], 'Fault', 'torsionnet.core.units')
     """
+    table = {name: f"{home}:{name}" for name, home in homes.items()}
+    table |= {module.rpartition(".")[2]: module for module in modules}
+    TABLES[package] = table
+    there = sys.modules[package].__dict__
 
     def attribute(name: str) -> object:
-        if name not in homes:
+        if name not in table:
             raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name)
-        module = importlib.import_module(homes[name])
-        return module if homes[name].endswith(f".{name}") else getattr(module, name)
+        home, _, inside = table[name].partition(":")
+        found = importlib.import_module(home)
+        value = there[name] = getattr(found, inside) if inside else found
+        return value
 
-    return attribute
+    # Importing the module plot.bode later would put it in the place of the function plot.bode.
+    beside = {home.removeprefix(f"{package}.").partition(".")[0] for home in homes.values()}
+    hidden = [name for name in homes if name in beside]
+    for name in hidden:
+        importlib.import_module(f"{package}.{name}")
+    for name in hidden:
+        attribute(name)
+    return list(table), attribute, lambda: sorted(table)

@@ -18,7 +18,7 @@ class Names:
     """
 
     def __init__(self, reserved: Iterable[str] = ()) -> None:
-        self.taken = set(reserved)
+        self.taken: set[str] = set(reserved)
 
     def new(self, wish: str) -> str:
         """A free name as near to ``wish`` as can be."""

@@ -24,6 +24,19 @@ from typing import Any
 
 from torsionnet.core.errors import TorsionnetError, did_you_mean
 
+__all__ = [
+    "DIMENSIONS",
+    "RPM",
+    "Dimension",
+    "Quantity",
+    "Unit",
+    "UnitError",
+    "convert",
+    "expected_unit",
+    "parse_quantity",
+    "parse_unit",
+]
+
 Real = Fraction | float
 RPM = 60 / (2 * math.pi)
 """r/min of 1 rad/s."""
@@ -467,3 +480,7 @@ def convert(value: float, unit: str, to: str) -> float:
     apart = source.dimension / target.dimension
     hint = "; a cycle is 2*pi rad: 1 Hz is 60 rpm" if apart == _dimension(cycle=int(apart.cycle)) else ""
     raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -14,7 +14,6 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.command_text import command_text
 from torsionnet.explore.over_speed import over_speed
 from torsionnet.explore.overlay import misfit
-from torsionnet.explore.page_frequencies import NEAREST, lines, undamped
 from torsionnet.explore.page_numbers import SHOWN, numbers
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
@@ -22,11 +21,21 @@ from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse, Modes
 from torsionnet.response.frequency_response import ORDERS, FloatArray
 from torsionnet.response.phase import unwrapped
-from torsionnet.solve.responses.grid import vibration_range
+from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 MOST_MODES, LARGE = 40, 120
 """Of more nodes than ``LARGE`` only the lowest modes are looked for: all of them would take longer than a drag."""
 MOST_PEAKS = 6
+
+
+POINTS, PER_PEAK, LEAST_PER_PEAK = 300, 41, 9
+MOST_AT_PEAKS = 1600
+"""Of many modes each gets fewer points: a screen has no more columns."""
+UNDAMPED = 1e-7
+"""Damping ratio below which a peak is as high as one cares to look closely."""
+NEAREST = 2e-4
+"""Share of its frequency to which an undamped peak is approached: it is drawn some thousand times its flanks."""
+APPROACH = 4.0 ** np.arange(1, 5) / 2
 
 
 def answer(session: Session, state: State) -> dict[str, Any]:
@@ -82,7 +91,7 @@ def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Mode
     response = respond(rig, shown, lines(band, *found))
     return {
         "band": list(band),
-        "response": response_data(response, undamped(*found)),
+        "response": response_data(response, _undamped(*found)),
         "cut": modes_data(measured) if measured else None,
         "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
     }
@@ -161,3 +170,31 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "descriptions": list(modes.descriptions),
         "notes": list(modes.notes),
     }
+
+
+def lines(band: tuple[float, float], *modes: Modes) -> FloatArray:
+    """Frequencies in Hz for the modes of a response, ascending.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> f = lines((0.5, 200.0), tn.load("dmf_rig").modes())
+    >>> float(f[0]), float(f[-1]), 300 < len(f) < 400
+    (0.5, 200.0, True)
+    """
+    vibrations = sum(int(np.sum(mode.damped_frequencies > 0)) for mode in modes)
+    per_peak = min(PER_PEAK, max(LEAST_PER_PEAK, MOST_AT_PEAKS // max(1, vibrations)))
+    f = Adaptive(*band, points=POINTS, per_peak=per_peak).frequencies(*modes)
+    for pole in _undamped(*modes):
+        f = f[np.abs(f - pole) > NEAREST * pole]
+        f = np.union1d(f, np.outer(pole, 1 + np.outer((-1, 1), NEAREST * APPROACH)))
+    return f[(f >= band[0]) & (f <= band[1])]
+
+
+def _undamped(*modes: Modes) -> FloatArray:
+    """Frequencies in Hz of vibrations without damping; several at one frequency count once."""
+    found = [
+        mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED)] for mode in modes
+    ]
+    every = np.sort(np.concatenate([np.empty(0), *found]))
+    return every[np.diff(every, prepend=0.0) > NEAREST * every]

@@ -5,9 +5,12 @@ from __future__ import annotations
 import contextlib
 import json
 import time
+from dataclasses import dataclass
+from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from io import BufferedReader, RawIOBase
+from pathlib import Path
 from socket import socket
 from threading import BoundedSemaphore
 from typing import Any
@@ -15,7 +18,6 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 from torsionnet.explore.api import QUESTIONS, reply
 from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError
-from torsionnet.explore.pages import pages
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import RequestError
 
@@ -26,6 +28,16 @@ PATIENCE = 20.0
 MOST_CONNECTIONS = 32
 """At a time, each of which takes a thread; a browser opens six."""
 JSON = "application/json"
+
+
+STATIC = Path(__file__).parent / "static"
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+INDEX = "index.html"
 
 
 class ExploreServer(ThreadingHTTPServer):
@@ -209,3 +221,23 @@ FULL = (
 
 def _words(text: str) -> bytes:
     return json.dumps({"error": text}).encode()
+
+
+@dataclass(frozen=True)
+class Page:
+    """Content and its media type."""
+
+    content: bytes
+    media_type: str
+
+
+@cache
+def pages() -> dict[str, Page]:
+    """Every file by its path, the first page also by the empty one. A path that is not in the table is nowhere.
+
+    >>> sorted(path for path in pages() if path.endswith((".html", ".css")))
+    ['index.html', 'style.css', 'vendor/uPlot.min.css']
+    """
+    files = [path for path in sorted(STATIC.rglob("*")) if path.suffix in TYPES]
+    found = {path.relative_to(STATIC).as_posix(): Page(path.read_bytes(), TYPES[path.suffix]) for path in files}
+    return found | {"": found[INDEX]}

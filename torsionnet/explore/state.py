@@ -67,7 +67,7 @@ class State:
         return {entry.name: getattr(self, entry.name) for entry in fields(self)} | {"band": list(self.band)}
 
 
-def read_state(raw: Any) -> State:
+def read_state(raw: object) -> State:
     """The state in a request.
 
     Raises
@@ -135,9 +135,12 @@ def _value(what: str, value: Any, key: str) -> Value:
     raise RequestError(f"{what}: expected {form}")
 
 
-def _band(raw: Any) -> tuple[float, float]:
-    is_pair = isinstance(raw, list | tuple) and len(raw) == 2
-    if not is_pair or not all(isinstance(end, int | float) and not isinstance(end, bool) for end in raw):
+def _band(raw: object) -> tuple[float, float]:
+    if not (
+        isinstance(raw, list | tuple)
+        and len(raw) == 2
+        and all(isinstance(end, int | float) and not isinstance(end, bool) for end in raw)
+    ):
         raise RequestError("a band is [lowest, highest] frequency in Hz")
     low, high = raw
     if (low, high) != (0, 0) and not 0 < low < high <= HIGHEST:

@@ -1,28 +1,24 @@
 """From tests to parameters that can be trusted."""
 
-from torsionnet.identification.fit import Fit, load_fit
-from torsionnet.identification.fit_result import Compared
-from torsionnet.identification.fitting import identify
-from torsionnet.identification.lack_of_fit import Explanation, LackOfFit, Misfit
-from torsionnet.identification.model_choice import Candidate, Choice, choose_model
-from torsionnet.identification.ranking import RankedCause, Ranking, rank_causes
-from torsionnet.identification.residuals.measurement import Measurement
-from torsionnet.identification.unknown import Unknown
+from torsionnet.core.lazy import offered
 
-__all__ = [
-    "Candidate",
-    "Choice",
-    "Compared",
-    "Explanation",
-    "Fit",
-    "LackOfFit",
-    "Measurement",
-    "Misfit",
-    "RankedCause",
-    "Ranking",
-    "Unknown",
-    "choose_model",
-    "identify",
-    "load_fit",
-    "rank_causes",
-]
+__all__, __getattr__, __dir__ = offered(
+    __name__,
+    {
+        "Candidate": "torsionnet.identification.model_choice",
+        "Choice": "torsionnet.identification.model_choice",
+        "Compared": "torsionnet.identification.fit_result",
+        "Explanation": "torsionnet.identification.lack_of_fit",
+        "Fit": "torsionnet.identification.fit",
+        "LackOfFit": "torsionnet.identification.lack_of_fit",
+        "Measurement": "torsionnet.identification.residuals.measurement",
+        "Misfit": "torsionnet.identification.lack_of_fit",
+        "RankedCause": "torsionnet.identification.ranking",
+        "Ranking": "torsionnet.identification.ranking",
+        "Unknown": "torsionnet.identification.unknown",
+        "choose_model": "torsionnet.identification.model_choice",
+        "identify": "torsionnet.identification.fitting",
+        "load_fit": "torsionnet.identification.fit",
+        "rank_causes": "torsionnet.identification.ranking",
+    },
+)

@@ -178,18 +178,22 @@ def _change(cause: Cause, frequency: float, instead: bool) -> Change:
             return rig.with_definition(replace(rig.definition, elements=elements))
         assert isinstance(element, Spring | HystereticSpring)
         k, omega = _number(element.stiffness, rig), 2 * np.pi * frequency
-        plain = {"nodes": element.nodes, "stiffness": element.stiffness}
+        plain: dict[str, Any] = {"nodes": element.nodes, "stiffness": element.stiffness}
         elements = dict[str, Element](rig.definition.elements)
         if not instead and cause.kind == "hysteretic":
-            elements[cause.element] = HystereticSpring(cause.element, **plain, loss_factor=0, damping=element.damping)
+            elements[cause.element] = HystereticSpring.from_entries(
+                cause.element, **plain, loss_factor=0, damping=element.damping
+            )
         elif not instead:
             elements[cause.element] = replace(element, damping=Number(0))
         elif cause.kind == "hysteretic":
             loss = _damping(element, rig) * omega / k
-            elements[cause.element] = HystereticSpring(cause.element, **plain, loss_factor=loss)
+            elements[cause.element] = HystereticSpring.from_entries(cause.element, **plain, loss_factor=loss)
             elements |= {one.name: replace(one, enabled=False) for one in _beside(element, rig)}
         else:
-            elements[cause.element] = Spring(cause.element, **plain, damping=_loss(element, rig) * k / omega)
+            elements[cause.element] = Spring.from_entries(
+                cause.element, **plain, damping=_loss(element, rig) * k / omega
+            )
         return rig.with_definition(replace(rig.definition, elements=elements))
 
     return change

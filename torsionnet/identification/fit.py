@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -13,12 +14,11 @@ from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_result import Compared, FitResult
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.lack_words import lacking
-from torsionnet.identification.natures import nature
+from torsionnet.identification.natures import Nature, nature
 from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.profile import profile_interval
-from torsionnet.identification.run_to_limits import at_limits
 from torsionnet.identification.saving import dump_fit, read_fit
-from torsionnet.identification.search import LeastSquaresSolution, variance
+from torsionnet.identification.search import LeastSquaresSolution, cannot_be_negative, variance
 from torsionnet.identification.verdict_words import verdicts
 from torsionnet.identification.widening import far_off
 from torsionnet.response.recording import Recording
@@ -27,6 +27,17 @@ SINGULAR = 1e-9
 EXTRA_UNITS = {"delay": "s", "gain": ""}
 HEAVY = 1e12
 """Variance of what is not determined at all, over that of what is."""
+
+
+FAR = 1e3
+"""Factor from the start."""
+UNSEEN = 0.1
+"""Standard deviations of all residuals together by which the data change on the rest of the way."""
+ENDLESS = {
+    "stiffness": "the data do not show that it gives way; make it rigid",
+    "inertia": "the data do not show that it moves; lock its node",
+    "damping": "the data do not show that it slips; make it rigid",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +89,7 @@ def make_fit(
     """
     plain_names = {name: name.partition("[")[0] for name in problem.names}
     natures = {plain: nature(model, plain) for plain in plain_names.values()}
-    values, limits = at_limits(problem, found.x, natures)
+    values, limits = _at_limits(problem, found.x, natures)
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
     left_over = variance(residuals, len(values), loss, found.scale)
@@ -168,3 +179,24 @@ def load_fit(path: str | os.PathLike[str]) -> Fit:
     """
     found = read_fit(path)
     return Fit(**{part.name: getattr(found, part.name) for part in fields(found)})
+
+
+def _at_limits(
+    problem: FitProblem, values: FloatArray, natures: Mapping[str, Nature]
+) -> tuple[FloatArray, dict[str, str]]:
+    """The values, 0 instead of what is as good as 0, and by name a sentence for what ran to zero or without end."""
+    residuals, slopes = problem.both(values)
+    spread = np.sqrt(float(residuals @ residuals) / max(len(residuals) - len(values), 1))
+    effect = np.linalg.norm(slopes, axis=0) * np.abs(values)
+    unseen = cannot_be_negative(problem) & (effect <= UNSEEN * max(spread, np.finfo(float).tiny))
+    ended, said = values.copy(), {}
+    for index in np.flatnonzero(unseen):
+        name, factor = problem.names[index], values[index] / problem.start[index]
+        kind = natures.get(name.partition("[")[0], Nature()).dimension
+        if factor < 1 / FAR and problem.lower[index] == 0:
+            what = kind if kind in ENDLESS else "parameter"
+            said[name] = f"{name} runs to zero: the data do not show this {what}; leave it out"
+            ended[index] = 0.0
+        elif factor > FAR:
+            said[name] = f"{name} grows without end: {ENDLESS.get(kind, 'the data set it no upper end; leave it out')}"
+    return ended, said

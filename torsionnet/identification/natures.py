@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.expressions import Name
 from torsionnet.core.units import expected_unit
 from torsionnet.model.parameters import dimensions
@@ -41,17 +41,17 @@ def nature(model: AssembledModel, name: str) -> Nature:
     element, _, field = name.rpartition(".")
     if name not in model.definition.parameters and element in model.definition.elements:
         spec, _ = model.definition.elements[element].scalars().get(field, (None, None))
-        return _of(spec, spec.dimension) if isinstance(spec, PhysicalQuantity) else Nature()
+        return _of(spec, spec.dimension) if isinstance(spec, QuantityKind) else Nature()
     for element_in in model.definition.elements.values():
         for spec, value in element_in.scalars().values():
             for _, expression, dimension in spec.expressions(value):
-                if isinstance(expression, Name) and expression.name == name and isinstance(spec, PhysicalQuantity):
+                if isinstance(expression, Name) and expression.name == name and isinstance(spec, QuantityKind):
                     return _of(spec, dimension)
     dimension_of = dimensions(model.definition.parameters)[0].get(name)
     return Nature("" if dimension_of is None else str(dimension_of).removeprefix("1"))
 
 
-def _of(spec: PhysicalQuantity, dimension: str) -> Nature:
+def _of(spec: QuantityKind[object], dimension: str) -> Nature:
     unit = expected_unit(dimension)
     # A measure of damping, such as a damping ratio, is as positive as the damping that it stands for.
     return Nature("" if unit == "1" else unit, dimension, (-inf if spec.lower is None else spec.lower, inf))

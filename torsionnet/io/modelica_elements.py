@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from torsionnet.core.entries.spec import present
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import declared, port, write_parts
 from torsionnet.io.modelica_words import ModelicaWords, factor
@@ -25,7 +26,7 @@ def _compliant(element: Any, net: Net, words: ModelicaWords, entrance: str) -> s
 
 
 def _gear(element: Gear, net: Net, words: ModelicaWords) -> None:
-    ratio = _quotient(element.teeth) if element.teeth else words.expression(element.ratio)
+    ratio = _quotient(element.teeth) if element.teeth else words.expression(present(element.ratio))
     support = ", useSupport=true" if element.housing else ""
     name = declared(element, net, "IdealGear", f"ratio={ratio}{support}")
     net.points.join(_compliant(element, net, words, port(element, "first")), f"{name}.flange_a")
@@ -39,7 +40,7 @@ def _quotient(teeth: Any) -> str:
 
 
 def _planetary(element: Planetary, net: Net, words: ModelicaWords) -> None:
-    ratio = _quotient(element.teeth) if element.teeth else words.expression(element.ratio)
+    ratio = _quotient(element.teeth) if element.teeth else words.expression(present(element.ratio))
     name = declared(element, net, "IdealPlanetary", f"ratio={ratio}")
     net.points.join(_compliant(element, net, words, port(element, "sun")), f"{name}.sun")
     for side in ("ring", "carrier"):

@@ -13,7 +13,7 @@ class Net:
         self.names = names
         self.declarations: list[str] = []
         self.equations: list[str] = []
-        self.points = Groups[str]()
+        self.points: Groups[str] = Groups[str]()
 
     def declare(self, kind: str, wish: str, values: str = "", comment: str = "") -> str:
         """A component of a type; returns its name."""

@@ -60,7 +60,9 @@ class ModelicaWords:
     """Expressions of a model with its parameters under the names they have in Modelica."""
 
     def __init__(self, names: Mapping[str, str], values: Mapping[str, Any]) -> None:
-        self.names, self.values, self.open = names, Values(values), open_values(values)
+        self.names: Mapping[str, str] = names
+        self.values: Values = Values(values)
+        self.open: Values = open_values(values)
 
     def expression(self, value: Expression) -> str:
         """An expression in SI; equal to the model's for any values of the parameters."""

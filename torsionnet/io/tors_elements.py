@@ -135,7 +135,7 @@ def _values(item: Mapping[str, Any], path: Path) -> tuple[dict[str, float], list
 
 
 def _connections(
-    raw: Any, components: Mapping[str, tuple[Entry, ...]]
+    raw: object, components: Mapping[str, tuple[Entry, ...]]
 ) -> tuple[dict[tuple[str, str], tuple[str, ...]], list[Fault]]:
     onward: dict[tuple[str, str], tuple[str, ...]] = {}
     faults: list[Fault] = []

@@ -201,26 +201,28 @@ class _Builder:
     def _made(self, kind: str, entry: Entry, nodes: list[str]) -> Iterator[Element]:
         label, values = self.short[entry.label], entry.values
         if kind == "ShaftDiscrete" and not values["stiffness"]:
-            yield Damper(self.names.new(label), nodes=nodes, damping=values.get("damping", 0))
+            yield Damper.from_entries(self.names.new(label), nodes=nodes, damping=values.get("damping", 0))
         elif kind == "ShaftDiscrete":
-            yield Spring(self.names.new(label), nodes=nodes, **_pick(values, "stiffness", "damping"))
+            yield Spring.from_entries(self.names.new(label), nodes=nodes, **_pick(values, "stiffness", "damping"))
         elif kind == "ShaftContinuous":
             yield _continuous(self.names.new(label), nodes, values)
         if kind == "gear" and entry.parent:
             parent = self.gears[entry.component, entry.parent][0]
-            yield Gear(
+            yield Gear.from_entries(
                 self.names.new(f"{label}_mesh" if values.get("inertia") else label),
                 nodes=nodes,
                 **_ratio(parent, entry),
             )
         if values.get("inertia") and kind in ("Disk", "gear"):
-            yield Inertia(self.names.new(label), node=nodes[-1], inertia=values["inertia"])
+            yield Inertia.from_entries(self.names.new(label), node=nodes[-1], inertia=values["inertia"])
         if values.get("damping") and kind == "Disk":
             name = f"{label}_damping" if values.get("inertia") else label
-            yield Damper(self.names.new(name), nodes=(nodes[-1], GROUND), damping=values["damping"])
+            yield Damper.from_entries(self.names.new(name), nodes=(nodes[-1], GROUND), damping=values["damping"])
         if values.get("stiffness") and kind == "Disk":
             self.differences.append(f"{entry.label} has a stiffness to ground, which {VERSION} leaves out of disks")
-            yield Spring(self.names.new(f"{label}_stiffness"), nodes=(nodes[-1], GROUND), stiffness=values["stiffness"])
+            yield Spring.from_entries(
+                self.names.new(f"{label}_stiffness"), nodes=(nodes[-1], GROUND), stiffness=values["stiffness"]
+            )
 
 
 def _pick(values: Any, *keys: str) -> dict[str, Any]:
@@ -230,7 +232,7 @@ def _pick(values: Any, *keys: str) -> dict[str, Any]:
 def _continuous(name: str, nodes: list[str], values: Any) -> Shaft:
     metres = {"outer_diameter": "outerDiameter", "inner_diameter": "innerDiameter", "length": "length"}
     sizes: dict[str, Any] = {ours: f"{values[theirs]!r} mm" for ours, theirs in metres.items() if values.get(theirs)}
-    return Shaft(
+    return Shaft.from_entries(
         name, nodes=nodes, shear_modulus=SHEAR_MODULUS, density=values.get("density", DENSITY), segments=1, **sizes,
         **_pick(values, "damping"),
     )  # fmt: skip

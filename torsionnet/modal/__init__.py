@@ -1,30 +1,25 @@
 """Modes identified from frequency responses, without a model, and their comparison with those of one."""
 
-from torsionnet.modal.circle_fit import CircleFit, circle_fit
-from torsionnet.modal.criteria import cmif, mac, mpc, msf
-from torsionnet.modal.identify_modes import fit_poles, identify_modes
-from torsionnet.modal.matching import Match, match
-from torsionnet.modal.method_choice import stabilisation
-from torsionnet.modal.modal_estimate import ModalEstimate
-from torsionnet.modal.peak_picking import peak_picking
-from torsionnet.modal.settings import Criteria, Settings
-from torsionnet.modal.stabilisation import Stabilisation
+from torsionnet.core.lazy import offered
 
-__all__ = [
-    "CircleFit",
-    "Criteria",
-    "Match",
-    "ModalEstimate",
-    "Settings",
-    "Stabilisation",
-    "circle_fit",
-    "cmif",
-    "fit_poles",
-    "identify_modes",
-    "mac",
-    "match",
-    "mpc",
-    "msf",
-    "peak_picking",
-    "stabilisation",
-]
+__all__, __getattr__, __dir__ = offered(
+    __name__,
+    {
+        "CircleFit": "torsionnet.modal.circle_fit",
+        "Criteria": "torsionnet.modal.settings",
+        "Match": "torsionnet.modal.matching",
+        "ModalEstimate": "torsionnet.modal.modal_estimate",
+        "Settings": "torsionnet.modal.settings",
+        "Stabilisation": "torsionnet.modal.stabilisation",
+        "circle_fit": "torsionnet.modal.circle_fit",
+        "cmif": "torsionnet.modal.criteria",
+        "fit_poles": "torsionnet.modal.identify_modes",
+        "identify_modes": "torsionnet.modal.identify_modes",
+        "mac": "torsionnet.modal.criteria",
+        "match": "torsionnet.modal.matching",
+        "mpc": "torsionnet.modal.criteria",
+        "msf": "torsionnet.modal.criteria",
+        "peak_picking": "torsionnet.modal.peak_picking",
+        "stabilisation": "torsionnet.modal.method_choice",
+    },
+)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar, cast
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
@@ -279,18 +279,26 @@ class ChannelName(Text):
         return names.node(value) if sensor is None else str(sensor.renamed(names))
 
 
+Made_co = TypeVar("Made_co", bound=Input | Sensor, covariant=True)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class ChannelEntry(Spec):
+class ChannelEntry(Spec[Made_co]):
     """What is driven or measured, by the name of its quantity: ``{angle: node}``."""
 
-    made: type[Input | Sensor]
+    made: type[Made_co]
     quantities: tuple[str, ...]
     name: str
     """Of its definition in the schema."""
 
-    def coerce(self, raw: Any) -> Input | Sensor:
+    def coerce(self, raw: object) -> Made_co:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
+        return cast("Made_co", self._read(raw))
+
+    def _read(self, raw: object) -> Input | Sensor:
+        if not isinstance(raw, Mapping):
+            raise EntryError(f"expected {self.description}, got {raw!r}")
         quantity, of, against = self._one_quantity(raw)
         if self.made is Input:
             return Input(quantity, of, against)
@@ -316,9 +324,7 @@ class ChannelEntry(Spec):
         """Quantities that may be between two nodes."""
         return self.quantities if self.made is Input else MOTIONS
 
-    def _one_quantity(self, raw: Any) -> tuple[str, str, str | None]:
-        if not isinstance(raw, Mapping):
-            raise EntryError(f"expected {self.description}, got {raw!r}")
+    def _one_quantity(self, raw: Mapping[Any, Any]) -> tuple[str, str, str | None]:
         for key in raw:
             if key not in self.quantities and key not in self._extra:
                 rest = f"expected {' or '.join(self.quantities)}"

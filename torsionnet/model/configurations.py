@@ -5,14 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
+from torsionnet.core.listing import listed
 from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
@@ -52,14 +53,14 @@ class Overlay:
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
-class AlternativeEntry(Spec):
+class AlternativeEntry(Plural[Overlay]):
     """``{parameter: value, on: [element], off: [element], operating_point: {...}, box.engaged: II}``."""
 
     @property
     def absent(self) -> Overlay:
         return Overlay()
 
-    def read(self, raw: Any) -> tuple[Overlay, list[Fault]]:
+    def read(self, raw: object) -> tuple[Overlay, list[Fault]]:
         if isinstance(raw, Overlay):
             return raw, []
         if raw is None:
@@ -79,7 +80,7 @@ class AlternativeEntry(Spec):
             if key in _KNOWN:
                 known[key] = found
             elif not wrong:
-                parameters[key] = found
+                parameters[key] = cast("Expression", found)
         return Overlay(parameters, **known, entries=entries), faults
 
     def plain(self, value: Any) -> Any:
@@ -89,7 +90,7 @@ class AlternativeEntry(Spec):
         return reference("alternative")
 
     def definitions(self) -> Schema:
-        alternative = {
+        alternative: Schema = {
             "type": ["object", "null"],
             "description": self.description,
             "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
@@ -101,7 +102,7 @@ class AlternativeEntry(Spec):
 
 _ELEMENT = ElementName("an element of the model")
 _ELEMENTS = "a list of element names"
-_KNOWN: dict[str, Spec] = {
+_KNOWN: dict[str, Spec[object]] = {
     "on": Listed("elements to switch on", _ELEMENT, form=_ELEMENTS),
     "off": Listed("elements to switch off", _ELEMENT, form=_ELEMENTS),
     "operating_point": OPERATING_POINT,
@@ -119,7 +120,7 @@ def _name_fault(name: str) -> str | None:
     return None
 
 
-class AxesEntry(Spec):
+class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
     """``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
 
     @property
@@ -130,7 +131,7 @@ class AxesEntry(Spec):
     def may_be_empty(self) -> bool:
         return True
 
-    def read(self, raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
+    def read(self, raw: object) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
         if not isinstance(raw, Mapping):
             return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}")]
         if raw and not any(_is_axis(entry) for entry in raw.values()):
@@ -150,7 +151,11 @@ class AxesEntry(Spec):
         return {axis: ALTERNATIVES.plain(alternatives) for axis, alternatives in value.items()}
 
     def schema(self) -> Schema:
-        axes = {"type": ["object", "null"], "description": "axes by name", "additionalProperties": reference("axis")}
+        axes: Schema = {
+            "type": ["object", "null"],
+            "description": "axes by name",
+            "additionalProperties": reference("axis"),
+        }
         return {
             "description": self.description,
             "anyOf": [axes, {**ALTERNATIVES.schema(), "description": "alternatives by name"}],
@@ -225,13 +230,11 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
     if "=" in part:
         axis, name = (piece.strip() for piece in part.split("=", 1))
         if axis not in axes:
-            raise UsageError(
-                f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {_listed(axes)}'
-            )
+            there = listed(axes, none="none")
+            raise UsageError(f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {there}')
         if name not in axes[axis]:
-            raise UsageError(
-                f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {_listed(axes[axis])}'
-            )
+            there = listed(axes[axis], none="none")
+            raise UsageError(f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {there}')
         return axis, name
     homes = [axis for axis, alternatives in axes.items() if part in alternatives]
     if len(homes) == 1:
@@ -241,12 +244,8 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
             f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
         )
     names = [name for alternatives in axes.values() for name in alternatives]
-    hint = f"there is {_listed(names)}" if names else "the model has no configurations"
+    hint = f"there is {listed(names)}" if names else "the model has no configurations"
     raise UsageError(f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}')
-
-
-def _listed(names: Any) -> str:
-    return ", ".join(str(name) for name in names) or "none"
 
 
 def read_overrides(

@@ -67,7 +67,7 @@ def with_dampers(
 def _of_damper(damper: ViscousDamper, value: Values, share: float) -> Element:
     """Hub and share of the ring as one inertia."""
     inertia = float(value(damper.hub_inertia)) + share * float(value(damper.ring_inertia))
-    return Inertia(damper.name, node=damper.node, inertia=inertia, enabled=inertia > 0)
+    return Inertia.from_entries(damper.name, node=damper.node, inertia=inertia, enabled=inertia > 0)
 
 
 def _of_film(film: Element, active: Mapping[str, Element], value: Values, share: float) -> dict[str, Element]:
@@ -77,7 +77,7 @@ def _of_film(film: Element, active: Mapping[str, Element], value: Values, share:
     for element in active.values():
         if isinstance(element, Inertia) and element.node == ring:
             inertia = share * float(value(element.inertia))
-            found[element.name] = Inertia(element.name, node=ring, inertia=inertia, enabled=share > 0)
+            found[element.name] = Inertia.from_entries(element.name, node=ring, inertia=inertia, enabled=share > 0)
         elif set(element.ports.values()) == {hub, ring}:
             found[element.name] = replace(element, enabled=False)
     if share:

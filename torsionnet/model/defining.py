@@ -6,7 +6,6 @@ from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.entries.nearby import names_a_file
 from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
@@ -34,14 +33,6 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
     if not table and not faults:
         faults.append(Fault("a drivetrain needs at least one element", ("elements",)))
     return table, faults
-
-
-def read_definition(data: Any) -> tuple[Definition, list[Fault]]:
-    """Definition from the plain content of a model file, with all faults of reading it."""
-    if not isinstance(data, Mapping):
-        return Definition(""), [Fault("a model is a mapping with the entries torsionnet, name, elements, ...")]
-    definition, faults = define(data)
-    return definition, [*version_faults(data, "model"), *faults]
 
 
 def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:

@@ -49,9 +49,9 @@ class Reduction:
         self._proportions = elimination.proportions
         self._ratios: dict[Any, Any] = {}
         self._rounded_ratios: dict[Any, Any] = {}
-        self.redundant = tuple(elimination.redundant)
-        self.blocked = tuple(elimination.blocked)
-        self.rank = elimination.count - len(self.redundant) - len(self.blocked)
+        self.redundant: tuple[int, ...] = tuple(elimination.redundant)
+        self.blocked: tuple[int, ...] = tuple(elimination.blocked)
+        self.rank: int = elimination.count - len(self.redundant) - len(self.blocked)
 
     @property
     def solved(self) -> Mapping[Any, dict[Any, Any]]:

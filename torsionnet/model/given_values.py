@@ -19,20 +19,20 @@ REMARKS = ("description", "enabled")
 """Entries that stand in the remarks."""
 
 
-def given(element: Element) -> Iterator[tuple[str, Spec, Any]]:
+def given(element: Element) -> Iterator[tuple[str, Spec[object], Any]]:
     """Name, specification and value of everything but nodes and remarks; of nested entries ``silicone.moduli``."""
     for name, (spec, value) in element.scalars().items():
         if not is_elsewhere(name, spec):
             yield from _leaves(name, spec, value)
 
 
-def is_elsewhere(name: str, spec: Spec) -> bool:
+def is_elsewhere(name: str, spec: Spec[object]) -> bool:
     """Whether columns of their own show it."""
     nodes = isinstance(spec, NodeName | NodePair) and not isinstance(spec, ReferenceNode)
     return nodes or name in REMARKS
 
 
-def _leaves(name: str, spec: Spec, value: Any) -> Iterator[tuple[str, Spec, Any]]:
+def _leaves(name: str, spec: Spec[object], value: Any) -> Iterator[tuple[str, Spec[object], Any]]:
     if isinstance(value, tuple) and value and all(isinstance(one, Declared) for one in value):
         for number, one in enumerate(value, 1):
             yield from _leaves(f"{name} {number}", spec, one)
@@ -46,7 +46,7 @@ def _leaves(name: str, spec: Spec, value: Any) -> Iterator[tuple[str, Spec, Any]
         yield name, spec, value
 
 
-def in_words(spec: Spec, value: Any) -> str:
+def in_words(spec: Spec[object], value: Any) -> str:
     """A value that is no number: yes or no, a word, a list of these."""
     if isinstance(spec, Flag):
         return "yes" if value else "no"

@@ -7,14 +7,14 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, reference
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import Dimension
 
 
-class LookupTable(Spec):
+class LookupTable(Plural[Rows]):
     """``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
 
     is_read_off: ClassVar[bool] = True
@@ -27,7 +27,7 @@ class LookupTable(Spec):
     def example(self) -> str:
         return "{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}"
 
-    def read(self, raw: Any) -> tuple[Rows, list[Fault]]:
+    def read(self, raw: object) -> tuple[Rows, list[Fault]]:
         if isinstance(raw, tuple) and all(isinstance(row, tuple) and isinstance(row[0], Number) for row in raw):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
@@ -45,11 +45,11 @@ class LookupTable(Spec):
         faults += self.mixed(found)
         return ((), faults) if faults else (tuple(found), [])
 
-    def key(self, raw: Any) -> Number:
+    def key(self, raw: object) -> Number:
         """What a row begins with."""
         return _number(raw)
 
-    def value(self, raw: Any) -> Number:
+    def value(self, raw: object) -> Number:
         """What a row says."""
         return _number(raw)
 
@@ -70,8 +70,12 @@ class LookupTable(Spec):
             "additionalProperties": reference("scalar"),
         }
 
+    @property
+    def accepted(self) -> str:
+        return "NumberByNumber"
 
-def _number(raw: Any) -> Number:
+
+def _number(raw: object) -> Number:
     value = read_value(raw)
     if not isinstance(value, Number):
         raise EntryError(f'expected a number with unit; "{raw}" is an expression of parameters')

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
+from torsionnet.core.entries.spec import present
 from torsionnet.core.expressions import Expression, Name
 from torsionnet.model.configurations import Axes, Overlay
 from torsionnet.model.definition import ELEMENTS, Definition, section_of
@@ -19,7 +20,7 @@ def value_of_entry(definition: Definition, name: str) -> Expression | None:
     if element not in definition.elements:
         return None
     spec, value = definition.elements[element].scalars().get(entry, (None, None))
-    return value if isinstance(spec, PhysicalQuantity) and isinstance(value, Expression) else None
+    return value if isinstance(spec, QuantityKind) and isinstance(value, Expression) else None
 
 
 def can_be_named(definition: Definition, name: str) -> bool:
@@ -38,7 +39,7 @@ def with_named_entries(definition: Definition, names: Iterable[str]) -> Definiti
     for name in named:
         element, _, entry = name.rpartition(".")
         text = f"{entry.replace('_', ' ')} of {element}"
-        parameters[name] = Parameter(value=value_of_entry(definition, name), description=text)
+        parameters[name] = Parameter(value=present(value_of_entry(definition, name)), description=text)
         entries: dict[str, Any] = {entry: Name(name)}
         elements[element] = replace(elements[element], **entries)
     axes = _with_parameters(definition, named)
@@ -60,5 +61,5 @@ def _moved(definition: Definition, overlay: Overlay, named: Mapping[str, None]) 
         section = section_of(definition, name) if name in entries else None
         if section is not None and section[0] == ELEMENTS:
             key = name.rpartition(".")[2]
-            parameters[name] = dict(section[2].specs())[key].coerce(entries.pop(name))
+            parameters[name] = cast("Expression", dict(section[2].specs())[key].coerce(entries.pop(name)))
     return replace(overlay, parameters=parameters, entries=entries)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
@@ -48,7 +48,7 @@ class OperatingPoint(Declared):
         return bool(self.speed or self.torque)
 
     @classmethod
-    def read(cls, raw: Any) -> tuple[Self | None, list[Fault]]:
+    def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
         """As for any entry, but with what could be read where something could not."""
         found, faults = super().read(raw)
         if found is None and isinstance(raw, Mapping):

@@ -102,7 +102,7 @@ def values_of(element: Element, rig: Model) -> Iterator[Written]:
             yield (f"{name} ", *value_text(element, spec, value, rig))
 
 
-def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> Written:
+def value_text(element: Element, spec: Spec[object], value: Any, rig: Model) -> Written:
     if isinstance(value, DampingMeasure):
         at = (" at ", *resolved(value.at, "Hz", rig)) if value.at is not None else ()
         shown = resolved(value.value, _unit_of_measure(value), rig)

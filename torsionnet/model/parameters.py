@@ -39,10 +39,10 @@ class Bounds(tuple[float, float]):
     dimensions: tuple[Dimension | None, ...] = ()
 
 
-class BoundsEntry(Spec):
+class BoundsEntry(Spec[Bounds]):
     """Two numbers, the lower one first."""
 
-    def coerce(self, raw: Any) -> Bounds:
+    def coerce(self, raw: object) -> Bounds:
         if isinstance(raw, Bounds):
             return raw
         if not isinstance(raw, list | tuple) or len(raw) != 2:
@@ -67,10 +67,10 @@ class BoundsEntry(Spec):
         }
 
 
-class Bound(Spec):
+class Bound(Spec[Number]):
     """A number with or without unit."""
 
-    def coerce(self, raw: Any) -> Number:
+    def coerce(self, raw: object) -> Number:
         value = read_value(raw)
         if not isinstance(value, Number):
             raise EntryError("a bound is a number or a quantity, no expression")
@@ -91,7 +91,9 @@ class Parameter(Declared):
     kind: ClassVar[str] = "parameter"
     article: ClassVar[str] = "a parameter"
 
-    value: Any = entry(AnyQuantity("a number in SI units, a value with unit, or an expression of parameters"), None)
+    value: Expression = entry(  # type: ignore[assignment]  # None only until the parameter is made
+        AnyQuantity("a number in SI units, a value with unit, or an expression of parameters"), None
+    )
     description: str = entry(Text("what the parameter is"), "")
     bounds: tuple[float, float] | None = entry(BoundsEntry("[lower, upper]: what is plausible; limits of a fit"), None)
     by: str | None = entry(OneOf("instead of a value: the part of the operating point it follows", tuple(BY)), None)
@@ -145,7 +147,7 @@ class Parameter(Declared):
 
     def operated(self, value: float) -> Parameter:
         """The parameter with its value at an operating point."""
-        return replace(self, value=OperatingValue(value, self.value.unit_dimension))
+        return replace(self, value=OperatingValue(value, getattr(self.value, "unit_dimension", None)))
 
     def to_data(self) -> Any:
         """The entry of a model file: the value alone if nothing else is said."""

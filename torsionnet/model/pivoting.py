@@ -40,12 +40,14 @@ class Elimination:
     """
 
     def __init__(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> None:
-        self.order, self.keep = order, keep
-        self.proportions = Proportions()
+        self.order: Mapping[Any, int] = order
+        self.keep: Collection[Any] = keep
+        self.proportions: Proportions = Proportions()
         self.grounds: dict[int, Grounds] = {}
         self.redundant: list[int] = []
         self.blocked: list[int] = []
-        self.count = self._settled = 0
+        self.count: int = 0
+        self._settled = 0
         self._dependent: list[ProportionalGroup] = []
         self._to_anchor: dict[Any, Any] = {}
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from torsionnet.core.entries.composite import Named, Nested, Typed
-from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.words import NAME_SCHEMA, name_fault
 from torsionnet.core.expression_reading import check_name
 from torsionnet.model.channels import INPUT, SENSOR
@@ -13,38 +13,46 @@ from torsionnet.model.configurations import AxesEntry
 from torsionnet.model.element_base.element_table import ElementTable, element_kinds
 from torsionnet.model.parameters import PARAMETER
 
+if TYPE_CHECKING:
+    from torsionnet.model.bench.plan import Plan
+    from torsionnet.model.excitations.order_excitation import OrderExcitation
+    from torsionnet.model.excitations.speed_range import SpeedRange
+    from torsionnet.model.limits.limit import Limit
+    from torsionnet.model.load.load_section import Load
+    from torsionnet.model.report.report_plan import ReportPlan
 
-def _plan() -> type[Declared]:
+
+def _plan() -> type[Plan]:
     from torsionnet.model.bench.plan import Plan  # loads numpy, which most models can do without
 
     return Plan
 
 
-def _speeds() -> type[Declared]:
+def _speeds() -> type[SpeedRange]:
     from torsionnet.model.excitations.speed_range import SpeedRange
 
     return SpeedRange
 
 
-def _load() -> type[Declared]:
+def _load() -> type[Load]:
     from torsionnet.model.load.load_section import Load
 
     return Load
 
 
-def _excitation_kinds() -> Mapping[str, type[Declared]]:
+def _excitation_kinds() -> Mapping[str, type[OrderExcitation]]:
     from torsionnet.model.excitations import excitation_kinds  # loads numpy, which most models can do without
 
     return excitation_kinds()
 
 
-def _limit_rules() -> Mapping[str, type[Declared]]:
+def _limit_rules() -> Mapping[str, type[Limit]]:
     from torsionnet.model.limits import limit_rules
 
     return limit_rules()
 
 
-def _report() -> type[Declared]:
+def _report() -> type[ReportPlan]:
     from torsionnet.model.report.report_plan import ReportPlan
 
     return ReportPlan

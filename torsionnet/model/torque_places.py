@@ -37,7 +37,7 @@ class TorquePlace(NodeName):
 
     allow_ground: bool = False
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         if not isinstance(raw, str) or parse_pair(raw) is None:
             return super().coerce(raw)
         fault = place_fault(raw)

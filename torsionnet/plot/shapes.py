@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.listing import listed
 from torsionnet.plot.schematic.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
 from torsionnet.response.mode_numbers import place_of
@@ -281,16 +282,11 @@ def _legend(figure: Figure, total: int, chosen: Sequence[int], view: View, *, sc
     for kind in sorted({join.kind for join in view.axis.joins} & set(words), reverse=True):
         handles.append(Line2D([], [], color=REAL, linestyle=JOINS[kind], linewidth=1.6))
         names.append(words[kind])
-    remarks = [f"no fixed ratio to {_few(view.free)}"] if view.free else []
-    remarks += [f"own angle of {_few(view.standing)}"] if view.standing else []
+    remarks = [f"no fixed ratio to {listed(view.free, FEW_NAMES)}"] if view.free else []
+    remarks += [f"own angle of {listed(view.standing, FEW_NAMES)}"] if view.standing else []
     remarks += [f"{len(view.idle)} idle gear wheels not shown"] if view.idle else []
     remarks += [f"{len(chosen)} of {total} modes shown"] if len(chosen) < total else []
     handles += [Line2D([], [], linestyle="") for _ in remarks]
     names += remarks
     columns = max(1, min(5, int(MOST_LETTERS / (max(map(len, names)) + HANDLE))))
     figure.legend(handles, names, loc="outside lower center", ncols=columns, frameon=False, fontsize=style.SMALL)
-
-
-def _few(names: Sequence[str]) -> str:
-    more = f" and {len(names) - FEW_NAMES} more" if len(names) > FEW_NAMES else ""
-    return ", ".join(names[:FEW_NAMES]) + more

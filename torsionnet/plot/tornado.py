@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.plot.drawing.bars import Bars, draw_bars, name_rows
 from torsionnet.response.frequency_response import FloatArray
 
 if TYPE_CHECKING:
@@ -98,7 +99,5 @@ def _bars(axes: Axes, found: ModeSensitivities, slopes: FloatArray, shown: list[
     sizes = np.abs(slopes)
     falling = sorted(shown, key=lambda p: -float(f"{sizes[p]:.6g}"))  # equal ones in the order of the parameters
     longest = [p for p in falling if sizes[p] > max(FAINTEST * sizes[falling[0]], NOTHING)]
-    axes.barh(range(len(longest)), slopes[longest], color=colour, height=0.7)
-    axes.set_yticks(range(len(longest)), [found.parameters[p] for p in longest])
-    axes.set_ylim(max(len(longest), 1) - 0.4, -0.6)
-    axes.axvline(0, color=style.MUTED, linewidth=0.8)
+    name_rows(axes, [found.parameters[p] for p in longest])
+    draw_bars(axes, len(longest), [Bars(slopes[longest], colour)])

@@ -6,21 +6,14 @@
 ['modes', 'validity']
 """
 
-from __future__ import annotations
+from torsionnet.core.lazy import offered
 
-import warnings
-
-import torsionnet.plot as plot
-from torsionnet.report.document_tree import Report
-from torsionnet.report.report import make_report, write_report
-from torsionnet.report.request import Measured
-
-__all__ = ["Measured", "Report", "make_report", "write_report"]
-
-
-def __getattr__(name: str) -> object:
-    """Pictures, which had their place here before they got a package of their own."""
-    if name not in plot.__all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
-    warnings.warn(f"torsionnet.report.{name} is torsionnet.plot.{name} now", DeprecationWarning, stacklevel=2)
-    return getattr(plot, name)
+__all__, __getattr__, __dir__ = offered(
+    __name__,
+    {
+        "Measured": "torsionnet.report.request",
+        "Report": "torsionnet.report.document_tree",
+        "make_report": "torsionnet.report.report",
+        "write_report": "torsionnet.report.report",
+    },
+)

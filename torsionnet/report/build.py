@@ -10,7 +10,7 @@ from torsionnet.core.errors import TorsionnetWarning
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.document_tree import Facts, Report, Section, Text
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_words import listed, sentence
+from torsionnet.report.report_words import named_first, sentence
 from torsionnet.report.sections.checks import checks_section
 from torsionnet.report.sections.comparison import comparison_section
 from torsionnet.report.sections.critical_speeds import critical_speeds_section
@@ -88,7 +88,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
         yield "Source of data", (model.source.strip(),)
     names = [case.configuration for case in subject.cases if case.configuration]
     if names:
-        yield "Configurations", (listed(names, len(names)) + _others(subject),)
+        yield "Configurations", (named_first(names, len(names)) + _others(subject),)
     if request.settings:
         yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)
     if request.plan.author:

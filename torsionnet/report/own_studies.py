@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import listed
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -40,7 +41,7 @@ def _refusal(model: Drivetrain, study: Study) -> str:
         return ""
     if own.name != model.name:
         return f"the study {study.title} is of {own.name}, and the report of {model.name}"
-    what = ", ".join(differing[:MOST]) + (f" and {len(differing) - MOST} more" if len(differing) > MOST else "")
+    what = listed(differing, MOST)
     return f"the study {study.title} is of another {own.title} than the report of {model.title}: they differ in {what}"
 
 

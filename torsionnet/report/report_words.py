@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from torsionnet.core.listing import listed
 from torsionnet.core.number_text import MISSING_TYPESET, typeset_unit
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.report import Pair
@@ -101,10 +102,9 @@ def capital(text: str) -> str:
     return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
-def listed(names: Sequence[str], most: int = 12) -> str:
+def named_first(names: Sequence[str], most: int = 12) -> str:
     """Names with commas; of many the first."""
-    rest = len(names) - most
-    return ", ".join(names[:most]) + (f", … and {rest} more" if rest > 0 else "")
+    return listed(names, most, ", … and {} more")
 
 
 def in_common(names: Sequence[str]) -> str:
@@ -117,7 +117,7 @@ def in_common(names: Sequence[str]) -> str:
     """
     parts = [name.split(",") for name in names]
     shared = [part for part in parts[0] if all(part in other for other in parts)] if parts else []
-    return ",".join(shared) or listed(names, 3)
+    return ",".join(shared) or named_first(names, 3)
 
 
 def apart(name: str, names: Sequence[str]) -> str:

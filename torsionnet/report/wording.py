@@ -11,11 +11,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.resources import files
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity, Value
+from torsionnet.core.entries.scalars import QuantityKind, Value
 from torsionnet.core.entries.spec import EntryError, Spec, entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault, meant_or
@@ -32,7 +32,7 @@ from torsionnet.model.given_values import is_elsewhere
 
 PLACE = re.compile(r"\{(\w+)\}")
 """Where something is inserted."""
-SHOWN = (PhysicalQuantity, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
+SHOWN = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
 """Kinds of entries that a report on a model has a row for; one of several values has a row for each."""
 LISTED = 'the page "A report in your own words" lists them'
 
@@ -50,7 +50,7 @@ def replaceable() -> Mapping[str, tuple[str, ...]]:
     }
 
 
-def _properties(name: str, spec: Spec) -> Iterator[str]:
+def _properties(name: str, spec: Spec[object]) -> Iterator[str]:
     """What a report calls the values of an entry."""
     if is_elsewhere(name, spec):
         return
@@ -128,7 +128,7 @@ def _unknown(text: str) -> str | None:
 class Language(Text):
     """A language by its code."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         text = super().coerce(raw)
         if not re.fullmatch(r"[A-Za-z]{2,3}(-[A-Za-z0-9]{1,8})*", text):
             raise EntryError(f'a language is a code such as de or pt-BR, got "{text}"')

@@ -1,9 +1,17 @@
 """Results: frequency responses, modes, tables, and the conventions in which they are shown."""
 
-from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.family import FrequencyResponses
-from torsionnet.response.frequency_response import Channel, FrequencyResponse
-from torsionnet.response.modes import Modes
-from torsionnet.response.table import Column, Table
+from torsionnet.core.lazy import offered
 
-__all__ = ["SI", "Channel", "Column", "Conventions", "FrequencyResponse", "FrequencyResponses", "Modes", "Table"]
+__all__, __getattr__, __dir__ = offered(
+    __name__,
+    {
+        "Channel": "torsionnet.response.frequency_response",
+        "Column": "torsionnet.response.table",
+        "Conventions": "torsionnet.response.conventions",
+        "FrequencyResponse": "torsionnet.response.frequency_response",
+        "FrequencyResponses": "torsionnet.response.family",
+        "Modes": "torsionnet.response.modes",
+        "SI": "torsionnet.response.conventions",
+        "Table": "torsionnet.response.table",
+    },
+)

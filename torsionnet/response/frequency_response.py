@@ -166,8 +166,8 @@ class FrequencyResponse:
             coherence=None if self.coherence is None else self.coherence[pick],
         )
 
-    def between(self, start: float, stop: float) -> FrequencyResponse:
-        """Only the frequencies from ``start`` to ``stop`` Hz, both included.
+    def between(self, start: float, stop: float | None = None) -> FrequencyResponse:
+        """Only the frequencies from ``start`` to ``stop`` Hz, both included; to the last one where ``stop`` is None.
 
         Examples
         --------
@@ -175,7 +175,8 @@ class FrequencyResponse:
         >>> tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1, 2, 3, 4]).between(2, 3).frequencies.tolist()
         [2.0, 3.0]
         """
-        return self.at_lines((self.frequencies >= start) & (self.frequencies <= stop))
+        last = np.inf if stop is None else stop
+        return self.at_lines((self.frequencies >= start) & (self.frequencies <= last))
 
     def at_lines(self, kept: NDArray[np.bool_]) -> FrequencyResponse:
         """Only the frequencies that ``kept`` (n_f,) marks."""

@@ -116,6 +116,10 @@ class WorstResponse(OrderResponse):
         place = self.output(output)
         return tuple(self._case(at, place) for at in range(len(self.speeds)))
 
+    def case_at(self, speed: int, output: str | None = None) -> str:
+        """As ``cases``, at one speed by its place."""
+        return self._case(speed, self.output(output))
+
     def _case(self, at: int, place: int) -> str:
         parts = [self._alike(at, place)] if self.labels else []
         if self.scattered:
@@ -139,7 +143,7 @@ class WorstResponse(OrderResponse):
         found = super().table(output, conventions, most)
         worst = int(np.argmax(self.half_range[:, self.output(output)]))
         count = f" of {len(self.labels)} cases" if self.labels else ""
-        note = f"at every speed the worst{count}; at {self.rpm[worst]:.6g} rpm: {self.cases(output)[worst]}"
+        note = f"at every speed the worst{count}; at {self.rpm[worst]:.6g} rpm: {self.case_at(worst, output)}"
         angles = [f"at {self.rpm[worst]:.6g} rpm {self.angle_range(worst, output)}"] if self.angles else []
         return replace(found, notes=(*found.notes, note, *self.engine_notes, *angles))
 

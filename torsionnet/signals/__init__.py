@@ -1,80 +1,57 @@
 """Recorded and simulated signals: records, processing, and the frequency responses estimated from them."""
 
-from __future__ import annotations
-
-from torsionnet.core.lazy import names_on_demand
-from torsionnet.response.recording import Recording, Signal
-from torsionnet.signals.advice import resolution_limit
-from torsionnet.signals.calculus import convert, differentiate, integrate
-from torsionnet.signals.comparison import Difference, difference, frac
-from torsionnet.signals.decimation import decimate
-from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unwrapped
-from torsionnet.signals.estimators import estimate, multiple_coherence
-from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
-from torsionnet.signals.harmonics import Harmonics, sweep_harmonics
-from torsionnet.signals.order_tracking import OrderMap, order_map
-from torsionnet.signals.pulses import MissingPulses, Pulses, missing_pulses, repaired_pulses
-from torsionnet.signals.recording_checks import check_recording
-from torsionnet.signals.resampling import resampled
-from torsionnet.signals.resolution import Resolution, resolution
-from torsionnet.signals.single_tests import Step, full_record, stepped_sine
-from torsionnet.signals.spectra import cross_spectra
-from torsionnet.signals.spectral_matrix import CrossSpectra
-from torsionnet.signals.spectrogram import Spectrogram, spectrogram
-from torsionnet.signals.uncertainty import RandomError, random_error, random_errors
-from torsionnet.signals.welch import PAPER, Welch
-
-__all__ = [
-    "PAPER",
-    "BurstRandom",
-    "CrossSpectra",
-    "Difference",
-    "Harmonics",
-    "LinearChirp",
-    "LogarithmicSweep",
-    "MissingPulses",
-    "Multisine",
-    "OrderMap",
-    "Pulses",
-    "RandomError",
-    "Recording",
-    "Resolution",
-    "Signal",
-    "Spectrogram",
-    "Step",
-    "SteppedSine",
-    "Welch",
-    "angle_from_counts",
-    "angle_from_pulses",
-    "check_recording",
-    "convert",
-    "cross_spectra",
-    "decimate",
-    "difference",
-    "differentiate",
-    "estimate",
-    "frac",
-    "full_record",
-    "integrate",
-    "iter_blocks",
-    "missing_pulses",
-    "multiple_coherence",
-    "order_map",
-    "random_error",
-    "random_errors",
-    "read_recording",
-    "repaired_pulses",
-    "resampled",
-    "resolution",
-    "resolution_limit",
-    "spectrogram",
-    "stepped_sine",
-    "sweep_harmonics",
-    "unwrapped",
-    "write_recording",
-]
+from torsionnet.core.lazy import offered
 
 # Files are read in a layer above this one, which knows no files; the names have their place here all the same.
-__getattr__ = names_on_demand(
-    __name__, dict.fromkeys(("iter_blocks", "read_recording", "write_recording"), "torsionnet.io.recording_files")
+__all__, __getattr__, __dir__ = offered(
+    __name__,
+    {
+        "BurstRandom": "torsionnet.signals.excitation",
+        "CrossSpectra": "torsionnet.signals.spectral_matrix",
+        "Difference": "torsionnet.signals.comparison",
+        "Harmonics": "torsionnet.signals.harmonics",
+        "LinearChirp": "torsionnet.signals.excitation",
+        "LogarithmicSweep": "torsionnet.signals.excitation",
+        "MissingPulses": "torsionnet.signals.pulses",
+        "Multisine": "torsionnet.signals.excitation",
+        "OrderMap": "torsionnet.signals.order_tracking",
+        "PAPER": "torsionnet.signals.welch",
+        "Pulses": "torsionnet.signals.pulses",
+        "RandomError": "torsionnet.signals.uncertainty",
+        "Recording": "torsionnet.response.recording",
+        "Resolution": "torsionnet.signals.resolution",
+        "Signal": "torsionnet.response.recording",
+        "Spectrogram": "torsionnet.signals.spectrogram",
+        "Step": "torsionnet.signals.single_tests",
+        "SteppedSine": "torsionnet.signals.excitation",
+        "Welch": "torsionnet.signals.welch",
+        "angle_from_counts": "torsionnet.signals.encoder",
+        "angle_from_pulses": "torsionnet.signals.encoder",
+        "check_recording": "torsionnet.signals.recording_checks",
+        "convert": "torsionnet.signals.calculus",
+        "cross_spectra": "torsionnet.signals.spectra",
+        "decimate": "torsionnet.signals.decimation",
+        "difference": "torsionnet.signals.comparison",
+        "differentiate": "torsionnet.signals.calculus",
+        "estimate": "torsionnet.signals.estimators",
+        "frac": "torsionnet.signals.comparison",
+        "full_record": "torsionnet.signals.single_tests",
+        "integrate": "torsionnet.signals.calculus",
+        "iter_blocks": "torsionnet.io.recording_files",
+        "missing_pulses": "torsionnet.signals.pulses",
+        "multiple_coherence": "torsionnet.signals.estimators",
+        "order_map": "torsionnet.signals.order_tracking",
+        "random_error": "torsionnet.signals.uncertainty",
+        "random_errors": "torsionnet.signals.uncertainty",
+        "read_recording": "torsionnet.io.recording_files",
+        "repaired_pulses": "torsionnet.signals.pulses",
+        "resampled": "torsionnet.signals.resampling",
+        "resolution": "torsionnet.signals.resolution",
+        "resolution_limit": "torsionnet.signals.advice",
+        "spectrogram": "torsionnet.signals.spectrogram",
+        "stepped_sine": "torsionnet.signals.single_tests",
+        "sweep_harmonics": "torsionnet.signals.harmonics",
+        "unwrapped": "torsionnet.signals.encoder",
+        "write_recording": "torsionnet.io.recording_files",
+    },
 )

@@ -59,7 +59,7 @@ class Rotation:
         points = np.unique(np.concatenate([np.arange(0, len(whole), every), [len(whole) - 1]]))
         self.course = _spline(stamps[points], whole[points])
         places = self.course(stamps)
-        self.beyond = _solved(places, whole - places, stamps)
+        self.beyond: FloatArray = _solved(places, whole - places, stamps)
 
     def at(self, times: FloatArray) -> FloatArray:
         """Steps since the first pulse, at times between the first and the last one."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import listed
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import NEIGHBOURS, around, without_double
 
@@ -64,12 +64,15 @@ class Pulses:
         """What was repaired, with time and number."""
         found = []
         if len(self.spurious):
-            where = _listed([f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)])
+            where = listed(
+                [f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)], SHOWN
+            )
             found.append(f"{_count(len(self.spurious))} too many left out: {where}")
         lost = self.irregular
         if lost.total:
-            where = _listed(
-                [f"{c} after pulse {n} at {self.times[n]:.6g} s" for n, c in zip(lost.after, lost.counts, strict=True)]
+            where = listed(
+                [f"{c} after pulse {n} at {self.times[n]:.6g} s" for n, c in zip(lost.after, lost.counts, strict=True)],
+                SHOWN,
             )
             found.append(f"{_count(lost.total)} missing and counted: {where}")
         return tuple(found)
@@ -200,8 +203,3 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
 
 def _count(number: int) -> str:
     return f"{number} pulse{'s' * (number != 1)}"
-
-
-def _listed(parts: Sequence[str]) -> str:
-    rest = len(parts) - SHOWN
-    return ", ".join(parts[:SHOWN]) + (f" and {rest} more" if rest > 0 else "")

@@ -68,9 +68,9 @@ def swept(recording: Recording, output: str, input: str, seconds: float = 2.0) -
     Segments in which the input is no sine are left out.
     """
     count = round(seconds * recording.sampling_rate)
-    whole = len(recording) // count
-    if not whole or count < 8:
+    if count < 8 or len(recording) < count:
         return np.empty(0), np.empty(0)
+    whole = len(recording) // count
     drive = recording[input].values[: whole * count].reshape(whole, count)
     answer = recording[output].values[: whole * count].reshape(whole, count)
     power = np.abs(np.fft.rfft((drive - drive.mean(axis=1, keepdims=True)) * np.hanning(count), axis=1)) ** 2
@@ -136,7 +136,9 @@ class Watch:
     """Looks at the blocks of a record on their way to be processed, before they are decimated."""
 
     def __init__(self, outputs: Sequence[str], input: str, seconds: float) -> None:
-        self.outputs, self.input, self.seconds = tuple(outputs), input, seconds
+        self.outputs: tuple[str, ...] = tuple(outputs)
+        self.input: str = input
+        self.seconds: float = seconds
         self.steps: dict[str, list[float]] = {output: [] for output in self.outputs}
         self.sweep: dict[str, list[tuple[FloatArray, FloatArray]]] = {output: [] for output in self.outputs}
 

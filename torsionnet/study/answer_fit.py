@@ -34,11 +34,13 @@ def _answers(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         yield from answers.items()
 
 
-def _kind_and_entries(raw: Any) -> tuple[type[StudyAnswer] | None, Mapping[str, Any]]:
+def _kind_and_entries(raw: object) -> tuple[type[StudyAnswer] | None, Mapping[str, Any]]:
     """The class of an answer and its entries, as they are written or as Python made them."""
     if isinstance(raw, StudyAnswer):
         return type(raw), {key: getattr(raw, key, None) for key in raw.naming}
-    kind = raw.get("type") if isinstance(raw, Mapping) else None
+    if not isinstance(raw, Mapping):
+        return None, {}
+    kind = raw.get("type")
     return (ANSWERS[kind], raw) if isinstance(kind, str) and kind in ANSWERS else (None, {})
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.expressions import Name
 from torsionnet.model.model import Model
 
@@ -13,7 +13,7 @@ from torsionnet.model.model import Model
 class ParameterUse:
     """An entry of an element: what it is, and the name of its dimension."""
 
-    quantity: PhysicalQuantity
+    quantity: QuantityKind[object]
     dimension: str
 
 
@@ -22,7 +22,7 @@ def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
     found: dict[str, dict[object, ParameterUse]] = {}
     for element in model.definition.elements.values():
         for _, spec, expression, dimension in element.expressions():
-            if isinstance(expression, Name) and isinstance(spec, PhysicalQuantity):
+            if isinstance(expression, Name) and isinstance(spec, QuantityKind):
                 kind = dimension, spec.lower, spec.exclusive, spec.nonzero
                 found.setdefault(expression.name, {}).setdefault(kind, ParameterUse(spec, dimension))
     return {name: list(uses.values()) for name, uses in found.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from torsionnet.core.entries.scalars import AnyNumber, read_value
 from torsionnet.core.errors import Fault, Path
@@ -21,7 +20,7 @@ class ValueInUnit(float):
 class QuantityValue(AnyNumber):
     """A number with the unit of the quantity; stored in SI."""
 
-    def coerce(self, raw: Any) -> float:
+    def coerce(self, raw: object) -> float:
         if isinstance(raw, ValueInUnit):
             return raw
         found = ValueInUnit(super().coerce(raw))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import inf
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import Fault
 from torsionnet.model.model import Model
 from torsionnet.study.parameter_uses import parameter_uses
@@ -35,7 +35,7 @@ def unreachable(model: Model, marginals: Mapping[str, Marginal], axes: Mapping[s
 
 
 def _impossible(
-    name: str, spec: PhysicalQuantity, marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]
+    name: str, spec: QuantityKind[object], marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]
 ) -> Iterator[Fault]:
     if name in axes:
         ends = (axes[name].low, axes[name].high)

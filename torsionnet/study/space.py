@@ -72,7 +72,7 @@ class Space:
         self.__setstate__((entries, bound, tuple(faults)))
 
     @classmethod
-    def read(cls, raw: Any, model: Model) -> tuple[Self | None, list[Fault]]:
+    def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
         """The space of ``{vary: ..., correlation: ..., sampling: ...}``, if nothing is wrong, and all findings."""
         if not isinstance(raw, Mapping):
             return None, SpaceEntries.read(raw)[1]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.model.elements import Element
 from torsionnet.model.model import Model
@@ -88,7 +88,7 @@ def _unknown(name: str, model: Model) -> Fault:
 
 def _no_entry(element: Element, key: str, path: Path) -> Fault:
     """What was meant by an entry that has no value to vary."""
-    varying = [name for name, spec in element.specs() if isinstance(spec, PhysicalQuantity)]
+    varying = [name for name, spec in element.specs() if isinstance(spec, QuantityKind)]
     if key in varying:
         text = f"{element.name} has no {key} in the model; give it a value there, then it can vary"
         return Fault(text, path, on_key=True)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Composite, Listed, Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.spec import Plural, Schema, entry
 from torsionnet.core.entries.words import MODEL_NAME, Text
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.model import Model
@@ -27,14 +27,14 @@ ALL = "all"
 _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all, or a list of names")
 
 
-class SomeConfigurations(Composite):
+class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
     """``all``, the name of one, or a list of names."""
 
     @property
     def absent(self) -> tuple[str, ...]:
         return ()
 
-    def read(self, raw: Any) -> tuple[tuple[str, ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[str, ...], list[Fault]]:
         found: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])
         return found
 
@@ -46,10 +46,10 @@ class SomeConfigurations(Composite):
         return {"description": self.description, "anyOf": [{"type": ["string", "number"]}, names]}
 
 
-class QuantityOfFileOrPython(Typed):
+class QuantityOfFileOrPython(Typed[StudyQuantity]):
     """A quantity of a file, or any that Python made, functions of a user among them."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         return (raw, []) if isinstance(raw, StudyQuantity) else super().read(raw)
 
 

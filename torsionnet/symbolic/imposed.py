@@ -49,7 +49,9 @@ def at_rest(drivetrain: AssembledModel, driven: Input | None = None) -> Assemble
 def _holder(channel: Input, known: Mapping[str, Element]) -> Element:
     """What holds an imposed angle at zero: a clamp, or between two nodes a rigid coupling."""
     name = _unused(f"rest_{'_'.join(channel.nodes)}", known)
-    return Lock(name, node=channel.of) if channel.against is None else RigidCoupling(name, nodes=channel.nodes)
+    if channel.against is None:
+        return Lock(name, node=channel.of)
+    return RigidCoupling(name, nodes=(channel.of, channel.against))
 
 
 def _unused(name: str, elements: Mapping[str, Element]) -> str:

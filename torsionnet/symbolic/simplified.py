@@ -16,6 +16,7 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import TorsionnetError, UsageError
+from torsionnet.core.expressions import Number
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import GROUND, Element
@@ -173,7 +174,7 @@ def _candidates(definition: Definition, read: set[str]) -> Iterator[Change]:
             if GROUND not in element.nodes and element.name not in read:
                 yield Change(element.name, RigidCoupling(element.name, nodes=element.nodes), f"{element.name} rigid")
             if str(element.damping) != "0":
-                undamped = replace(element, damping=0)
+                undamped = replace(element, damping=Number(0))
                 yield Change(element.name, undamped, f"{element.name} without its damping")
         if isinstance(element, Gear) and element.stiffness is not None and element.name not in read:
             yield Change(element.name, replace(element, stiffness=None, damping=None), f"{element.name} rigid")

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, under
 
 _BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
 _FREQUENCY = Value("a frequency", "frequency", lower=None)
@@ -19,24 +18,28 @@ LOWEST, HIGHEST = 1e-9, 1e9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Band(Spec):
+class Band(Spec[tuple[float, float]]):
     """Two frequencies, the lower one first; stored in Hz."""
 
     from_zero: bool = False
     """Whether it may begin at 0."""
 
-    def coerce(self, raw: Any) -> tuple[float, float]:
+    def coerce(self, raw: object) -> tuple[float, float]:
         return parse_band(raw, from_zero=self.from_zero)
 
-    def plain(self, value: Any) -> str:
+    def plain(self, value: tuple[float, float]) -> str:
         return "..".join(repr(edge).removesuffix(".0") for edge in value) + " Hz"
 
     def schema(self) -> Schema:
-        pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"description": f"{self.description}: {BAND_FORMS}", "anyOf": [{"type": "string"}, pair]}
 
+    @property
+    def accepted(self) -> str:
+        return "str | tuple[Scalar, Scalar] | list[Scalar] | list[float] | list[str]"
 
-def parse_band(raw: Any, *, from_zero: bool = False) -> tuple[float, float]:
+
+def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
     """Two frequencies in Hz from ``0.3..40 Hz`` or a list of two.
 
     >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
@@ -52,7 +55,7 @@ def parse_band(raw: Any, *, from_zero: bool = False) -> tuple[float, float]:
     return low, high
 
 
-def _edges(raw: Any) -> tuple[Any, Any]:
+def _edges(raw: object) -> tuple[object, object]:
     if isinstance(raw, (list, tuple)) and len(raw) == 2:
         return raw[0], raw[1]
     match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
@@ -62,26 +65,29 @@ def _edges(raw: Any) -> tuple[Any, Any]:
     return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
 
 
-class Bands(Spec):
+class Bands(Plural[tuple[tuple[float, float], ...]]):
     """Bands in a list, or one alone."""
 
     @property
     def absent(self) -> tuple[tuple[float, float], ...]:
         return ()
 
-    def coerce(self, raw: Any) -> tuple[tuple[float, float], ...]:
+    def coerce(self, raw: object) -> tuple[tuple[float, float], ...]:
         one = Band(self.description, from_zero=True)
-        several = isinstance(raw, list | tuple) and all(_is_band(part) for part in raw)
-        if several:
+        if isinstance(raw, list | tuple) and all(_is_band(part) for part in raw):
             return tuple(under(index, one, part) for index, part in enumerate(raw))
         return (one.coerce(raw),)
 
-    def plain(self, value: Any) -> list[str]:
+    def plain(self, value: tuple[tuple[float, float], ...]) -> list[str]:
         return [Band("").plain(band) for band in value]
 
     def schema(self) -> Schema:
         return {"type": ["array", "string"], "description": f"{self.description}: {BAND_FORMS}, or a list of these"}
 
+    @property
+    def accepted(self) -> str:
+        return "str | list[Scalar] | list[float] | list[str] | collections.abc.Sequence[object]"
 
-def _is_band(raw: Any) -> bool:
+
+def _is_band(raw: object) -> bool:
     return isinstance(raw, list | tuple) or (isinstance(raw, str) and _BAND.fullmatch(raw) is not None)

@@ -4,31 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias, TypeVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import Schema, Spec, reference
+from torsionnet.core.entries.spec import Json, Plural, Schema, Spec, Stored_co, dotted, reference, several
 from torsionnet.core.errors import Fault, did_you_mean
 
-Kinds = Callable[[], Mapping[str, type[Declared]]]
+D = TypeVar("D", bound=Declared)
+Kinds: TypeAlias = Callable[[], Mapping[str, type[D]]]
 
 
-class Composite(Spec):
+class Composite(Spec[Stored_co]):
     """Base of entries that are made of others."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Stored_co | None, list[Fault]]:
         raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Nested(Composite):
+class Nested(Composite[D]):
     """The entries of another class; with ``shorthand`` a value alone stands for the entry of that name.
 
     ``name`` is that of its definition in the schema.
     """
 
-    of: Callable[[], type[Declared]]
+    of: Callable[[], type[D]]
     name: str
     shorthand: str = ""
     optional: bool = False
@@ -42,7 +43,7 @@ class Nested(Composite):
     def example(self) -> str:
         return self.shown or self.description
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[D | None, list[Fault]]:
         cls = self.of()
         if self.shorthand and not isinstance(raw, Mapping | cls):
             value, faults = dict(cls.specs())[self.shorthand].read(raw)
@@ -67,12 +68,18 @@ class Nested(Composite):
             schema = {"anyOf": [dict(cls.specs())[self.shorthand].schema(), schema]}
         return {self.name: {**schema, "description": self.description}, **cls.definitions()}
 
+    @property
+    def accepted(self) -> str:
+        of = dotted(self.of())
+        short = f" | {dict(self.of().specs())[self.shorthand].accepted}" if self.shorthand else ""
+        return f"{of} | Entries{short}"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Typed(Composite):
+class Typed(Composite[D]):
     """The entries of one of several classes, told by ``type:`` or another word."""
 
-    kinds: Kinds
+    kinds: Kinds[D]
     what: str
     name: str
     """Of its definition in the schema; those of the kinds begin with it."""
@@ -83,10 +90,10 @@ class Typed(Composite):
     def example(self) -> str:
         return self.shown or self.description
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[D | None, list[Fault]]:
         known = self.kinds()
         if isinstance(raw, tuple(known.values())):
-            return raw, []
+            return cast("D", raw), []
         kind = raw.get(self.key) if isinstance(raw, Mapping) else None
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
@@ -108,7 +115,7 @@ class Typed(Composite):
     def definitions(self) -> Schema:
         known = self.kinds()
         names = {kind: f"{self.name}_{kind.replace(' ', '_')}" for kind in known}
-        rules = [
+        rules: list[Json] = [
             {"if": {"properties": {self.key: {"const": kind}}, "required": [self.key]}, "then": reference(name)}
             for kind, name in names.items()
         ]
@@ -121,12 +128,16 @@ class Typed(Composite):
             found |= cls.definitions()
         return found
 
+    @property
+    def accepted(self) -> str:
+        return " | ".join([*map(dotted, self.kinds().values()), "Entries"])
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Named(Composite):
+class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]]):
     """A table of entries by name."""
 
-    of: Spec
+    of: Spec[Stored_co]
     refused: Callable[[str], str | None] = field(default=lambda _: None)
     """Why a name cannot be one, or None."""
     names: Schema = field(default_factory=dict)
@@ -135,7 +146,7 @@ class Named(Composite):
     fewest: int = 0
 
     @property
-    def absent(self) -> dict[str, Any]:
+    def absent(self) -> Mapping[str, Stored_co]:
         return {}
 
     @property
@@ -146,10 +157,10 @@ class Named(Composite):
     def example(self) -> str:
         return self.form
 
-    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
             return {}, [Fault(f"expected {self.form}, got {raw!r}")]
-        table: dict[str, Any] = {}
+        table: dict[str, Stored_co] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
             reason = self.refused(str(name))
@@ -160,7 +171,7 @@ class Named(Composite):
             value, found = (self.of.absent, []) if empty else self.of.read(entry)
             faults += [fault.under(name) for fault in found]
             if not found:
-                table[str(name)] = value
+                table[str(name)] = cast("Stored_co", value)
         return table, faults
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -179,19 +190,23 @@ class Named(Composite):
     def definitions(self) -> Schema:
         return self.of.definitions()
 
+    @property
+    def accepted(self) -> str:
+        return f"collections.abc.Mapping[str, {self.of.accepted}]"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Listed(Composite):
+class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
     """A list of entries."""
 
-    of: Spec
+    of: Spec[Stored_co]
     form: str = "a list"
 
     @property
-    def absent(self) -> tuple[Any, ...]:
+    def absent(self) -> tuple[Stored_co, ...]:
         return ()
 
-    def read(self, raw: Any) -> tuple[tuple[Any, ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[Stored_co, ...], list[Fault]]:
         if not isinstance(raw, list | tuple):
             return (), [Fault(f"expected {self.form}, got {raw!r}")]
         values: list[Any] = []
@@ -217,14 +232,18 @@ class Listed(Composite):
     def definitions(self) -> Schema:
         return self.of.definitions()
 
+    @property
+    def accepted(self) -> str:
+        return several(self.of.accepted)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PairOf(Composite):
+class PairOf(Composite[tuple[Stored_co, Stored_co]]):
     """Two values ``[a, b]``."""
 
-    of: Spec
+    of: Spec[Stored_co]
 
-    def read(self, raw: Any) -> tuple[tuple[Any, Any] | None, list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[Stored_co, Stored_co] | None, list[Fault]]:
         if not isinstance(raw, list | tuple) or len(raw) != 2:
             return None, [Fault(f"expected two values [a, b], got {raw!r}")]
         values, faults = Listed(self.description, self.of).read(raw)
@@ -237,5 +256,9 @@ class PairOf(Composite):
         return [self.of.plain(part) for part in value]
 
     def schema(self) -> Schema:
-        pair = {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
         return {**pair, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return several(self.of.accepted)

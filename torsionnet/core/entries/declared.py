@@ -65,7 +65,7 @@ class Declared:
 
     @classmethod
     @cache
-    def specs(cls) -> tuple[tuple[str, Spec], ...]:
+    def specs(cls) -> tuple[tuple[str, Spec[object]], ...]:
         """Name and specification of every entry, in the same order."""
         return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
 
@@ -92,7 +92,7 @@ class Declared:
         return found
 
     @classmethod
-    def read(cls, raw: Any) -> tuple[Self | None, list[Fault]]:
+    def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
         """The object that an entry of a file describes, None if anything in it is wrong, and every fault."""
         if isinstance(raw, cls):
             return raw, []
@@ -198,5 +198,5 @@ def _with_default(declared: Field[Any]) -> Schema:
     schema = {**spec.schema()}
     if "$ref" in schema:
         schema.setdefault("description", spec.description)
-    plain = isinstance(declared.default, bool | int | float | str) and declared.default != ""
-    return {**schema, "default": declared.default} if plain else schema
+    default = declared.default
+    return {**schema, "default": default} if isinstance(default, bool | int | float | str) and default != "" else schema

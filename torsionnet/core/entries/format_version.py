@@ -9,7 +9,7 @@ from torsionnet.core.errors import Fault
 
 VERSION = 1
 KEY = "torsionnet"
-VERSION_SCHEMA = {"const": VERSION, "description": "version of the file format"}
+VERSION_SCHEMA: dict[str, str | int] = {"const": VERSION, "description": "version of the file format"}
 
 
 def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Any
 
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import did_you_mean
@@ -57,7 +56,7 @@ def nearby_file(name: str) -> Path:
     return path
 
 
-def names_a_file(raw: Any) -> bool:
+def names_a_file(raw: object) -> bool:
     """Whether the name of a file stands anywhere in what was written."""
     if isinstance(raw, Mapping):
         return any(names_a_file(part) for part in raw.values())

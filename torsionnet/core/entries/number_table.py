@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co
 from torsionnet.core.expressions import Number
 from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.piecewise_linear import Rows
@@ -24,7 +24,7 @@ class RowColumn(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NumberTable(Spec):
+class NumberTable(Spec[Stored_co]):
     """Rows ``[[0 rad/s, 40 N*m], [10 rad/s, 36 N*m]]`` whose first column rises."""
 
     columns: tuple[RowColumn, ...] = ()
@@ -38,10 +38,7 @@ class NumberTable(Spec):
     def _row_text(self) -> str:
         return f"[{', '.join(column.name for column in self.columns)}]"
 
-    def coerce(self, raw: Any) -> Any:
-        return self.rows(raw)
-
-    def rows(self, raw: Any) -> Rows:
+    def rows(self, raw: object) -> Rows:
         """The rows of an entry, exact and in SI."""
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
@@ -52,12 +49,12 @@ class NumberTable(Spec):
                 raise EntryError(f"the {self.columns[0].name} must increase from row to row", (index, 0))
         return rows
 
-    def _row(self, row: Any, index: int) -> tuple[Number, ...]:
+    def _row(self, row: object, index: int) -> tuple[Number, ...]:
         if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(self.columns):
             raise EntryError(f"a row is {self._row_text}, got {'nothing' if row is None else repr(row)}", (index,))
         return tuple(self._cell(cell, index, place) for place, cell in enumerate(row))
 
-    def _cell(self, cell: Any, index: int, place: int) -> Number:
+    def _cell(self, cell: object, index: int, place: int) -> Number:
         column = self.columns[place]
         try:
             value = cell if isinstance(cell, Number) else read_scalar(cell, column.dimension)
@@ -78,5 +75,9 @@ class NumberTable(Spec):
 
     def schema(self) -> Schema:
         count = len(self.columns)
-        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
+        row: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
         return {"type": "array", "items": row, "minItems": self.fewest, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "NumberRows"

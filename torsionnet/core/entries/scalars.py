@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co
 from torsionnet.core.errors import Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, ExpressionError, Number
@@ -17,7 +17,7 @@ from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 
 
-def read_scalar(raw: Any, dimension: str) -> Expression:
+def read_scalar(raw: object, dimension: str) -> Expression:
     """A number (SI), a quantity with unit or an expression of parameters; its written unit must fit ``dimension``."""
     if raw is None:
         raise EntryError(f"a value is missing; expected {_wanted(dimension)}")
@@ -30,7 +30,7 @@ def read_scalar(raw: Any, dimension: str) -> Expression:
     return check_unit(value, dimension)
 
 
-def read_value(raw: Any) -> Expression:
+def read_value(raw: object) -> Expression:
     """A scalar of any dimension."""
     if raw is None or isinstance(raw, (Mapping, list, tuple)):
         raise EntryError(
@@ -66,7 +66,7 @@ def _unit_hint(message: str, dimension: str) -> str:
     return message if dimension == "1" or "expected" in message else f"{message}; expected {_wanted(dimension)}"
 
 
-def plain_scalar(value: Expression) -> Any:
+def plain_scalar(value: Expression) -> int | float | str:
     """A number if nothing else was written, else the text."""
     if isinstance(value, Number) and value.text is None:
         return plain_number(value.value)
@@ -83,14 +83,14 @@ def plain_number(value: Fraction | float) -> int | float | str:
     return float(value)
 
 
-class AnyQuantity(Spec):
+class AnyQuantity(Spec[Expression]):
     """A scalar whose dimension follows from where it is used."""
 
     @property
     def example(self) -> str:
         return "a number with unit, as 0.46 kN*m/rad"
 
-    def coerce(self, raw: Any) -> Expression:
+    def coerce(self, raw: object) -> Expression:
         return raw if isinstance(raw, Expression) else read_value(raw)
 
     def plain(self, value: Any) -> Any:
@@ -99,10 +99,14 @@ class AnyQuantity(Spec):
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PhysicalQuantity(Spec):
-    """A physical scalar: number in SI, text with unit, or an expression of parameters.
+class QuantityKind(Spec[Stored_co]):
+    """A physical scalar: a value, or what of it can be said otherwise, as damping by a measure.
 
     ``usual`` are sizes in SI outside of which the checks ask whether that is meant.
     """
@@ -113,9 +117,6 @@ class PhysicalQuantity(Spec):
     exclusive: bool = False
     nonzero: bool = False
     usual: tuple[float, float] | None = None
-
-    def coerce(self, raw: Any) -> Any:
-        return read_scalar(raw, self.dimension)
 
     def plain(self, value: Any) -> Any:
         return plain_scalar(value)
@@ -136,9 +137,20 @@ class PhysicalQuantity(Spec):
             return f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}"
         return None
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
+
+class PhysicalQuantity(QuantityKind[Expression]):
+    """A physical scalar: number in SI, text with unit, or an expression of parameters."""
+
+    def coerce(self, raw: object) -> Expression:
+        return read_scalar(raw, self.dimension)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Value(Spec):
+class Value(Spec[float]):
     """A number with unit, no expression; stored in SI (frequencies in Hz)."""
 
     dimension: str
@@ -146,7 +158,7 @@ class Value(Spec):
     exclusive: bool = False
     below: float | None = None
 
-    def coerce(self, raw: Any) -> float:
+    def coerce(self, raw: object) -> float:
         number = _finite(_number(read_scalar(raw, self.dimension)))
         if self.below is not None and number >= self.below:
             share = f" ({100 * self.below:g} %)" if self.dimension == "1" else ""
@@ -157,22 +169,26 @@ class Value(Spec):
             )
         return number
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: float) -> int | float | str:
         return plain_number(value)
 
     def schema(self) -> Schema:
         unit = f" [{expected_unit(self.dimension)}]" if self.dimension != "1" else ""
         return {**SCALAR_SCHEMA, "description": f"{self.description}{unit}"}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ValueInUnitOfUse(Spec):
+class ValueInUnitOfUse(Spec[Number]):
     """A number in the unit of something else, which only that can tell."""
 
     lower: float | None = 0.0
     exclusive: bool = False
 
-    def coerce(self, raw: Any) -> Number:
+    def coerce(self, raw: object) -> Number:
         if isinstance(raw, Number):
             return raw
         try:
@@ -183,36 +199,44 @@ class ValueInUnitOfUse(Spec):
         assert isinstance(number, Number)
         return number
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Number) -> int | float | str:
         return plain_number(value.value) if value.text is None else value.text
 
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": f"{self.description} [unit of what is measured]"}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
 
-class AnyNumber(Spec):
+
+class AnyNumber(Spec[float]):
     """A number with the unit of what it is a value of; stored in SI."""
 
-    def coerce(self, raw: Any) -> float:
+    def coerce(self, raw: object) -> float:
         value = read_value(raw)
         if not isinstance(value, Number):
             raise EntryError(f"expected a number with unit, got {raw!r}")
         return float(value.value)
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: float) -> int | float | str:
         return plain_number(value)
 
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
 
-def _number(value: Expression) -> Any:
+
+def _number(value: Expression) -> Fraction:
     if not isinstance(value, Number):
         raise EntryError(f'expected a number with unit; "{value}" is an expression of parameters')
-    return value.value
+    return Fraction(value.value)
 
 
-def _finite(value: Any) -> float:
+def _finite(value: Fraction) -> float:
     number = float(value)
     if not float("-inf") < number < float("inf"):
         raise EntryError(f"expected a finite number, got {value!r}")

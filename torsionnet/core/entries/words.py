@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from numbers import Integral
-from typing import Any
 
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import did_you_mean
@@ -32,12 +31,12 @@ def is_plain(name: str) -> bool:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Text(Spec):
+class Text(Spec[str]):
     """Free text, or the name of something."""
 
     what: str = "text"
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         if not isinstance(raw, str):
             raise EntryError(f"expected {self.what}, got {raw!r}")
         return raw
@@ -45,14 +44,18 @@ class Text(Spec):
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "str"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OneOf(Spec):
+class OneOf(Spec[str]):
     """One word out of a few."""
 
     options: tuple[str, ...]
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         if raw not in self.options:
             hint = did_you_mean(raw, self.options) if isinstance(raw, str) else ""
             raise EntryError(f"expected {' or '.join(self.options)}, got {raw!r}{hint}")
@@ -61,15 +64,19 @@ class OneOf(Spec):
     def schema(self) -> Schema:
         return {"enum": list(self.options), "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return f"typing.Literal[{', '.join(map(repr, self.options))}]"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Count(Spec):
+class Count(Spec[int]):
     """A whole number in a range."""
 
     lower: int = 1
     upper: int = 1000
 
-    def coerce(self, raw: Any) -> int:
+    def coerce(self, raw: object) -> int:
         if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
             raise EntryError(f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}")
         return int(raw)
@@ -77,14 +84,22 @@ class Count(Spec):
     def schema(self) -> Schema:
         return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "WholeNumber"
 
-class Flag(Spec):
+
+class Flag(Spec[bool]):
     """true or false."""
 
-    def coerce(self, raw: Any) -> bool:
+    def coerce(self, raw: object) -> bool:
         if not isinstance(raw, bool):
             raise EntryError(f"expected true or false, got {raw!r}")
         return raw
 
     def schema(self) -> Schema:
         return {"type": "boolean", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "bool"

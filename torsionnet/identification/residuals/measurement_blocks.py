@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.residuals.instrument import instrument_of
+from torsionnet.identification.residuals.instrument import Instrument, instrument_of
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.memory import check_memory
-from torsionnet.identification.residuals.operator import windowed_estimate
+from torsionnet.identification.residuals.memory import MOST, check_memory, demand
+from torsionnet.identification.residuals.operator import WindowedEstimate, windowed_estimate
 from torsionnet.identification.residuals.record_block import RecordBlock
-from torsionnet.identification.residuals.remembered import remembered_estimate
 from torsionnet.identification.residuals.residual_forms import Form
 from torsionnet.identification.residuals.response_block import ResponseBlock, settled
 from torsionnet.identification.residuals.smoothing import smoothing
-from torsionnet.identification.residuals.steps import steps_in
+from torsionnet.identification.residuals.steps import SensorSteps, steps_in
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.recording import Recording
@@ -69,7 +70,7 @@ def _of_response(
     chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
     form = form if chosen.has_phase else "magnitude"
     ends = chosen.outputs[0], chosen.inputs[0]
-    remembered = remembered_estimate(chosen) if measurement.error is None else None
+    remembered = _remembered_estimate(chosen) if measurement.error is None else None
     if remembered is not None:
         windowed, kept, steps = remembered
         response = _response(rig, measurement, windowed.fine, parameters, ends)
@@ -139,3 +140,33 @@ def _response(
                 f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"
             )
     return response
+
+
+def _remembered_estimate(
+    chosen: FrequencyResponse,
+) -> tuple[WindowedEstimate, NDArray[np.bool_], SensorSteps] | None:
+    """How lines of one pair follow from a transfer function, which of them are compared, and the sensor's steps.
+
+    None without a record, where it was not swept (an average over a stationary input is smoothed alike wherever the
+    record begins), for estimators that are not linear in the transfer function, and for records that would take too
+    much memory.
+    """
+    origin, f = chosen.estimation, chosen.frequencies
+    output, driven = chosen.outputs[0].name, chosen.inputs[0].name
+    if origin is None or origin.record is None or not origin.swept:
+        return None
+    signal = {("H1", 0): driven, ("H2", 0): output, ("Hr", 1): "".join(origin.references)}.get(
+        (origin.estimator, len(origin.references)), ""
+    )
+    if not {output, driven, signal} <= set(origin.record.names):
+        return None
+    instrument = Instrument(origin.estimator, signal, plain=True)
+    detrend: Any = origin.detrend
+    settings, band = Welch(origin.window, origin.seconds, origin.overlap, detrend), (float(f[0]), float(f[-1]))
+    if demand(origin.record, settings, band).most > MOST:
+        return None
+    windowed = windowed_estimate(origin.record, output, driven, settings, band, instrument=instrument)
+    kept = np.asarray(np.isclose(windowed.frequencies[:, None], f, rtol=1e-9).any(axis=1), dtype=np.bool_)
+    if np.count_nonzero(kept) != len(f):
+        return None
+    return windowed, kept, SensorSteps(origin.steps.get(output, 0.0), origin.decimation)

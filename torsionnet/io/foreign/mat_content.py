@@ -1,17 +1,34 @@
-"""MAT v4 and v5 files, through scipy: numbers, also of structures, and texts."""
+"""MAT v4 and v5 files, through scipy: numbers, also of structures, and texts.
+
+What a file says that it holds is checked against its size before anything is unpacked.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import zlib
 from collections.abc import Iterator
+from math import prod
 from pathlib import Path
-from typing import Any
+from struct import Struct, error
+from typing import Any, BinaryIO
 
-from torsionnet.io.foreign.content import COMPLEX, ROW, Content, Plain, in_memory
-from torsionnet.io.foreign.mat_claims import check_claims
+import torsionnet.io.foreign.resource_limits as resource_limits
+from torsionnet.io.foreign.content import COMPLEX, ROW, Content, ForeignFileError, Plain, in_memory
 
 MOST = 64
 """Entries of an array of structures that are looked into."""
+
+
+HEADER = 128
+COMPRESSED, MATRIX = 15, 14
+OBJECTS = frozenset({1, 2})
+"""Classes cell and structure, of which every entry takes a tag of 8 bytes, and memory for a reference."""
+SPARSE = 5
+START = 4096
+"""Bytes that are unpacked of a compressed variable, to see its size and dimensions."""
+V4_SIZES = (8, 4, 4, 2, 2, 1)
+_TOO_MUCH = "says that it holds more than there is; the file is damaged or ends early"
 
 
 def load() -> None:
@@ -24,7 +41,7 @@ def opened(path: Path) -> Iterator[Content]:
     """All variables; a field of a structure is named ``structure.field``."""
     from scipy.io import loadmat
 
-    check_claims(path)
+    _check_claims(path)
     content: dict[str, Any] = loadmat(str(path), squeeze_me=False, simplify_cells=False)
     arrays: list[tuple[str, Any, dict[str, Plain]]] = []
     texts: dict[str, Plain] = {}
@@ -55,3 +72,72 @@ def _members(name: str, value: Any) -> Iterator[tuple[str, Any]]:
                 yield from _members(f"{label}.{key}", entry[key])
     elif kind and kind in "fiubcU" and value.size:
         yield name, value
+
+
+def _check_claims(path: Path) -> None:
+    """Refuse a file of which a variable claims more than the file holds, or more than a file may unpack to."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        start = file.read(HEADER)
+        mark = start[126:128]
+        if len(start) < HEADER or 0 in start[:4]:
+            _check_v4(file, size)
+            return
+        if mark in (b"IM", b"MI"):
+            total = sum(_elements(file, "<" if mark == b"IM" else ">", size))
+            resource_limits.check(total, path)
+
+
+def _elements(file: BinaryIO, order: str, size: int) -> Iterator[int]:
+    """Bytes of every variable when it is unpacked."""
+    pair, at, number = Struct(f"{order}II"), HEADER, 0
+    while at + pair.size <= size:
+        number += 1
+        file.seek(at)
+        kind, length = pair.unpack(file.read(pair.size))
+        if length > size - at - pair.size:
+            raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
+        start = file.read(min(length, START))
+        if kind == COMPRESSED:
+            start = zlib.decompressobj().decompress(start, START)
+            if len(start) < pair.size:
+                raise ForeignFileError(f"variable {number} cannot be unpacked; the file is damaged")
+            kind, unpacked = pair.unpack(start[: pair.size])
+            start = start[pair.size :]
+        else:
+            unpacked = length
+        if kind == MATRIX:
+            _check_dimensions(start, order, unpacked, number)
+        yield unpacked
+        at += pair.size + length
+
+
+def _check_dimensions(start: bytes, order: str, length: int, number: int) -> None:
+    """As many entries as the dimensions say need at least a byte each, or a tag."""
+    try:
+        _, _, flags, _, _, count = Struct(f"{order}6I").unpack_from(start)
+        dimensions = Struct(f"{order}{min(count // 4, 32)}i").unpack_from(start, 24)
+    except error:
+        return  # of something else; the library has its own words
+    kind = flags & 0xFF
+    least = 0 if kind == SPARSE else 8 if kind in OBJECTS else 1
+    if least * prod(dimensions) > length:
+        raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
+
+
+def _check_v4(file: BinaryIO, size: int) -> None:
+    at, number = 0, 0
+    while at < size:
+        number += 1
+        file.seek(at)
+        start = file.read(20)
+        if len(start) < 20:
+            raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
+        order = "<" if 0 <= Struct("<i").unpack_from(start)[0] <= 5000 else ">"
+        kind, rows, columns, imaginary, letters = Struct(f"{order}5i").unpack(start)
+        precision = kind // 10 % 10
+        if not (0 <= kind <= 5000 and precision < len(V4_SIZES) and min(rows, columns, letters) >= 0):
+            raise ForeignFileError("this is no MAT file, or a damaged one")
+        at += 20 + letters + rows * columns * V4_SIZES[precision] * (2 if imaginary else 1)
+        if at > size:
+            raise ForeignFileError(f"variable {number} {_TOO_MUCH}")

@@ -1,24 +1,32 @@
-"""NPZ files of numpy, read member by member in blocks: a large file never has to fit into memory."""
+"""NPZ files of numpy, read member by member in blocks: a large file never has to fit into memory.
+
+What a file says that it holds is checked against what is there before anything is unpacked.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import zipfile
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from torsionnet.core.atomic import replacing
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.io.foreign import ForeignFileError, resource_limits
 from torsionnet.io.foreign.content import Slice, Stored, sliced
-from torsionnet.io.formats.npz_headers import ENDING, Header, checked_headers, loaded
 from torsionnet.io.records.arrays import array_source
 from torsionnet.io.records.source import Source
 from torsionnet.io.records.stored import KEY, saved_columns, stored
 from torsionnet.io.responses import described
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray, Recording
+
+ENDING = ".npy"
 
 
 class _Stream:
@@ -42,8 +50,8 @@ def opened(path: Path) -> Iterator[Source]:
     """An NPZ file: every numeric array is a channel, or one for every column."""
     # An archive keeps its file open for as long as one of its members is.
     with zipfile.ZipFile(path) as archive, contextlib.ExitStack() as members:
-        headers = checked_headers(archive, path)
-        text = str(loaded(archive, KEY)) if KEY in headers else ""
+        headers = _checked_headers(archive, path)
+        text = str(_loaded(archive, KEY)) if KEY in headers else ""
         found = [_member(archive, name, header, members) for name, header in headers.items() if name != KEY]
         kept = [pair for pair in found if pair]
         blocks = sliced([read for _, read in kept], [member.length for member, _ in kept])
@@ -59,7 +67,7 @@ def _member(
         stream = _Stream(archive, f"{name}{ENDING}", header.dtype, header.offset)
         members.callback(stream.file.close)
         return Stored(name, header.shape), stream
-    values = loaded(archive, name)
+    values = _loaded(archive, name)
     columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values
     value = float(columns.ravel()[0]) if columns.size == 1 else None
     return Stored(name, columns.shape, value=value), lambda first, last: columns[first:last]
@@ -74,10 +82,10 @@ def write(recording: Recording, path: Path) -> None:
 def read_response(path: Path) -> FrequencyResponse:
     """The response in an NPZ file of :func:`write_response`."""
     with zipfile.ZipFile(path) as archive:
-        there = checked_headers(archive, path)
+        there = _checked_headers(archive, path)
         described.check_members(there, path, "archive", "is empty")
-        numbers = {name: loaded(archive, name) for name in described.NUMBERS if name in there}
-        return described.described(str(loaded(archive, described.KEY)), numbers)
+        numbers = {name: _loaded(archive, name) for name in described.NUMBERS if name in there}
+        return described.described(str(_loaded(archive, described.KEY)), numbers)
 
 
 def write_response(response: FrequencyResponse, path: Path) -> None:
@@ -91,3 +99,57 @@ def _write(arrays: Mapping[str, Any], path: Path) -> None:
         for name, values in arrays.items():
             with archive.open(f"{name}{ENDING}", "w", force_zip64=True) as member:  # dated 1980, not today
                 np.lib.format.write_array(member, np.asanyarray(values), allow_pickle=False)
+
+
+@dataclass(frozen=True)
+class Header:
+    """Shape and type of an array, and where its values begin."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    offset: int
+
+
+def _checked_headers(archive: zipfile.ZipFile, path: Path) -> dict[str, Header]:
+    """The headers by name.
+
+    Raises
+    ------
+    ModelError
+        Arrays of Python objects, and arrays that claim more or less than there is.
+    ForeignFileError
+        Everything together would unpack to more than a file of its size may.
+    """
+    entries = [entry for entry in archive.infolist() if entry.filename.endswith(ENDING)]
+    resource_limits.check(sum(entry.file_size for entry in entries), path)
+    headers, faults = {}, []
+    for entry in entries:
+        name = entry.filename.removesuffix(ENDING)
+        if name in headers:
+            faults.append(f"{name} is there twice")
+        header = headers[name] = _header(archive, entry)
+        claimed = header.offset + header.dtype.itemsize * prod(header.shape)
+        if header.dtype.hasobject:
+            faults.append(f"{name} holds Python objects, which are not unpacked; save numbers")
+        elif claimed != entry.file_size:
+            text = f"{name} says that it takes {claimed} bytes, there are {entry.file_size}"
+            faults.append(f"{text}; the file is damaged or ends early")
+    if faults:
+        raise ModelError([Fault(text) for text in faults], path.name)
+    return headers
+
+
+def _header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Header:
+    with archive.open(entry) as file:
+        version = np.lib.format.read_magic(file)
+        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        shape, _fortran, dtype = read(file)
+        if any(size < 0 for size in shape):
+            raise ForeignFileError(f"{entry.filename} has the shape {shape}")
+        return Header(shape, dtype, file.tell())
+
+
+def _loaded(archive: zipfile.ZipFile, name: str) -> Any:
+    """A whole array, whose header was checked."""
+    with archive.open(f"{name}{ENDING}") as file:
+        return np.load(file, allow_pickle=False)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value, ValueInUnitOfUse
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Flag, Text
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
 from torsionnet.model.bench.shares import Shares
 
 DELAY = "time by which the channel lags behind the others"
@@ -32,16 +33,18 @@ class Exciter(Declared):
 
     kind: ClassVar[str] = "exciter"
 
-    bandwidth: Any = entry(
+    bandwidth: float | None = entry(
         Value("frequency at which the torque is 3 dB below its set-point", "frequency", exclusive=True), None
     )
-    compensated: Any = entry(
+    compensated: bool = entry(
         Flag("whether the set-point is raised beforehand so that the delivered torque is flat (feed-forward)"), False
     )
-    harmonics: Any = entry(Shares("share of the amplitude that a sine gets at its multiples"), None)
-    limit: Any = entry(Value("rated torque, at which the set-point is clipped", "torque", exclusive=True), None)
-    bits: Any = entry(Count("resolution of the analog output of the set-point", upper=32), None)
-    full_scale: Any = entry(
+    harmonics: dict[int, float] | None = entry(Shares("share of the amplitude that a sine gets at its multiples"), None)
+    limit: float | None = entry(
+        Value("rated torque, at which the set-point is clipped", "torque", exclusive=True), None
+    )
+    bits: int | None = entry(Count("resolution of the analog output of the set-point", upper=32), None)
+    full_scale: float | None = entry(
         Value("torque at the end of the analog output's range, -full_scale to +full_scale", "torque", exclusive=True),
         None,
     )
@@ -68,14 +71,14 @@ class Transducer(Declared):
 
     kind: ClassVar[str] = "transducer"
 
-    sensor: Any = entry(Text(SENSOR), None)
-    range: Any = entry(
+    sensor: str | None = entry(Text(SENSOR), None)
+    range: Number | None = entry(
         ValueInUnitOfUse("largest value, plus or minus; beyond it the reading is clipped", exclusive=True), None
     )
-    noise: Any = entry(ValueInUnitOfUse("standard deviation of white noise at the sampling rate"), None)
-    offset: Any = entry(ValueInUnitOfUse("added to every value", lower=None), None)
-    gain: Any = entry(Value("what it reads over what is there", "1", lower=None), 1.0)
-    delay: Any = entry(Value(DELAY, "time"), 0.0)
+    noise: Number | None = entry(ValueInUnitOfUse("standard deviation of white noise at the sampling rate"), None)
+    offset: Number | None = entry(ValueInUnitOfUse("added to every value", lower=None), None)
+    gain: float = entry(Value("what it reads over what is there", "1", lower=None), 1.0)
+    delay: float = entry(Value(DELAY, "time"), 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,10 +93,10 @@ class Encoder(Declared):
 
     kind: ClassVar[str] = "encoder"
 
-    sensor: Any = entry(Text(SENSOR), None)
-    lines: Any = entry(Count("lines per revolution", upper=10_000_000))
-    quadrature: Any = entry(Flag("whether all four edges of the two tracks are counted"), False)
-    delay: Any = entry(Value(DELAY, "time"), 0.0)
+    sensor: str | None = entry(Text(SENSOR), None)
+    lines: int = entry(Count("lines per revolution", upper=10_000_000))
+    quadrature: bool = entry(Flag("whether all four edges of the two tracks are counted"), False)
+    delay: float = entry(Value(DELAY, "time"), 0.0)
 
     @property
     def steps(self) -> int:
@@ -113,9 +116,9 @@ class Acquisition(Declared):
 
     kind: ClassVar[str] = "acquisition"
 
-    rate: Any = entry(Value("sampling rate", "frequency", exclusive=True))
-    bits: Any = entry(Count("resolution of the analog inputs over the range of each transducer", upper=32), None)
-    anti_alias: Any = entry(
+    rate: float = entry(Value("sampling rate", "frequency", exclusive=True))
+    bits: int | None = entry(Count("resolution of the analog inputs over the range of each transducer", upper=32), None)
+    anti_alias: float | None = entry(
         Value("cut-off (-3 dB) of a Butterworth filter of order 4 in the analog channels", "frequency", exclusive=True),
         None,
     )

@@ -12,12 +12,12 @@ from torsionnet.core.errors import Fault
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Shares(Spec):
+class Shares(Spec[dict[int, float]]):
     """Order to share: ``{2: 2 %, 3: 1 %}``."""
 
     highest: int = 20
 
-    def coerce(self, raw: Any) -> dict[int, float]:
+    def coerce(self, raw: object) -> dict[int, float]:
         if not isinstance(raw, Mapping):
             raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, got {raw!r}")
         shares = {}

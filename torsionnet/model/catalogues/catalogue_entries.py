@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 CATALOGUE, SIZE = "catalogue", "size"
 
 
-class CatalogueEntry(Spec):
+class CatalogueEntry(Spec["CatalogueRow"]):
     """The name of a catalogue: a file beside the model, or one that comes with the package."""
 
-    def coerce(self, raw: Any) -> CatalogueRow:
+    def coerce(self, raw: object) -> CatalogueRow:
         from torsionnet.model.catalogues.catalogue import CatalogueRow
 
         if isinstance(raw, CatalogueRow):
@@ -28,14 +28,23 @@ class CatalogueEntry(Spec):
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        catalogue = "torsionnet.model.catalogues.catalogue"
+        return f"pathlib.PurePath | {catalogue}.Catalogue | {catalogue}.CatalogueRow"
 
-class SizeName(Spec):
+
+class SizeName(Spec[str]):
     """The size of a catalogue, which may look like a number."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         if isinstance(raw, bool) or not isinstance(raw, str | int | float):
             raise EntryError(f"expected the size as the catalogue names it, got {raw!r}")
         return str(raw)
 
     def schema(self) -> Schema:
         return {"type": ["string", "number"], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "str | float"

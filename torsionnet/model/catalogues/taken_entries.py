@@ -70,7 +70,7 @@ def _path(file: str) -> Path:
 
 
 def entries_of(
-    row: CatalogueRow, specs: Mapping[str, Spec], given: Mapping[str, Any]
+    row: CatalogueRow, specs: Mapping[str, Spec[object]], given: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
     """What a row says of entries that are not given in the model; ``loss_factor.psi`` heads a part of an entry."""
     found: dict[str, Any] = {}
@@ -87,7 +87,7 @@ def entries_of(
 
 
 def resized(
-    row: CatalogueRow, size: str, specs: Mapping[str, Spec], stored: Mapping[str, Any]
+    row: CatalogueRow, size: str, specs: Mapping[str, Spec[object]], stored: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
     """What changes with another size: the row itself, and the entries that have the values of the row before."""
     from torsionnet.model.catalogues.catalogue_reading import catalogue_row
@@ -104,7 +104,7 @@ def resized(
     return {CATALOGUE: new, **{name: raw for name, raw in after.items() if name not in kept}}, faults
 
 
-def value_of(cell: CatalogueCell, spec: Spec, faults: list[Fault]) -> Any:
+def value_of(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> Any:
     """A cell as an entry takes it; what is wrong with it is a fault in the catalogue."""
     dimension = getattr(spec, "dimension", "1")
     if dimension != "1" and cell.is_number and not cell.has_unit:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, ExpressionError, Number
 from torsionnet.core.units import expected_unit
@@ -45,12 +45,12 @@ def _of(element: Element, numbers: Numbers) -> Iterator[Fault]:
         elif isinstance(spec, LossFactor):
             text = _percent(DampingMeasure("eta", value, None), numbers)
         else:
-            text = _unusual(spec, value, numbers) if isinstance(spec, PhysicalQuantity) else None
+            text = _unusual(spec, value, numbers) if isinstance(spec, QuantityKind) else None
         if text:
             yield Fault(text, path, "warning")
 
 
-def _unusual(spec: PhysicalQuantity, value: Expression, numbers: Numbers) -> str | None:
+def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) -> str | None:
     usual = spec.usual or USUAL.get(spec.dimension)
     size = _size(value, numbers) if usual else None
     if usual is None or size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from torsionnet.core.entries.spec import present
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.definition import LOAD
 from torsionnet.model.elements.propeller import Propeller
@@ -27,11 +28,12 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
         return
     values = _values(external, rated)
     for screw in screws:
-        full = next((one for one in ahead if one.node == screw.node and screw.torque.names <= values.keys()), None)
+        torque = present(screw.torque)
+        full = next((one for one in ahead if one.node == screw.node and torque.names <= values.keys()), None)
         ratio = abs(external.ratios.get(str(screw.node), 0.0))
         if full is None or not ratio:
             continue
-        taken, whole = float(screw.torque.evaluate(values)), full.torque * (ratio * rated / full.rated) ** full.exponent
+        taken, whole = float(torque.evaluate(values)), full.torque * (ratio * rated / full.rated) ** full.exponent
         if SLIP * whole < taken < SMALL * whole:
             text = f"Archer's damping with {taken / 1e3:.4g} kN*m, {taken / whole:.0%} of the torque of full ahead"
             text += " at that speed; the formula is for a propeller that works at its pitch:"

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.core.damping import MEASURES
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import Fault, Path, TorsionnetError
 from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.number_range import is_beyond_range
@@ -148,7 +148,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
     if measure:
         return f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}: {reason}"
-    return f"{shown}: {spec.description if isinstance(spec, PhysicalQuantity) else ''} {reason}"
+    return f"{shown}: {spec.description if isinstance(spec, QuantityKind) else ''} {reason}"
 
 
 def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str | None:
@@ -157,7 +157,7 @@ def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str |
         positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
         bad = value < 0 or (positive and value == 0)
         return f"must {'be greater than' if positive else 'not be less than'} 0" if bad else None
-    return spec.bound_fault(value) if isinstance(spec, PhysicalQuantity) else None
+    return spec.bound_fault(value) if isinstance(spec, QuantityKind) else None
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:

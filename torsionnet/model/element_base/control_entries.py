@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, dotted, under
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
@@ -42,10 +42,10 @@ class SensedMotion:
         return SENSED.index(self.quantity)
 
 
-class SensedEntry(Spec):
+class SensedEntry(Spec[SensedMotion]):
     """``{velocity: node}``, or ``{velocity: [node, node]}`` for the motion of the first against the second."""
 
-    def coerce(self, raw: Any) -> SensedMotion:
+    def coerce(self, raw: object) -> SensedMotion:
         if isinstance(raw, SensedMotion):
             return raw
         if not isinstance(raw, Mapping) or len(raw) != 1:
@@ -66,17 +66,21 @@ class SensedEntry(Spec):
 
     def schema(self) -> Schema:
         node = OneOrTwoNodes("a node, or the first of two against the second").schema()
-        found = {"type": "object", "properties": dict.fromkeys(SENSED, node), "additionalProperties": False}
+        found: Schema = {"type": "object", "properties": dict.fromkeys(SENSED, node), "additionalProperties": False}
         return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return f"{dotted(SensedMotion)} | collections.abc.Mapping[str, {OneOrTwoNodes('').accepted}]"
 
-class OneOrTwoNodes(Spec):
+
+class OneOrTwoNodes(Spec[tuple[str, ...]]):
     """A node, or two; the second may be ground."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return tuple(map(names.node, value))
 
-    def coerce(self, raw: Any) -> tuple[str, ...]:
+    def coerce(self, raw: object) -> tuple[str, ...]:
         if isinstance(raw, str) or (isinstance(raw, list | tuple) and len(raw) == 1):
             return (read_node(raw if isinstance(raw, str) else raw[0], allow_ground=False),)
         first, second = NodePair("").coerce(raw)
@@ -89,14 +93,18 @@ class OneOrTwoNodes(Spec):
 
     def schema(self) -> Schema:
         name = {"type": "string"}
-        pair = {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": name, "minItems": 2, "maxItems": 2}
         return {"anyOf": [name, pair], "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "str | TwoNames"
 
-class ControlLawEntry(Spec):
+
+class ControlLawEntry(Spec[ControlLaw]):
     """A transfer function: a gain, PID, polynomials, zeros and poles, state space, or an object of python-control."""
 
-    def coerce(self, raw: Any) -> ControlLaw:
+    def coerce(self, raw: object) -> ControlLaw:
         if isinstance(raw, ControlLaw):
             return raw
         raw = _from_control(raw)
@@ -128,14 +136,18 @@ class ControlLawEntry(Spec):
         return {name: _plain(one) for name, one in value.entries}
 
     def schema(self) -> Schema:
-        scalars = {"type": "array", "items": SCALAR_SCHEMA}
-        roots = {"type": "array", "items": {"anyOf": [SCALAR_SCHEMA, scalars]}}
-        rows = {"type": "array", "items": {"anyOf": [SCALAR_SCHEMA, scalars]}}
+        scalars: Schema = {"type": "array", "items": SCALAR_SCHEMA}
+        roots: Schema = {"type": "array", "items": {"anyOf": [SCALAR_SCHEMA, scalars]}}
+        rows: Schema = {"type": "array", "items": {"anyOf": [SCALAR_SCHEMA, scalars]}}
         kinds: Schema = dict.fromkeys(("p", "i", "d", "filter", "gain"), SCALAR_SCHEMA)
         kinds |= dict.fromkeys(("numerator", "denominator"), scalars) | dict.fromkeys(("zeros", "poles"), roots)
         kinds |= {name: {"anyOf": [SCALAR_SCHEMA, rows]} for name in "ABCD"}
-        law = {"type": "object", "properties": kinds, "additionalProperties": False, "minProperties": 1}
+        law: Schema = {"type": "object", "properties": kinds, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, law], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(ControlLaw)} | GivenTransferFunction | GivenStateSpace | Entries"
 
 
 def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:
@@ -171,21 +183,21 @@ def _form(raw: Mapping[str, Any]) -> str:
     raise EntryError(f"{', '.join(sorted(names)) or 'nothing'} together are no law; give {_WAYS}")
 
 
-def _at(key: str | int, read: Any, raw: Any) -> Any:
+def _at(key: str | int, read: Any, raw: object) -> Any:
     try:
         return read(raw)
     except EntryError as error:
         raise EntryError([fault.under(key) for fault in error.faults]) from None
 
 
-def _scalar(raw: Any) -> Expression:
+def _scalar(raw: object) -> Expression:
     value = raw if isinstance(raw, Expression) else read_value(raw)
     if isinstance(value, Number) and not abs(value.value) < 10**40:
         raise EntryError(f"{raw!r} is no size of a law")
     return value
 
 
-def _listed(raw: Any) -> list[Any]:
+def _listed(raw: object) -> list[Any]:
     raw = raw.tolist() if hasattr(raw, "tolist") else raw
     if isinstance(raw, str) or not isinstance(raw, Sequence):
         raise EntryError(f"expected a list of numbers or expressions, got {raw!r}")
@@ -194,13 +206,13 @@ def _listed(raw: Any) -> list[Any]:
     return list(raw)
 
 
-def _row(raw: Any) -> tuple[Any, ...]:
+def _row(raw: object) -> tuple[Any, ...]:
     return tuple(
         _at(place, _root if isinstance(one, list | tuple) else _scalar, one) for place, one in enumerate(_listed(raw))
     )
 
 
-def _root(raw: Any) -> tuple[Expression, ...]:
+def _root(raw: Sequence[object]) -> tuple[Expression, ...]:
     if len(raw) != 2:
         raise EntryError(f"expected a real number, or [re, im] for a complex pair, got {raw!r}")
     return tuple(_at(place, _scalar, one) for place, one in enumerate(raw))
@@ -215,7 +227,7 @@ def _matrices(raw: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
     return (("A", A), ("B", B), ("C", C), ("D", D[0]))
 
 
-def _flat(name: str, raw: Any) -> tuple[Expression, ...]:
+def _flat(name: str, raw: object) -> tuple[Expression, ...]:
     raw = raw.tolist() if hasattr(raw, "tolist") else raw
     if not isinstance(raw, list | tuple):
         return (_at(name, _scalar, raw),)
@@ -241,7 +253,7 @@ def _plain(entry: Any) -> Any:
     return [_plain(one) for one in entry] if isinstance(entry, tuple) else plain_scalar(entry)
 
 
-def _from_control(raw: Any) -> Any:
+def _from_control(raw: object) -> Any:
     """The entries of a transfer function or state space of python-control or scipy; anything else as it is."""
     if getattr(raw, "dt", None) not in (None, 0) and not isinstance(raw, Mapping):
         raise EntryError("a law is continuous in time; this one has a sampling time")

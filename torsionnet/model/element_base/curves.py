@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.entries.scalars import PhysicalQuantity, check_unit, read_scalar, read_value
+from torsionnet.core.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
@@ -19,7 +19,7 @@ from torsionnet.model.lookup_table import LookupTable
 class Temperature(PhysicalQuantity):
     """A temperature, in degC or K: a number alone would leave open which."""
 
-    def coerce(self, raw: Any) -> Expression:
+    def coerce(self, raw: object) -> Expression:
         value = read_scalar(raw, self.dimension)
         if isinstance(value, Number) and value.unit_dimension is None:
             raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
@@ -44,7 +44,7 @@ class LookupCurve(LookupTable):
     def example(self) -> str:
         return self.shown
 
-    def key(self, raw: Any) -> Number:
+    def key(self, raw: object) -> Number:
         key = self._number(read_value(raw), raw)
         if self.over == "temperature" and key.unit_dimension is None:
             raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
@@ -54,7 +54,7 @@ class LookupCurve(LookupTable):
             raise EntryError(f"the rows of this curve begin above 0, got {raw}")
         return key
 
-    def value(self, raw: Any) -> Number:
+    def value(self, raw: object) -> Number:
         value = self._number(read_scalar(raw, self.dimension), raw)
         if value.value < 0 or (self.exclusive and value.value == 0):
             raise EntryError(f"must {'be greater than' if self.exclusive else 'not be less than'} 0, got {raw}")
@@ -66,7 +66,7 @@ class LookupCurve(LookupTable):
         return []
 
     @staticmethod
-    def _number(value: Expression, raw: Any) -> Number:
+    def _number(value: Expression, raw: object) -> Number:
         if not isinstance(value, Number):
             raise EntryError(f'a curve holds numbers; "{raw}" is an expression of parameters')
         return value
@@ -87,16 +87,16 @@ def is_share(key: Number) -> bool:
 
 
 def read_off(
-    found: Iterable[tuple[Path, Spec, Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
-) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    found: Iterable[tuple[Path, Spec[object], Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
+) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
     """Expressions of an element, those at which a curve is read off with the range that it covers.
 
     ``curves`` are the rows by the name of the entry, and the value that rows given as shares are shares of, else 1.
     """
     for path, spec, expression, dimension in found:
         rows, share_of = curves.get(str(path[0]), ((), 1))
-        if rows and isinstance(spec, PhysicalQuantity):
-            given = {one.name: getattr(spec, one.name) for one in fields(PhysicalQuantity)}
+        if rows and isinstance(spec, QuantityKind):
+            given = {one.name: getattr(spec, one.name) for one in fields(QuantityKind)}
             yield path, OnCurve(**given, rows=rows, share_of=share_of), expression, dimension
         else:
             yield path, spec, expression, dimension

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, PhysicalQuantity, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
+from torsionnet.core.entries.spec import EntryError, Schema, dotted
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Algebra, Expression
 
 
-class DampingQuantity(PhysicalQuantity):
+class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
     """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
-    def coerce(self, raw: Any) -> Expression | DampingMeasure:
+    def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
             return raw
         if isinstance(raw, Mapping):
@@ -54,7 +54,7 @@ class DampingQuantity(PhysicalQuantity):
 
     def schema(self) -> Schema:
         keys = {**dict.fromkeys(MEASURES, SCALAR_SCHEMA), "at": SCALAR_SCHEMA}
-        measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
+        measure: Schema = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": f"{self.description} [N*m*s/rad]"}
 
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
@@ -67,18 +67,22 @@ class DampingQuantity(PhysicalQuantity):
             entries.append((("at",), value.at, "frequency"))
         return tuple(entries)
 
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
 
-def _within(raw: Any, dimension: str, key: str) -> Expression:
+
+def _within(raw: object, dimension: str, key: str) -> Expression:
     try:
         return read_scalar(raw, dimension)
     except EntryError as error:
         raise EntryError(error.fault.under(key)) from None
 
 
-class LossFactor(PhysicalQuantity):
+class LossFactor(QuantityKind[Expression | DampingMeasure]):
     """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
 
-    def coerce(self, raw: Any) -> Expression | DampingMeasure:
+    def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
             return raw
         if not isinstance(raw, Mapping):
@@ -91,9 +95,13 @@ class LossFactor(PhysicalQuantity):
 
     plain = DampingQuantity.plain
 
+    @property
+    def accepted(self) -> str:
+        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
+
     def schema(self) -> Schema:
         keys = {name: SCALAR_SCHEMA for name in MEASURES if name != "c"}
-        measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
+        measure: Schema = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": self.description}
 
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:

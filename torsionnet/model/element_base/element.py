@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
@@ -29,6 +29,7 @@ from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNod
 from torsionnet.model.element_base.several import Several
 
 if TYPE_CHECKING:
+    from torsionnet.model.catalogues.catalogue import CatalogueRow
     from torsionnet.model.element_base.speed_path import SpeedPath
 
 ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid", "gears"))
@@ -85,13 +86,13 @@ class Element(Declared):
         Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True
     )
 
-    catalogue: Any = entry(
+    catalogue: CatalogueRow | None = entry(
         CatalogueEntry("a table from which it takes the entries that are not given here, as couplings.csv"),
         None,
         kw_only=True,
     )
     size: str = entry(SizeName("the row of the catalogue"), "", kw_only=True)
-    referred_to: Any = entry(
+    referred_to: str | None = entry(
         ReferenceNode("a node of the shaft at whose speed the values are quoted; default: its own shaft"),
         None,
         kw_only=True,
@@ -140,12 +141,17 @@ class Element(Declared):
         return faults
 
     @classmethod
+    def from_entries(cls, name: str, **entries: Any) -> Self:
+        """The element that entries describe as a file may give them: numbers, and texts with units."""
+        return cls(name, **entries)
+
+    @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:
         return declared.kw_only is True
 
     @classmethod
     @cache
-    def _specs_of(cls, *kinds: type[Spec]) -> tuple[tuple[str, Spec], ...]:
+    def _specs_of(cls, *kinds: type[Spec[object]]) -> tuple[tuple[str, Spec[object]], ...]:
         return tuple((name, spec) for name, spec in cls.specs() if isinstance(spec, kinds))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
@@ -251,13 +257,13 @@ class Element(Declared):
         given = "".join(f", {name}={value!r}" for name, value in self.to_data().items() if name != "type")
         return f"{type(self).__name__}({self.name!r}{given})"
 
-    def scalars(self) -> dict[str, tuple[Spec, Any]]:
+    def scalars(self) -> dict[str, tuple[Spec[object], Any]]:
         """Field name to (specification, value) of everything that was given."""
         return {name: (spec, value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
 
-    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """(path of the entry, specification, expression, dimension name) of every expression in its fields."""
-        for name, spec in self._specs_of(PhysicalQuantity, Several):
+        for name, spec in self._specs_of(QuantityKind, Several):
             value = getattr(self, name)
             if value is not None:
                 one = spec.of if isinstance(spec, Several) else spec
@@ -279,7 +285,7 @@ class Element(Declared):
     @classmethod
     def schema(cls, *, told_by: str = "") -> Schema:
         """JSON Schema of the entry; with a catalogue, that gives what else would be required."""
-        schema = super().schema(told_by=told_by)
+        schema: dict[str, Any] = dict(super().schema(told_by=told_by))
         from_row = [name for name in schema["required"] if name != told_by]
         lone = {"not": {"required": [CATALOGUE]}}
         return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.entries.composite import Named
-from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
@@ -16,14 +15,14 @@ from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
-class ElementTable(Named):
+class ElementTable(Named[Element]):
     """Elements know their names, which are part of what is said about them."""
 
     @property
     def example(self) -> str:
         return FORM
 
-    def read(self, raw: Any) -> tuple[dict[str, Element], list[Fault]]:
+    def read(self, raw: object) -> tuple[dict[str, Element], list[Fault]]:
         """Every element that can be made, and the faults of the others."""
         if not isinstance(raw, Mapping) or not raw:
             return {}, [Fault(f"a model needs elements: {FORM}", kind="missing key", about="elements")]
@@ -37,7 +36,7 @@ class ElementTable(Named):
         return elements, faults
 
 
-def _read_element(name: Any, raw: Any) -> tuple[Element | None, list[Fault]]:
+def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if isinstance(raw, Element):
         return raw, []
     if not isinstance(name, str) or name_fault(name):
@@ -83,6 +82,6 @@ def _kind_fault(kind: Any) -> Fault:
     )
 
 
-def element_kinds() -> Mapping[str, type[Declared]]:
+def element_kinds() -> Mapping[str, type[Element]]:
     """All registered types of element."""
     return ELEMENT_TYPES

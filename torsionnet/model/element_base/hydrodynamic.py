@@ -32,32 +32,34 @@ class Hydrodynamic(Element):
     more_tables: ClassVar[tuple[str, ...]] = ()
     """Other tables over the speed ratio."""
 
-    pump: Any = entry(NodeName("the node of the pump", allow_ground=False))
-    turbine: Any = entry(NodeName("the node of the turbine", allow_ground=False))
-    speed: Any = entry(PhysicalQuantity("speed of the pump at the operating point", "speed", "omega_p", exclusive=True))
-    speed_ratio: Any = entry(
+    pump: str = entry(NodeName("the node of the pump", allow_ground=False))
+    turbine: str = entry(NodeName("the node of the turbine", allow_ground=False))
+    speed: Expression = entry(
+        PhysicalQuantity("speed of the pump at the operating point", "speed", "omega_p", exclusive=True)
+    )
+    speed_ratio: Expression = entry(
         PhysicalQuantity("speed of the turbine over that of the pump at the operating point", "1", "nu")
     )
-    pump_torque: Any = entry(
+    pump_torque: Rows | None = entry(
         Characteristic("rows [speed ratio, pump torque at test_speed]", (RATIO, RowColumn("torque", "torque"))), None
     )
-    test_speed: Any = entry(
+    test_speed: Expression | None = entry(
         PhysicalQuantity("speed of the pump that pump_torque was measured at", "speed", "omega_0", exclusive=True), None
     )
-    performance: Any = entry(
+    performance: Rows | None = entry(
         Characteristic("instead: rows [speed ratio, performance coefficient lambda]", (RATIO, RowColumn("lambda"))),
         None,
     )
-    diameter: Any = entry(
+    diameter: Expression | None = entry(
         PhysicalQuantity("diameter of the circuit, for performance", "length", "D", exclusive=True), None
     )
-    density: Any = entry(PhysicalQuantity("density of the oil, for performance", "density", "rho"), "840 kg/m^3")
-    k_factor: Any = entry(
+    density: Expression = entry(PhysicalQuantity("density of the oil, for performance", "density", "rho"), "840 kg/m^3")
+    k_factor: Rows | None = entry(
         Characteristic("instead: rows [speed ratio, K factor in (r/min)/sqrt(N*m)]", (RATIO, RowColumn("K"))), None
     )
-    pump_inertia: Any = entry(PhysicalQuantity("inertia of the pump with its oil", "inertia", "J_p"), 0)
-    turbine_inertia: Any = entry(PhysicalQuantity("inertia of the turbine with its oil", "inertia", "J_t"), 0)
-    housing: Any = entry(NodeName("the node against which both turn, and that carries a stator"), GROUND)
+    pump_inertia: Expression = entry(PhysicalQuantity("inertia of the pump with its oil", "inertia", "J_p"), 0)
+    turbine_inertia: Expression = entry(PhysicalQuantity("inertia of the turbine with its oil", "inertia", "J_t"), 0)
+    housing: str = entry(NodeName("the node against which both turn, and that carries a stator"), GROUND)
 
     def contradictions(self) -> list[Fault]:
         if len({self.pump, self.turbine, self.housing}) < 3:
@@ -80,7 +82,7 @@ class Hydrodynamic(Element):
         given = float(self.speed_ratio.value)
         return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
 
-    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """The speed ratio lies within every table over it."""
         tables = [self._capacity_table, *(getattr(self, name) for name in self.more_tables)]
         first, last = max((table[0] for table in tables), key=_ratio), min((table[-1] for table in tables), key=_ratio)

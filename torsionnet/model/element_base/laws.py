@@ -113,8 +113,10 @@ class Values:
     parameters: Mapping[str, Any]
     algebra: Algebra = RATIONAL
 
-    def __call__(self, scalar: Any) -> Any:
-        return as_expression(scalar).evaluate(self.parameters, self.algebra)
+    def __call__(self, scalar: Expression | None) -> Any:
+        if not isinstance(scalar, Expression):
+            raise TypeError(f"{scalar!r} was not coerced to an expression")
+        return scalar.evaluate(self.parameters, self.algebra)
 
     def root(self, square: Any, reason: str) -> Any:
         """The square root, or an error that says why the square is below zero."""
@@ -122,10 +124,3 @@ class Values:
             return self.algebra.sqrt(square)
         except ArithmeticError:
             raise ArithmeticError(reason) from None
-
-
-def as_expression(scalar: Any) -> Expression:
-    """The expression behind a field that its element has already coerced."""
-    if not isinstance(scalar, Expression):
-        raise TypeError(f"{scalar!r} was not coerced to an expression")
-    return scalar

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, viscous
 from torsionnet.model.element_base.laws import Constraint, Law, Part, Values, make_row
@@ -44,29 +46,31 @@ class LoopDrive(Element):
     wheels_field: ClassVar[str] = ""
     """The entry with the sizes of the wheels by node."""
 
-    stiffness: Any = entry(SPANS, None, kw_only=True)
-    axial_stiffness: Any = entry(
+    stiffness: tuple[Expression, ...] = entry(SPANS, None, kw_only=True)
+    axial_stiffness: Expression | None = entry(
         PhysicalQuantity("instead: force per strain E A, with the lengths", "force", "EA", exclusive=True),
         None,
         kw_only=True,
     )
-    lengths: Any = entry(LENGTHS, None, kw_only=True)
-    damping: Any = entry(
+    lengths: tuple[Expression, ...] = entry(LENGTHS, None, kw_only=True)
+    damping: Expression | DampingMeasure | None = entry(
         DampingQuantity("damping of each span, referred to the first wheel, or a measure", "damping", "c"),
         None,
         kw_only=True,
     )
-    pretension: Any = entry(
+    pretension: Expression | None = entry(
         PhysicalQuantity("force in the spans at rest; the model holds while none gets slack", "force", "F_0"),
         None,
         kw_only=True,
     )
-    tensioner: Any = entry(NodeName("the node of the wheel on a tensioner arm", allow_ground=False), None, kw_only=True)
-    arm: Any = entry(
+    tensioner: str | None = entry(
+        NodeName("the node of the wheel on a tensioner arm", allow_ground=False), None, kw_only=True
+    )
+    arm: str | None = entry(
         NodeName("the node of that arm, which turns about its pivot", allow_ground=False), None, kw_only=True
     )
-    levers: Any = entry(LEVERS, None, kw_only=True)
-    housing: Any = entry(NodeName("the node that carries the bearings, if it moves"), None, kw_only=True)
+    levers: tuple[Expression, ...] = entry(LEVERS, None, kw_only=True)
+    housing: str | None = entry(NodeName("the node that carries the bearings, if it moves"), None, kw_only=True)
 
     @property
     def wheels(self) -> tuple[str, ...]:
@@ -144,7 +148,7 @@ class LoopDrive(Element):
     def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
         """What the arm adds to the shortening of a span over the radius of the first wheel."""
         levers = zip((other, one), self.levers, strict=False)
-        return [(self.arm, -value(lever) / radius) for end, lever in levers if end == self.tensioner]
+        return [(present(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
 
     def _row(self, ends: Ends) -> Any:
         """The row with what the housing does: it takes wheels and arm along."""

@@ -13,12 +13,12 @@ from torsionnet.model.element_base.laws import GROUND
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NodeName(Spec):
+class NodeName(Spec[str]):
     """The node an element's port is attached to."""
 
     allow_ground: bool = True
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         return read_node(raw, allow_ground=self.allow_ground)
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -27,8 +27,12 @@ class NodeName(Spec):
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
 
+    @property
+    def accepted(self) -> str:
+        return "str"
 
-def read_node(raw: Any, *, allow_ground: bool = True) -> str:
+
+def read_node(raw: object, *, allow_ground: bool = True) -> str:
     if not isinstance(raw, str) or not raw:
         raise EntryError(f"expected the name of a node, got {raw!r}")
     fault = name_fault(raw)
@@ -56,10 +60,10 @@ class ReferenceNode(NodeName):
     allow_ground: bool = False
 
 
-class NodePair(Spec):
+class NodePair(Spec[tuple[str, str]]):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 
-    def coerce(self, raw: Any) -> tuple[str, str]:
+    def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
             shown = "nothing" if raw is None else repr(raw)
             raise EntryError(f"expected two nodes [first, second], got {shown}")
@@ -89,3 +93,7 @@ class NodePair(Spec):
             "maxItems": 2,
             "description": self.description,
         }
+
+    @property
+    def accepted(self) -> str:
+        return "TwoNames"

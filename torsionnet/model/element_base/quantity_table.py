@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, cast
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.spec import EntryError, Schema, several
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.several import Several
-
-Named: TypeAlias = tuple[tuple[str, Any], ...]
-"""Values by name, in the order in which they were given."""
+from torsionnet.model.element_base.several import One_co, Several
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableByName(Several):
+class TableByName(Several[tuple[str, One_co], One_co]):
     """``{I: 3.77, II: 1.96}``, stored as pairs."""
 
     names: tuple[str, ...] = ("I", "II")
     """Names for examples."""
 
-    def coerce(self, raw: Any) -> Named:
+    def coerce(self, raw: object) -> tuple[tuple[str, One_co], ...]:
         if raw == self.absent:
             return self.absent
-        pairs = raw.items() if isinstance(raw, Mapping) else raw if _is_stored(raw) else None
+        pairs = _pairs(raw)
         if pairs is None or len(pairs) < self.fewest:
             raise self.refusal(raw)
-        found: list[tuple[str, Any]] = []
+        found: list[tuple[str, One_co | None]] = []
         faults: list[Fault] = []
         for name, value in pairs:
             reason = name_fault(str(name))
@@ -40,7 +37,7 @@ class TableByName(Several):
             faults += [fault.under(name) for fault in wrong]
         if faults:
             raise EntryError(faults)
-        return tuple(found)
+        return cast("tuple[tuple[str, One_co], ...]", tuple(found))
 
     def plain(self, value: Any) -> Any:
         return {name: self.of.plain(one) for name, one in value}
@@ -60,25 +57,30 @@ class TableByName(Several):
             for path, expression, dimension in self.of.expressions(one)
         )
 
+    @property
+    def accepted(self) -> str:
+        of = self.of.accepted
+        return f"collections.abc.Mapping[str, {of}] | tuple[tuple[str, {of}], ...]"
 
-class TableByNode(TableByName):
+
+class TableByNode(TableByName[One_co]):
     """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return tuple((names.node(node), names.within(one)) for node, one in value)
 
 
-class ListOf(Several):
+class ListOf(Several[One_co, One_co]):
     """``[3 MN/m, 2 MN/m]``."""
 
-    def coerce(self, raw: Any) -> tuple[Any, ...]:
+    def coerce(self, raw: object) -> tuple[One_co, ...]:
         if not isinstance(raw, list | tuple) or (raw and len(raw) < self.fewest):
             raise self.refusal(raw)
         read = [self.of.read(one) for one in raw]
         faults = [fault.under(index) for index, (_, found) in enumerate(read) for fault in found]
         if faults:
             raise EntryError(faults)
-        return tuple(value for value, _ in read)
+        return cast("tuple[One_co, ...]", tuple(value for value, _ in read))
 
     def plain(self, value: Any) -> Any:
         return [self.of.plain(one) for one in value]
@@ -98,6 +100,14 @@ class ListOf(Several):
             for path, expression, dimension in self.of.expressions(one)
         )
 
+    @property
+    def accepted(self) -> str:
+        return several(self.of.accepted)
 
-def _is_stored(raw: Any) -> bool:
-    return isinstance(raw, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in raw)
+
+def _pairs(raw: object) -> Collection[tuple[Any, Any]] | None:
+    """Pairs of a mapping, or as they are stored; None of anything else."""
+    if isinstance(raw, Mapping):
+        return raw.items()
+    stored = isinstance(raw, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in raw)
+    return cast("tuple[tuple[Any, Any], ...]", raw) if stored else None

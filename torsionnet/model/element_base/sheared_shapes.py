@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.errors import Fault
 
 
@@ -20,8 +20,8 @@ def _length(text: str) -> Value:
 class ShearedShape(Declared):
     """Base of shapes between two rigid parts that turn against each other."""
 
-    outer_diameter: Any = entry(_length("outer diameter"))
-    inner_diameter: Any = entry(_length("inner diameter"))
+    outer_diameter: float = entry(_length("outer diameter"))
+    inner_diameter: float = entry(_length("inner diameter"))
 
     def contradictions(self) -> list[Fault]:
         if self.inner_diameter < self.outer_diameter:
@@ -43,7 +43,7 @@ class ShearedDisc(ShearedShape):
     """
 
     kind: ClassVar[str] = "disc"
-    thickness: Any = entry(_length("thickness, from flange to flange"))
+    thickness: float = entry(_length("thickness, from flange to flange"))
 
     @property
     def factor(self) -> float:
@@ -60,7 +60,7 @@ class ShearedBush(ShearedShape):
     """
 
     kind: ClassVar[str] = "bush"
-    length: Any = entry(_length("length of the bush"))
+    length: float = entry(_length("length of the bush"))
 
     @property
     def factor(self) -> float:
@@ -79,10 +79,10 @@ class FilmGap(ShearedShape):
     """
 
     kind: ClassVar[str] = "film"
-    axial_gap: Any = entry(_length("h_a, gap at each of the two faces"), None)
-    width: Any = entry(_length("b, width of the ring"), None)
-    outer_gap: Any = entry(_length("h_o, gap outside of the ring"), None)
-    inner_gap: Any = entry(_length("h_i, gap inside of the ring"), None)
+    axial_gap: float | None = entry(_length("h_a, gap at each of the two faces"), None)
+    width: float | None = entry(_length("b, width of the ring"), None)
+    outer_gap: float | None = entry(_length("h_o, gap outside of the ring"), None)
+    inner_gap: float | None = entry(_length("h_i, gap inside of the ring"), None)
 
     def contradictions(self) -> list[Fault]:
         rims = [name for name in ("outer_gap", "inner_gap") if getattr(self, name) is not None]
@@ -97,7 +97,7 @@ class FilmGap(ShearedShape):
         outer, inner = self.outer_diameter / 2, self.inner_diameter / 2
         faces = math.pi * (outer**4 - inner**4) / self.axial_gap if self.axial_gap else 0.0
         rims = ((outer, self.outer_gap), (inner, self.inner_gap))
-        return float(faces + sum(2 * math.pi * self.width * radius**3 / gap for radius, gap in rims if gap))
+        return float(faces + sum(2 * math.pi * present(self.width) * radius**3 / gap for radius, gap in rims if gap))
 
 
-RUBBER_SHAPES: dict[str, type[Declared]] = {cls.kind: cls for cls in (ShearedDisc, ShearedBush)}
+RUBBER_SHAPES: dict[str, type[ShearedShape]] = {cls.kind: cls for cls in (ShearedDisc, ShearedBush)}

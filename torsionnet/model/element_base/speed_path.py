@@ -143,7 +143,8 @@ class SpeedPaths:
     """The ways between shafts through elements that are switched on, with the values of one algebra."""
 
     def __init__(self, elements: Sequence[Passing], value: Values) -> None:
-        self.elements, self.value = elements, value
+        self.elements: Sequence[Passing] = elements
+        self.value: Values = value
         self._trees: dict[str, SpeedTree] = {}
 
     def between(self, start: str, end: str) -> SpeedPath | None:

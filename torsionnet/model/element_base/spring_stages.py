@@ -8,17 +8,17 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Composite, Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import DIMENSIONS
 
 
-class StageEnd(Spec):
+class StageEnd(Spec[Number]):
     """A torque or an angle, told by its unit."""
 
-    def coerce(self, raw: Any) -> Number:
+    def coerce(self, raw: object) -> Number:
         end = read_value(raw)
         if not isinstance(end, Number) or end.unit_dimension not in (DIMENSIONS["torque"], DIMENSIONS["angle"]):
             raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; got {raw!r}")
@@ -32,6 +32,10 @@ class StageEnd(Spec):
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": f"{self.description} [N*m or rad]"}
 
+    @property
+    def accepted(self) -> str:
+        return "Scalar"
+
 
 @dataclass(frozen=True)
 class SpringStage(Declared):
@@ -41,11 +45,11 @@ class SpringStage(Declared):
     article: ClassVar[str] = "a stage"
     form: ClassVar[str] = "{stiffness: 12 N*m/deg, to: 180 N*m}"
 
-    stiffness: Any = entry(Value("stiffness of the stage", "stiffness", exclusive=True))
-    to: Any = entry(StageEnd("torque or angle where the stage ends; none: the last stage"), None)
+    stiffness: float = entry(Value("stiffness of the stage", "stiffness", exclusive=True))
+    to: Number | None = entry(StageEnd("torque or angle where the stage ends; none: the last stage"), None)
 
 
-class SpringStages(Composite):
+class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage, ...]]):
     """``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from the unloaded position on."""
 
     is_read_off: ClassVar[bool] = True
@@ -55,14 +59,14 @@ class SpringStages(Composite):
         return ()
 
     @property
-    def _listed(self) -> Listed:
+    def _listed(self) -> Listed[SpringStage]:
         return Listed(
             self.description,
             Nested("a stage", lambda: SpringStage, "spring_stage"),
             form="stages as [{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]",
         )
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[SpringStage, ...], list[Fault]]:
         stages, faults = self._listed.read(raw)
         if faults or not stages:
             return (), faults or [Fault("expected a stage or more")]
@@ -84,6 +88,10 @@ class SpringStages(Composite):
 
     def definitions(self) -> Schema:
         return self._listed.definitions()
+
+    @property
+    def accepted(self) -> str:
+        return self._listed.accepted
 
 
 def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:

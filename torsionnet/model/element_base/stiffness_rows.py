@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
+from torsionnet.core.entries.spec import dotted
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableEntry(NumberTable):
+class TableEntry(NumberTable[StiffnessTable]):
     """Rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
 
     columns: tuple[RowColumn, ...] = (
@@ -19,7 +20,7 @@ class TableEntry(NumberTable):
         RowColumn("damping", "damping"),
     )
 
-    def coerce(self, raw: Any) -> StiffnessTable:
+    def coerce(self, raw: object) -> StiffnessTable:
         if isinstance(raw, StiffnessTable):
             return raw
         columns = zip(*self.rows(raw), strict=True)
@@ -27,3 +28,7 @@ class TableEntry(NumberTable):
 
     def plain(self, value: Any) -> Any:
         return [list(row) for row in zip(value.frequencies, value.stiffness, value.damping, strict=True)]
+
+    @property
+    def accepted(self) -> str:
+        return f"{dotted(StiffnessTable)} | {super().accepted}"

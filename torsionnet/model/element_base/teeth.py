@@ -11,10 +11,10 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 MOST_TEETH = 1_000_000
 
 
-class Teeth(Spec):
+class Teeth(Spec[tuple[int, int]]):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
 
-    def coerce(self, raw: Any) -> tuple[int, int]:
+    def coerce(self, raw: object) -> tuple[int, int]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
             raise EntryError(f"expected two teeth counts [z1, z2], got {'nothing' if raw is None else repr(raw)}")
         for index, count in enumerate(raw):
@@ -35,3 +35,7 @@ class Teeth(Spec):
             "maxItems": 2,
             "description": self.description,
         }
+
+    @property
+    def accepted(self) -> str:
+        return "tuple[int, int] | list[int]"

@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.spec import Schema, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.model.element_base.curves import LookupCurve, Temperature
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
@@ -19,7 +20,7 @@ Moduli = tuple[tuple[float, float, float], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ModulusRows(NumberTable):
+class ModulusRows(NumberTable[Moduli]):
     """Rows [frequency, storage modulus G', loss modulus G'']."""
 
     columns: tuple[RowColumn, ...] = (
@@ -28,7 +29,7 @@ class ModulusRows(NumberTable):
         RowColumn("loss modulus", "shear modulus", negative=False, zero=False),
     )
 
-    def coerce(self, raw: Any) -> Moduli:
+    def coerce(self, raw: object) -> Moduli:
         return tuple((float(f.value), float(G_1.value), float(G_2.value)) for f, G_1, G_2 in self.rows(raw))
 
     def plain(self, value: Any) -> Any:
@@ -59,11 +60,15 @@ class Viscoelastic(Declared):
         "{moduli: [[1 Hz, 1 MPa, 0.1 MPa], ...], reference_temperature: 20 degC, C1: 8.86, C2: 101.6 K}"
     )
 
-    moduli: Any = entry(ModulusRows("rows [frequency, G', G''] at the reference temperature"))
-    reference_temperature: Any = entry(Temperature("T_0, where the moduli were measured", "temperature", "T_0"), None)
-    C1: Any = entry(Value("first constant of Williams, Landel and Ferry", "1", exclusive=True), None)
-    C2: Any = entry(Value("their second constant, a difference of temperatures", "temperature", exclusive=True), None)
-    shift: Any = entry(
+    moduli: Moduli = entry(ModulusRows("rows [frequency, G', G''] at the reference temperature"))
+    reference_temperature: Expression | None = entry(
+        Temperature("T_0, where the moduli were measured", "temperature", "T_0"), None
+    )
+    C1: float | None = entry(Value("first constant of Williams, Landel and Ferry", "1", exclusive=True), None)
+    C2: float | None = entry(
+        Value("their second constant, a difference of temperatures", "temperature", exclusive=True), None
+    )
+    shift: Rows = entry(
         LookupCurve("instead: shift factor a_T", "temperature", exclusive=True, shown="{0 degC: 80, 20 degC: 1}"),
         None,
     )
@@ -84,6 +89,11 @@ class Viscoelastic(Declared):
         """Whether anything says how the moduli change with temperature."""
         return bool(self.shift) or self.C1 is not None
 
+    @property
+    def _reference(self) -> float:
+        """T_0 in K, a number as contradictions() has seen."""
+        return float(present(self.reference_temperature).evaluate({}))
+
     def temperature_fault(self, temperature: float) -> str | None:
         """Why nothing is known at a temperature in K, or None."""
         if self.shift:
@@ -92,7 +102,7 @@ class Viscoelastic(Declared):
             return f"the shift of the material is known from {first} to {last}" if beyond else None
         if not self.is_shifted:
             return "the material does not say how it changes: give C1 and C2, or shift"
-        if self.C2 + temperature - float(self.reference_temperature.value) <= 0:
+        if present(self.C2) + temperature - self._reference <= 0:
             return "so far below the reference temperature the equation of Williams, Landel and Ferry has no value"
         return None
 
@@ -101,8 +111,8 @@ class Viscoelastic(Declared):
         if not self.is_shifted:
             return 1.0
         if not self.shift:
-            apart = temperature - float(self.reference_temperature.value)
-            return float(10 ** (-self.C1 * apart / (self.C2 + apart)))
+            apart = temperature - self._reference
+            return float(10 ** (-present(self.C1) * apart / (present(self.C2) + apart)))
         import numpy as np
 
         keys, logs = zip(*((float(key.value), math.log(one.value)) for key, one in self.shift), strict=True)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.laws import Values
 from torsionnet.model.element_base.loop_drive import LoopDrive
@@ -38,7 +39,7 @@ class Belt(LoopDrive):
     kind: ClassVar[str] = "belt"
     wheels_field: ClassVar[str] = "pulleys"
 
-    pulleys: Any = entry(
+    pulleys: tuple[tuple[str, Expression], ...] = entry(
         TableByNode(
             "radius by node in the order of the run, negative where the back of the belt drives",
             PhysicalQuantity("radius to the middle of the belt", "length", "r", None, nonzero=True, usual=(1e-4, 5)),

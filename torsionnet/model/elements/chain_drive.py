@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.laws import Values
 from torsionnet.model.element_base.loop_drive import LoopDrive
@@ -34,7 +34,7 @@ class ChainDrive(LoopDrive):
     kind: ClassVar[str] = "chain_drive"
     wheels_field: ClassVar[str] = "sprockets"
 
-    sprockets: Any = entry(
+    sprockets: tuple[tuple[str, Expression], ...] = entry(
         TableByNode(
             "teeth by node in the order of the run, negative where the outside of the chain drives",
             PhysicalQuantity("count of teeth", "1", "z", None, nonzero=True),
@@ -42,7 +42,9 @@ class ChainDrive(LoopDrive):
             names=("a", "b"),
         )
     )
-    pitch: Any = entry(PhysicalQuantity("pitch of the chain, for elastic spans", "length", "p", exclusive=True), None)
+    pitch: Expression | None = entry(
+        PhysicalQuantity("pitch of the chain, for elastic spans", "length", "p", exclusive=True), None
+    )
 
     def contradictions(self) -> list[Fault]:
         broken = [node for node, z in self.sprockets if isinstance(z, Number) and z.value != int(z.value)]

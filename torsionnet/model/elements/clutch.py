@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.spec import Spec, entry, present
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
@@ -49,29 +50,33 @@ class Clutch(Element):
     glyph: ClassVar[str] = "coupling"
     may_feed: ClassVar[bool] = True
 
-    nodes: Any = entry(NodePair("the two nodes it connects, the driving one first; twist is first minus second"))
-    state: Any = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")
-    slip_speed: Any = entry(
+    nodes: tuple[str, str] = entry(
+        NodePair("the two nodes it connects, the driving one first; twist is first minus second")
+    )
+    state: str = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")
+    slip_speed: Expression | None = entry(
         PhysicalQuantity("slipping: speed of the first node minus that of the disc", "speed", "n", None, nonzero=True),
         None,
     )
-    torque: Any = entry(
+    torque: Rows | None = entry(
         Characteristic("slipping: rows [slip speed, torque]", (_SLIP, RowColumn("torque", "torque"))), None
     )
-    friction: Any = entry(
+    friction: Rows | None = entry(
         Characteristic("slipping, instead: rows [slip speed, friction coefficient]", (_SLIP, RowColumn("coefficient"))),
         None,
     )
-    clamp_torque: Any = entry(
+    clamp_torque: Expression | None = entry(
         PhysicalQuantity("torque at a friction coefficient of one", "torque", "T_1", exclusive=True), None
     )
-    drag: Any = entry(PhysicalQuantity("viscous drag when open", "damping", "c_d"), 0)
-    stiffness: Any = entry(
+    drag: Expression = entry(PhysicalQuantity("viscous drag when open", "damping", "c_d"), 0)
+    stiffness: Expression | None = entry(
         PhysicalQuantity("stiffness of the springs of the disc; none: rigid", "stiffness", "k", exclusive=True), None
     )
-    damping: Any = entry(DampingQuantity("viscous damping in parallel to the springs", "damping", "c"), None)
-    first_inertia: Any = entry(PhysicalQuantity("inertia on the first node, as a cover", "inertia", "J_1"), 0)
-    disc_inertia: Any = entry(PhysicalQuantity("inertia of the disc with its facings", "inertia", "J_d"), 0)
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("viscous damping in parallel to the springs", "damping", "c"), None
+    )
+    first_inertia: Expression = entry(PhysicalQuantity("inertia on the first node, as a cover", "inertia", "J_1"), 0)
+    disc_inertia: Expression = entry(PhysicalQuantity("inertia of the disc with its facings", "inertia", "J_d"), 0)
 
     def contradictions(self) -> list[Fault]:
         faults = _friction_faults(self)
@@ -81,15 +86,14 @@ class Clutch(Element):
             faults += _slip_faults(self)
         return faults
 
-    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """The slip speed lies within the table while the clutch slips."""
         ranges = {"slip_speed": (self._table, 1)} if self.state == "slipping" else {}
         yield from read_off(super().expressions(), ranges)
 
     @property
     def _table(self) -> Rows:
-        table: Rows = self.friction if self.torque is None else self.torque
-        return table
+        return present(self.friction if self.torque is None else self.torque)
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference
 from torsionnet.model.element_base.nodes import NodeName
@@ -35,10 +36,10 @@ class ConstantPowerLoad(Element):
     sign: ClassVar[str] = "positive when the drivetrain drives the load in the positive sense"
     may_feed: ClassVar[bool] = True
 
-    node: Any = entry(NodeName("the node it turns with", allow_ground=False))
-    power: Any = entry(PhysicalQuantity("power that it takes; negative: that it gives", "power", "P", None))
-    speed: Any = entry(PhysicalQuantity("speed at which it takes it", "speed", "Omega", exclusive=True))
-    housing: Any = entry(NodeName("the node that takes its torque"), "ground")
+    node: str = entry(NodeName("the node it turns with", allow_ground=False))
+    power: Expression = entry(PhysicalQuantity("power that it takes; negative: that it gives", "power", "P", None))
+    speed: Expression = entry(PhysicalQuantity("speed at which it takes it", "speed", "Omega", exclusive=True))
+    housing: str = entry(NodeName("the node that takes its torque"), "ground")
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
@@ -46,19 +46,21 @@ class ContinuousShaft(Element):
     kind: ClassVar[str] = "continuous_shaft"
     glyph: ClassVar[str] = "shaft"
 
-    nodes: Any = entry(NodePair("its two ends; twist is the angle of the first minus the second"))
-    outer_diameter: Any = entry(PhysicalQuantity("outer diameter", "length", "D", exclusive=True, usual=(1e-3, 5)))
-    length: Any = entry(PhysicalQuantity("length", "length", "L", exclusive=True, usual=(1e-3, 2e4)))
-    shear_modulus: Any = entry(
+    nodes: tuple[str, str] = entry(NodePair("its two ends; twist is the angle of the first minus the second"))
+    outer_diameter: Expression = entry(
+        PhysicalQuantity("outer diameter", "length", "D", exclusive=True, usual=(1e-3, 5))
+    )
+    length: Expression = entry(PhysicalQuantity("length", "length", "L", exclusive=True, usual=(1e-3, 2e4)))
+    shear_modulus: Expression = entry(
         PhysicalQuantity("shear modulus", "shear modulus", "G", exclusive=True, usual=(1e5, 1e12)), "79.3 GPa"
     )
-    density: Any = entry(
+    density: Expression = entry(
         PhysicalQuantity("density", "density", "rho", exclusive=True, usual=(100, 25e3)), "7850 kg/m^3"
     )
-    inner_diameter: Any = entry(
+    inner_diameter: Expression = entry(
         PhysicalQuantity("inner diameter, 0 for a solid shaft", "length", "d", usual=(1e-4, 5)), 0
     )
-    loss_factor: Any = entry(
+    loss_factor: Expression | DampingMeasure = entry(
         LossFactor("loss factor of the material, or another frequency-free damping measure", "1", "eta"), 0
     )
 
@@ -87,8 +89,7 @@ class ContinuousShaft(Element):
         stiffness = value(self.shear_modulus) * polar / value(self.length)
         inertia = value(self.density) * polar * value(self.length)
         eta = self.loss_factor
-        measured = isinstance(eta, DampingMeasure)
-        loss = eta.loss_factor(value.parameters, value.algebra) if measured else value(eta)
+        loss = eta.loss_factor(value.parameters, value.algebra) if isinstance(eta, DampingMeasure) else value(eta)
         (inside,) = self.internal_nodes
         parts: list[Part] = []
         pieces = ((self.nodes[0], inside, INSIDE), (inside, self.nodes[1], 1 - INSIDE))

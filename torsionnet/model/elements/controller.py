@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity, check_unit
 from torsionnet.core.entries.spec import EntryError, Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.control_entries import ControlLawEntry, OneOrTwoNodes, SensedEntry, law_expressions
+from torsionnet.model.element_base.control_entries import (
+    ControlLawEntry,
+    OneOrTwoNodes,
+    SensedEntry,
+    SensedMotion,
+    law_expressions,
+)
+from torsionnet.model.element_base.control_law import ControlLaw
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Action, Part, Row, Values, difference, make_row
 
@@ -45,12 +52,16 @@ class Controller(Element):
     drives: ClassVar[bool] = True
     may_feed: ClassVar[bool] = True
 
-    sense: Any = entry(
+    sense: SensedMotion = entry(
         SensedEntry("what it senses: {velocity: node}, or {velocity: [node, node]}; angle, acceleration")
     )
-    act: Any = entry(OneOrTwoNodes("the node it drives, or [node, housing] with the one on which the torque reacts"))
-    law: Any = entry(ControlLawEntry("torque per sensed motion H(s): a gain, PID, polynomials, roots or matrices"))
-    delay: Any = entry(PhysicalQuantity("delay of the torque", "time", "tau"), 0)
+    act: tuple[str, ...] = entry(
+        OneOrTwoNodes("the node it drives, or [node, housing] with the one on which the torque reacts")
+    )
+    law: ControlLaw = entry(
+        ControlLawEntry("torque per sensed motion H(s): a gain, PID, polynomials, roots or matrices")
+    )
+    delay: Expression = entry(PhysicalQuantity("delay of the torque", "time", "tau"), 0)
 
     @property
     def ports(self) -> dict[str, str]:
@@ -65,7 +76,7 @@ class Controller(Element):
     def _pair(self) -> tuple[str, str]:
         return self.act[0], self.act[1] if len(self.act) > 1 else ""
 
-    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         specs = dict(self.specs())
         for path, expression, dimension in law_expressions(self.law, self.sense.power):
             yield ("law", *path), specs["law"], expression, dimension

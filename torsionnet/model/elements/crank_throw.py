@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
@@ -52,31 +53,47 @@ class CrankThrow(Element):
     kind: ClassVar[str] = "crank_throw"
     glyph: ClassVar[str] = "crank"
 
-    nodes: Any = entry(NodePair("the throw, where its inertia is, and the next station; twist is first minus second"))
-    inertia: Any = entry(PhysicalQuantity("inertia of journal, webs, pin and counterweights", "inertia", "J"))
-    stiffness: Any = entry(PhysicalQuantity("stiffness to the next station", "stiffness", "k", exclusive=True), None)
-    crank_radius: Any = entry(PhysicalQuantity("radius of the crank, half the stroke", "length", "r"), None)
-    rotating_mass: Any = entry(PhysicalQuantity("mass that turns with the pin", "mass", "m_r"), 0)
-    reciprocating_mass: Any = entry(PhysicalQuantity("mass that moves with the piston", "mass", "m_o"), 0)
-    rod_length: Any = entry(
+    nodes: tuple[str, str] = entry(
+        NodePair("the throw, where its inertia is, and the next station; twist is first minus second")
+    )
+    inertia: Expression = entry(PhysicalQuantity("inertia of journal, webs, pin and counterweights", "inertia", "J"))
+    stiffness: Expression | None = entry(
+        PhysicalQuantity("stiffness to the next station", "stiffness", "k", exclusive=True), None
+    )
+    crank_radius: Expression | None = entry(
+        PhysicalQuantity("radius of the crank, half the stroke", "length", "r"), None
+    )
+    rotating_mass: Expression = entry(PhysicalQuantity("mass that turns with the pin", "mass", "m_r"), 0)
+    reciprocating_mass: Expression = entry(PhysicalQuantity("mass that moves with the piston", "mass", "m_o"), 0)
+    rod_length: Expression | None = entry(
         PhysicalQuantity("length of the connecting rod; none: very long", "length", "l", exclusive=True), None
     )
-    journal_diameter: Any = entry(
+    journal_diameter: Expression | None = entry(
         PhysicalQuantity("for the stiffness instead: diameter of the journal", "length", "D_j", exclusive=True), None
     )
-    journal_length: Any = entry(PhysicalQuantity("length of the journal that twists", "length", "L_j"), None)
-    pin_diameter: Any = entry(PhysicalQuantity("diameter of the pin", "length", "D_p", exclusive=True), None)
-    pin_length: Any = entry(PhysicalQuantity("length of the pin that twists", "length", "L_p"), None)
-    web_width: Any = entry(PhysicalQuantity("width of the web, across the crank", "length", "b", exclusive=True), None)
-    web_thickness: Any = entry(
+    journal_length: Expression | None = entry(
+        PhysicalQuantity("length of the journal that twists", "length", "L_j"), None
+    )
+    pin_diameter: Expression | None = entry(
+        PhysicalQuantity("diameter of the pin", "length", "D_p", exclusive=True), None
+    )
+    pin_length: Expression | None = entry(PhysicalQuantity("length of the pin that twists", "length", "L_p"), None)
+    web_width: Expression | None = entry(
+        PhysicalQuantity("width of the web, across the crank", "length", "b", exclusive=True), None
+    )
+    web_thickness: Expression | None = entry(
         PhysicalQuantity("thickness of the web, along the shaft", "length", "h", exclusive=True), None
     )
-    journal_bore: Any = entry(PhysicalQuantity("bore of the journal", "length", "d_j"), 0)
-    pin_bore: Any = entry(PhysicalQuantity("bore of the pin", "length", "d_p"), 0)
-    shear_modulus: Any = entry(PhysicalQuantity("shear modulus", "shear modulus", "G", exclusive=True), "79.3 GPa")
-    elastic_modulus: Any = entry(PhysicalQuantity("modulus of elasticity", "pressure", "E", exclusive=True), "206 GPa")
-    damping: Any = entry(DampingQuantity("viscous damping in its twist", "damping", "c"), 0)
-    cylinder_damping: Any = entry(
+    journal_bore: Expression = entry(PhysicalQuantity("bore of the journal", "length", "d_j"), 0)
+    pin_bore: Expression = entry(PhysicalQuantity("bore of the pin", "length", "d_p"), 0)
+    shear_modulus: Expression = entry(
+        PhysicalQuantity("shear modulus", "shear modulus", "G", exclusive=True), "79.3 GPa"
+    )
+    elastic_modulus: Expression = entry(
+        PhysicalQuantity("modulus of elasticity", "pressure", "E", exclusive=True), "206 GPa"
+    )
+    damping: Expression | DampingMeasure = entry(DampingQuantity("viscous damping in its twist", "damping", "c"), 0)
+    cylinder_damping: Expression = entry(
         PhysicalQuantity("damping of the cylinder, against the engine block as ground", "damping", "c_z"), 0
     )
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
@@ -15,7 +16,7 @@ from torsionnet.model.element_base.damping_entries import DampingQuantity, LossF
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.spring_stages import SpringStages, stage_at, stage_range, stage_torques
+from torsionnet.model.element_base.spring_stages import SpringStage, SpringStages, stage_at, stage_range, stage_torques
 
 _CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
 
@@ -45,23 +46,31 @@ class DualMassFlywheel(Element):
     kind: ClassVar[str] = "dual_mass_flywheel"
     glyph: ClassVar[str] = "spring"
 
-    nodes: Any = entry(NodePair("primary and secondary side; twist is the angle of the first minus the second"))
-    primary_inertia: Any = entry(PhysicalQuantity("inertia of the primary side", "inertia", "J_1"))
-    secondary_inertia: Any = entry(PhysicalQuantity("inertia of the secondary side", "inertia", "J_2"))
-    stiffness: Any = entry(
+    nodes: tuple[str, str] = entry(
+        NodePair("primary and secondary side; twist is the angle of the first minus the second")
+    )
+    primary_inertia: Expression = entry(PhysicalQuantity("inertia of the primary side", "inertia", "J_1"))
+    secondary_inertia: Expression = entry(PhysicalQuantity("inertia of the secondary side", "inertia", "J_2"))
+    stiffness: Expression | None = entry(
         PhysicalQuantity("stiffness of the arc springs at the working point", "stiffness", "k", exclusive=True), None
     )
-    stages: Any = entry(SpringStages("instead: stages of the springs, each up to a torque or an angle"), None)
-    torque: Any = entry(PhysicalQuantity("mean torque, which tells the stage", "torque", "T", None), None)
-    blocked: Any = entry(PhysicalQuantity("share of the coils that friction holds fast", "1", "b"), 0)
-    loss_factor: Any = entry(LossFactor("loss factor of the springs, or another measure of it", "1", "eta"), 0)
-    damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
-    friction: Any = entry(PhysicalQuantity("basic friction", "torque", "M_0"), 0)
-    swing: Any = entry(PhysicalQuantity("amplitude of the twist, for friction", "angle", "alpha", exclusive=True), None)
-    friction_coefficient: Any = entry(PhysicalQuantity("between springs and channel", "1", "mu"), None)
-    spring_mass: Any = entry(PhysicalQuantity("mass of all arc springs", "mass", "m"), None)
-    spring_radius: Any = entry(PhysicalQuantity("radius on which they lie", "length", "r"), None)
-    speed: Any = entry(PhysicalQuantity("speed that presses them outward", "speed", "Omega", None), None)
+    stages: tuple[SpringStage, ...] = entry(
+        SpringStages("instead: stages of the springs, each up to a torque or an angle"), None
+    )
+    torque: Expression | None = entry(PhysicalQuantity("mean torque, which tells the stage", "torque", "T", None), None)
+    blocked: Expression = entry(PhysicalQuantity("share of the coils that friction holds fast", "1", "b"), 0)
+    loss_factor: Expression | DampingMeasure = entry(
+        LossFactor("loss factor of the springs, or another measure of it", "1", "eta"), 0
+    )
+    damping: Expression | DampingMeasure = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
+    friction: Expression = entry(PhysicalQuantity("basic friction", "torque", "M_0"), 0)
+    swing: Expression | None = entry(
+        PhysicalQuantity("amplitude of the twist, for friction", "angle", "alpha", exclusive=True), None
+    )
+    friction_coefficient: Expression | None = entry(PhysicalQuantity("between springs and channel", "1", "mu"), None)
+    spring_mass: Expression | None = entry(PhysicalQuantity("mass of all arc springs", "mass", "m"), None)
+    spring_radius: Expression | None = entry(PhysicalQuantity("radius on which they lie", "length", "r"), None)
+    speed: Expression | None = entry(PhysicalQuantity("speed that presses them outward", "speed", "Omega", None), None)
 
     def contradictions(self) -> list[Fault]:
         return [*self._spring_faults(), *self._friction_faults()]
@@ -78,7 +87,7 @@ class DualMassFlywheel(Element):
             return [Fault(f"the last stage ends at {last:g} N*m; leave out its end, or reduce the torque", ("torque",))]
         return []
 
-    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """The mean torque lies within the stages."""
         yield from read_off(super().expressions(), {"torque": (stage_range(self.stages), 1)})
 

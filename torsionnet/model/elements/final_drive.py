@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Constraint, Law, Part, Values, difference, make_row
@@ -40,26 +42,30 @@ class FinalDrive(Element):
     glyph: ClassVar[str] = "differential"
     sign: ClassVar[str] = "positive when it drives from the pinion into the final drive"
 
-    pinion: Any = entry(NodeName("the node of the pinion", allow_ground=False))
-    left: Any = entry(NodeName("the node of the left output"))
-    right: Any = entry(NodeName("the node of the right output"))
-    ratio: Any = entry(
+    pinion: str = entry(NodeName("the node of the pinion", allow_ground=False))
+    left: str = entry(NodeName("the node of the left output"))
+    right: str = entry(NodeName("the node of the right output"))
+    ratio: Expression | None = entry(
         PhysicalQuantity("speed of the pinion over speed of the cage", "1", "tau", None, nonzero=True), None
     )
-    teeth: Any = entry(Teeth("teeth counts [pinion, crown wheel]; one negative: opposite senses"), None)
-    cage: Any = entry(NodeName("a node for the cage, where another element meshes with it"), None)
-    differential: Any = entry(OneOf("what the differential does", ("open", "locked", "limited-slip")), "open")
-    slip_damping: Any = entry(
+    teeth: tuple[int, int] | None = entry(
+        Teeth("teeth counts [pinion, crown wheel]; one negative: opposite senses"), None
+    )
+    cage: str | None = entry(NodeName("a node for the cage, where another element meshes with it"), None)
+    differential: str = entry(OneOf("what the differential does", ("open", "locked", "limited-slip")), "open")
+    slip_damping: Expression | None = entry(
         PhysicalQuantity("limited-slip: torque between the outputs per difference of their speeds", "damping", "c_s"),
         None,
     )
-    pinion_inertia: Any = entry(PhysicalQuantity("inertia of the pinion", "inertia", "J_p"), 0)
-    cage_inertia: Any = entry(PhysicalQuantity("inertia of crown wheel and cage", "inertia", "J_c"), 0)
-    stiffness: Any = entry(
+    pinion_inertia: Expression = entry(PhysicalQuantity("inertia of the pinion", "inertia", "J_p"), 0)
+    cage_inertia: Expression = entry(PhysicalQuantity("inertia of crown wheel and cage", "inertia", "J_c"), 0)
+    stiffness: Expression | None = entry(
         PhysicalQuantity("mesh stiffness referred to the pinion; none: rigid", "stiffness", "k", exclusive=True), None
     )
-    damping: Any = entry(DampingQuantity("mesh damping referred to the pinion", "damping", "c"), None)
-    housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("mesh damping referred to the pinion", "damping", "c"), None
+    )
+    housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[Fault]:
         faults = []

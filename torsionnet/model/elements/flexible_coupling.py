@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.composite import Nested, Typed
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.spec import Spec, entry, present
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
@@ -22,7 +23,7 @@ from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.frequency_curves import over_frequency
 from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES
+from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedShape
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 
 _OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
@@ -59,9 +60,11 @@ class FlexibleCoupling(Element):
     kind: ClassVar[str] = "flexible_coupling"
     glyph: ClassVar[str] = "spring"
 
-    nodes: Any = entry(NodePair("the two halves; twist is the angle of the first minus the second"))
-    stiffness: Any = entry(PhysicalQuantity("dynamic stiffness of one coupling", "stiffness", "k_0"), None)
-    stiffness_over_torque: Any = entry(
+    nodes: tuple[str, str] = entry(NodePair("the two halves; twist is the angle of the first minus the second"))
+    stiffness: Expression | None = entry(
+        PhysicalQuantity("dynamic stiffness of one coupling", "stiffness", "k_0"), None
+    )
+    stiffness_over_torque: Rows = entry(
         LookupCurve(
             "instead: dynamic stiffness over mean torque",
             "torque",
@@ -71,36 +74,50 @@ class FlexibleCoupling(Element):
         ),
         None,
     )
-    loss_factor: Any = entry(LossFactor("loss factor, or another measure as {psi: 0.9}", "1", "eta"), None)
-    damping: Any = entry(DampingQuantity("instead: viscous damping of one coupling", "damping", "c"), None)
-    T_KN: Any = entry(
+    loss_factor: Expression | DampingMeasure | None = entry(
+        LossFactor("loss factor, or another measure as {psi: 0.9}", "1", "eta"), None
+    )
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("instead: viscous damping of one coupling", "damping", "c"), None
+    )
+    T_KN: Expression | None = entry(
         PhysicalQuantity("nominal torque, of which rows are shares", "torque", "T_KN", exclusive=True), None
     )
-    torque: Any = entry(PhysicalQuantity("mean torque at the working point", "torque", "T"), None)
-    vibratory_torque: Any = entry(PhysicalQuantity("amplitude at the working point", "torque", "T_W"), None)
-    temperature: Any = entry(Temperature("temperature of the rubber", "temperature", "t", exclusive=True), None)
-    torque_factor: Any = entry(LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    amplitude_factor: Any = entry(LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    temperature_factor: Any = entry(LookupCurve("S_t, k over k_0", "temperature", exclusive=True), None)
-    damping_temperature_factor: Any = entry(LookupCurve("S_d, of the loss factor", "temperature", exclusive=True), None)
-    frequency_factor: Any = entry(
+    torque: Expression | None = entry(PhysicalQuantity("mean torque at the working point", "torque", "T"), None)
+    vibratory_torque: Expression | None = entry(
+        PhysicalQuantity("amplitude at the working point", "torque", "T_W"), None
+    )
+    temperature: Expression | None = entry(
+        Temperature("temperature of the rubber", "temperature", "t", exclusive=True), None
+    )
+    torque_factor: Rows = entry(LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    amplitude_factor: Rows = entry(LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    temperature_factor: Rows = entry(LookupCurve("S_t, k over k_0", "temperature", exclusive=True), None)
+    damping_temperature_factor: Rows = entry(
+        LookupCurve("S_d, of the loss factor", "temperature", exclusive=True), None
+    )
+    frequency_factor: Rows = entry(
         LookupCurve("k over k_0", "frequency", exclusive=True, shown="{1 Hz: 1, 100 Hz: 1.3}"), None
     )
-    loss_over_frequency: Any = entry(
+    loss_over_frequency: Rows = entry(
         LookupCurve("loss factor", "frequency", exclusive=True, shown="{1 Hz: 0.15, 100 Hz: 0.2}"), None
     )
-    material: Any = entry(Nested("rubber: its moduli", lambda: Viscoelastic, "viscoelastic"), None)
-    geometry: Any = entry(Typed("rubber: its shape", lambda: RUBBER_SHAPES, "shape", "rubber_shape"), None)
-    scale: Any = entry(PhysicalQuantity("factor on the moduli of the material", "1", "F", exclusive=True), None)
-    in_series: Any = entry(Count("n_s, groups in series", 1, 100), 1)
-    in_parallel: Any = entry(Count("n_p, couplings in parallel in each group", 1, 100), 1)
-    first_inertia: Any = entry(PhysicalQuantity("inertia that turns with the first node", "inertia", "J_1"), 0)
-    second_inertia: Any = entry(PhysicalQuantity("inertia that turns with the second node", "inertia", "J_2"), 0)
+    material: Viscoelastic | None = entry(Nested("rubber: its moduli", lambda: Viscoelastic, "viscoelastic"), None)
+    geometry: ShearedShape | None = entry(
+        Typed("rubber: its shape", lambda: RUBBER_SHAPES, "shape", "rubber_shape"), None
+    )
+    scale: Expression | None = entry(
+        PhysicalQuantity("factor on the moduli of the material", "1", "F", exclusive=True), None
+    )
+    in_series: int = entry(Count("n_s, groups in series", 1, 100), 1)
+    in_parallel: int = entry(Count("n_p, couplings in parallel in each group", 1, 100), 1)
+    first_inertia: Expression = entry(PhysicalQuantity("inertia that turns with the first node", "inertia", "J_1"), 0)
+    second_inertia: Expression = entry(PhysicalQuantity("inertia that turns with the second node", "inertia", "J_2"), 0)
 
     def contradictions(self) -> list[Fault]:
         return contradictions(self)
 
-    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """What is read off a curve has to lie within it."""
         curves = {
             operating: (rows, self._share_of(rows)) for name, operating in read_offs(self) if (rows := self._rows(name))
@@ -112,7 +129,7 @@ class FlexibleCoupling(Element):
         return rows if not is_share(rows[0][0]) or isinstance(self.T_KN, Number) else ()
 
     def _share_of(self, rows: Rows) -> Any:
-        return self.T_KN.value if is_share(rows[0][0]) else 1
+        return present(self.T_KN).evaluate({}) if is_share(rows[0][0]) else 1
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         sides = zip(self.nodes, (self.first_inertia, self.second_inertia), strict=True)
@@ -123,7 +140,7 @@ class FlexibleCoupling(Element):
         row = difference(*self.nodes)
         groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
         if self.material is not None or self.frequency_factor or self.loss_over_frequency:
-            one = 0 if self.damping is None else value(self.damping)
+            one = 0 if self.damping is None else value(scalar(self.damping))
             return Law(row, damping=one * groups, table=self._over_frequency(groups, value))
         stiffness = self._stiffness(value)
         damping = viscous(self.damping, stiffness, value) * groups
@@ -132,8 +149,8 @@ class FlexibleCoupling(Element):
     def _over_frequency(self, groups: Any, value: Values) -> DynamicStiffness:
         """The law over frequency: numbers, times what parameters may change."""
         if self.material is not None:
-            temperature = None if self.temperature is None else float(self.temperature.value)
-            base = self.material.stiffness(self.geometry.factor, temperature)
+            temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
+            base = self.material.stiffness(present(self.geometry).factor, temperature)
             return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
         eta = float(self._loss_factor(Values({})))
         base = over_frequency(1.0, self.frequency_factor, self.loss_over_frequency, eta)
@@ -159,6 +176,6 @@ class FlexibleCoupling(Element):
             eta = eta * self._read(self.damping_temperature_factor, self.temperature, value)
         return eta
 
-    def _read(self, rows: Rows, operating: Expression, value: Values) -> Any:
+    def _read(self, rows: Rows, operating: Expression | None, value: Values) -> Any:
         at = value(operating) / value(self.T_KN) if is_share(rows[0][0]) else value(operating)
         return in_algebra(rows, at, value.algebra)

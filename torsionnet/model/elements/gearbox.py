@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values, difference, make_row
@@ -47,9 +49,9 @@ class Gearbox(Element):
     glyph: ClassVar[str] = "gearbox"
     sign: ClassVar[str] = "positive when it drives from the input shaft into the gearbox"
 
-    input: Any = entry(NodeName("the node of the input shaft", allow_ground=False))
-    output: Any = entry(NodeName("the node of the output shaft", allow_ground=False))
-    ratios: Any = entry(
+    input: str = entry(NodeName("the node of the input shaft", allow_ground=False))
+    output: str = entry(NodeName("the node of the output shaft", allow_ground=False))
+    ratios: tuple[tuple[str, Expression], ...] = entry(
         TableByName(
             "speed of the input over speed of the output by gear, negative for opposite senses",
             PhysicalQuantity("speed of the input over speed of the output", "1", "tau", None, nonzero=True),
@@ -58,7 +60,7 @@ class Gearbox(Element):
         ),
         None,
     )
-    teeth: Any = entry(
+    teeth: tuple[tuple[str, tuple[int, int]], ...] = entry(
         TableByName(
             "instead: teeth counts [input, output] by gear, one negative for opposite senses",
             Teeth("teeth counts [input, output]"),
@@ -67,9 +69,9 @@ class Gearbox(Element):
         ),
         None,
     )
-    engaged: Any = entry(Text(f"the gear that is engaged, or {NEUTRAL}", "the name of a gear"), None)
-    loose_wheels: Any = entry(OneOf("the shaft with the loose wheels and synchronisers", ("output", "input")), "output")
-    wheel_inertias: Any = entry(
+    engaged: str | None = entry(Text(f"the gear that is engaged, or {NEUTRAL}", "the name of a gear"), None)
+    loose_wheels: str = entry(OneOf("the shaft with the loose wheels and synchronisers", ("output", "input")), "output")
+    wheel_inertias: tuple[tuple[str, Expression], ...] = entry(
         TableByName(
             "inertia of the loose wheels by gear",
             PhysicalQuantity("inertia of the loose wheel", "inertia", "J"),
@@ -78,9 +80,9 @@ class Gearbox(Element):
         ),
         None,
     )
-    input_inertia: Any = entry(PhysicalQuantity("input shaft with its fast wheels", "inertia", "J_in"), 0)
-    output_inertia: Any = entry(PhysicalQuantity("output shaft with its fast wheels", "inertia", "J_out"), 0)
-    stiffness: Any = entry(
+    input_inertia: Expression = entry(PhysicalQuantity("input shaft with its fast wheels", "inertia", "J_in"), 0)
+    output_inertia: Expression = entry(PhysicalQuantity("output shaft with its fast wheels", "inertia", "J_out"), 0)
+    stiffness: tuple[tuple[str, Expression], ...] = entry(
         TableByName(
             "mesh stiffness by gear, referred to the input; none: rigid",
             PhysicalQuantity("mesh stiffness referred to the input", "stiffness", "k", exclusive=True),
@@ -89,8 +91,10 @@ class Gearbox(Element):
         ),
         None,
     )
-    damping: Any = entry(DampingQuantity("damping of each elastic mesh, referred to the input", "damping", "c"), None)
-    housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("damping of each elastic mesh, referred to the input", "damping", "c"), None
+    )
+    housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[Fault]:
         if bool(self.ratios) == bool(self.teeth):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Flag
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
@@ -62,14 +64,16 @@ class Gear(Element):
     kind: ClassVar[str] = "gear"
     glyph: ClassVar[str] = "gear"
 
-    nodes: Any = entry(NodePair("the two shafts; the ratio is speed of the first over speed of the second"))
-    ratio: Any = entry(
+    nodes: tuple[str, str] = entry(NodePair("the two shafts; the ratio is speed of the first over speed of the second"))
+    ratio: Expression | None = entry(
         PhysicalQuantity("speed of the first node over speed of the second", "1", "tau", None, nonzero=True), None
     )
-    teeth: Any = entry(Teeth("teeth counts [first, second], ratio = second/first; one negative: opposite senses"), None)
-    stiffness: Any = entry(MESH_STIFFNESS, None)
-    damping: Any = entry(MESH_DAMPING, None)
-    housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
+    teeth: tuple[int, int] | None = entry(
+        Teeth("teeth counts [first, second], ratio = second/first; one negative: opposite senses"), None
+    )
+    stiffness: Expression | None = entry(MESH_STIFFNESS, None)
+    damping: Expression | DampingMeasure | None = entry(MESH_DAMPING, None)
+    housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[Fault]:
         faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
@@ -115,19 +119,25 @@ class Planetary(Element):
     glyph: ClassVar[str] = "planetary"
     sign: ClassVar[str] = "positive when it drives from the sun into the set"
 
-    sun: Any = entry(NodeName("the node of the sun"))
-    ring: Any = entry(NodeName("the node of the ring"))
-    carrier: Any = entry(NodeName("the node of the carrier"))
-    ratio: Any = entry(PhysicalQuantity("teeth of the ring over teeth of the sun", "1", "z", 1.0, exclusive=True), None)
-    teeth: Any = entry(Teeth("teeth counts [sun, ring], both positive"), None)
-    stiffness: Any = entry(
+    sun: str = entry(NodeName("the node of the sun"))
+    ring: str = entry(NodeName("the node of the ring"))
+    carrier: str = entry(NodeName("the node of the carrier"))
+    ratio: Expression | None = entry(
+        PhysicalQuantity("teeth of the ring over teeth of the sun", "1", "z", 1.0, exclusive=True), None
+    )
+    teeth: tuple[int, int] | None = entry(Teeth("teeth counts [sun, ring], both positive"), None)
+    stiffness: Expression | None = entry(
         PhysicalQuantity("mesh stiffness referred to the sun; none: rigid", "stiffness", "k", exclusive=True), None
     )
-    damping: Any = entry(DampingQuantity("mesh damping referred to the sun", "damping", "c"), None)
-    planets: Any = entry(Count("how many planets", 1, 20), 3)
-    planet_inertia: Any = entry(PhysicalQuantity("inertia of one planet about its own axis", "inertia", "J_p"), 0)
-    planet_mass: Any = entry(PhysicalQuantity("mass of one planet", "mass", "m_p"), 0)
-    orbit_radius: Any = entry(
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("mesh damping referred to the sun", "damping", "c"), None
+    )
+    planets: int = entry(Count("how many planets", 1, 20), 3)
+    planet_inertia: Expression = entry(
+        PhysicalQuantity("inertia of one planet about its own axis", "inertia", "J_p"), 0
+    )
+    planet_mass: Expression = entry(PhysicalQuantity("mass of one planet", "mass", "m_p"), 0)
+    orbit_radius: Expression = entry(
         PhysicalQuantity("radius on which the planets orbit", "length", "r_c", usual=(1e-3, 5)), 0
     )
 
@@ -167,10 +177,10 @@ class Differential(Element):
     glyph: ClassVar[str] = "differential"
     sign: ClassVar[str] = "positive when it drives from the cage into the differential"
 
-    cage: Any = entry(NodeName("the node of the cage"))
-    left: Any = entry(NodeName("the node of the left output"))
-    right: Any = entry(NodeName("the node of the right output"))
-    locked: Any = entry(Flag("whether both outputs are locked to the cage"), False)
+    cage: str = entry(NodeName("the node of the cage"))
+    left: str = entry(NodeName("the node of the left output"))
+    right: str = entry(NodeName("the node of the right output"))
+    locked: bool = entry(Flag("whether both outputs are locked to the cage"), False)
 
     def contradictions(self) -> list[Fault]:
         if len({self.cage, self.left, self.right}) == 3:

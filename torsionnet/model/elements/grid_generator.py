@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodeName
@@ -47,26 +47,30 @@ class GridGenerator(Element):
     glyph: ClassVar[str] = "machine"
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
 
-    node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
-    rated_power: Any = entry(PhysicalQuantity("power that is 1 per unit", "power", "S", exclusive=True))
-    speed: Any = entry(PhysicalQuantity("synchronous speed of the rotor", "speed", "Omega", exclusive=True))
-    grid_frequency: Any = entry(PhysicalQuantity("frequency of the line", "frequency", "f", exclusive=True))
-    inertia_constant: Any = entry(
+    node: str = entry(NodeName("the node of the rotor", allow_ground=False))
+    rated_power: Expression = entry(PhysicalQuantity("power that is 1 per unit", "power", "S", exclusive=True))
+    speed: Expression = entry(PhysicalQuantity("synchronous speed of the rotor", "speed", "Omega", exclusive=True))
+    grid_frequency: Expression = entry(PhysicalQuantity("frequency of the line", "frequency", "f", exclusive=True))
+    inertia_constant: Expression = entry(
         PhysicalQuantity("stored energy over rated power, of all masses that stand for it", "time", "H")
     )
-    synchronising_coefficient: Any = entry(
+    synchronising_coefficient: Expression | None = entry(
         PhysicalQuantity("synchronising torque per electrical rad, per unit", "1", "K_s", exclusive=True), None
     )
-    emf: Any = entry(
+    emf: Expression | None = entry(
         PhysicalQuantity("instead: voltage behind the reactance, per unit", "1", "E", exclusive=True), None
     )
-    grid_voltage: Any = entry(PhysicalQuantity("voltage of the bus, per unit", "1", "V", exclusive=True), None)
-    reactance: Any = entry(PhysicalQuantity("reactance from E to V, per unit", "1", "X", exclusive=True), None)
-    power: Any = entry(PhysicalQuantity("power it gives, per unit", "1", "P"), None)
-    damping_coefficient: Any = entry(
+    grid_voltage: Expression | None = entry(
+        PhysicalQuantity("voltage of the bus, per unit", "1", "V", exclusive=True), None
+    )
+    reactance: Expression | None = entry(
+        PhysicalQuantity("reactance from E to V, per unit", "1", "X", exclusive=True), None
+    )
+    power: Expression | None = entry(PhysicalQuantity("power it gives, per unit", "1", "P"), None)
+    damping_coefficient: Expression = entry(
         PhysicalQuantity("damping torque per change of speed, both per unit", "1", "K_D"), 0
     )
-    grid: Any = entry(NodeName("the grid: ground is an infinite bus; else a node that turns at its speed"), "ground")
+    grid: str = entry(NodeName("the grid: ground is an infinite bus; else a node that turns at its speed"), "ground")
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.grid:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -35,12 +36,14 @@ class HystereticSpring(Element):
     kind: ClassVar[str] = "hysteretic_spring"
     glyph: ClassVar[str] = "spring"
 
-    nodes: Any = entry(NodePair(PAIR))
-    stiffness: Any = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
-    loss_factor: Any = entry(LossFactor("loss factor, or another frequency-free damping measure", "1", "eta"))
-    damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
-    outer_diameter: Any = entry(SECTION, None)
-    inner_diameter: Any = entry(BORE, 0)
+    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    stiffness: Expression = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
+    loss_factor: Expression | DampingMeasure = entry(
+        LossFactor("loss factor, or another frequency-free damping measure", "1", "eta")
+    )
+    damping: Expression | DampingMeasure = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
+    outer_diameter: Expression | None = entry(SECTION, None)
+    inner_diameter: Expression = entry(BORE, 0)
 
     def contradictions(self) -> list[Fault]:
         return section_faults(self)

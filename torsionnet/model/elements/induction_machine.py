@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodeName
@@ -46,25 +46,31 @@ class InductionMachine(Element):
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
     may_feed: ClassVar[bool] = True
 
-    node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
-    synchronous_speed: Any = entry(
+    node: str = entry(NodeName("the node of the rotor", allow_ground=False))
+    synchronous_speed: Expression = entry(
         PhysicalQuantity("speed without slip, 2 pi f over the pole pairs", "speed", "omega_s", exclusive=True)
     )
-    breakdown_torque: Any = entry(PhysicalQuantity("largest torque", "torque", "T_k", exclusive=True))
-    breakdown_slip: Any = entry(PhysicalQuantity("slip of the largest torque", "1", "s_k", exclusive=True), None)
-    slip: Any = entry(
+    breakdown_torque: Expression = entry(PhysicalQuantity("largest torque", "torque", "T_k", exclusive=True))
+    breakdown_slip: Expression | None = entry(
+        PhysicalQuantity("slip of the largest torque", "1", "s_k", exclusive=True), None
+    )
+    slip: Expression | None = entry(
         PhysicalQuantity(
             "slip about which it works, negative as a generator; default: the rated one", "1", "s_0", None
         ),
         None,
     )
-    rated_torque: Any = entry(
+    rated_torque: Expression | None = entry(
         PhysicalQuantity("instead of the breakdown slip: rated torque", "torque", "T_n", exclusive=True), None
     )
-    rated_slip: Any = entry(PhysicalQuantity("slip at the rated torque", "1", "s_n", exclusive=True), None)
-    time_constant: Any = entry(PhysicalQuantity("time constant of its torque", "time", "tau", exclusive=True), None)
-    inertia: Any = entry(PhysicalQuantity("inertia of the rotor", "inertia", "J"), 0)
-    housing: Any = entry(NodeName("the node of the stator"), "ground")
+    rated_slip: Expression | None = entry(
+        PhysicalQuantity("slip at the rated torque", "1", "s_n", exclusive=True), None
+    )
+    time_constant: Expression | None = entry(
+        PhysicalQuantity("time constant of its torque", "time", "tau", exclusive=True), None
+    )
+    inertia: Expression = entry(PhysicalQuantity("inertia of the rotor", "inertia", "J"), 0)
+    housing: str = entry(NodeName("the node of the stator"), "ground")
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:

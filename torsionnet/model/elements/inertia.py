@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Values, make_row
 from torsionnet.model.element_base.nodes import NodeName
@@ -27,8 +28,8 @@ class Inertia(Element):
     glyph: ClassVar[str] = "disc"
     sign: ClassVar[str] = "positive when the drivetrain accelerates the inertia in the positive sense"
 
-    node: Any = entry(NodeName("the node it turns with", allow_ground=False))
-    inertia: Any = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J", usual=(1e-12, 1e10)))
+    node: str = entry(NodeName("the node it turns with", allow_ground=False))
+    inertia: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J", usual=(1e-12, 1e10)))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(make_row([(self.node, 1)]), inertia=value(self.inertia)),)

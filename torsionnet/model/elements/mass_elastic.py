@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, entry
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.plain_names import free_name
@@ -30,14 +30,14 @@ MOST_DIGITS = 10**6
 """A ratio of speeds with whole numbers up to this is written as they are, any other as a decimal number."""
 
 
-class Stations(Spec):
+class Stations(Plural[tuple[tuple[str, str], ...]]):
     """Which masses of a sheet are on which nodes of the model: ``{flywheel: fly}``."""
 
     @property
     def absent(self) -> tuple[tuple[str, str], ...]:
         return ()
 
-    def coerce(self, raw: Any) -> tuple[tuple[str, str], ...]:
+    def coerce(self, raw: object) -> tuple[tuple[str, str], ...]:
         if isinstance(raw, tuple):
             return raw
         if not isinstance(raw, Mapping) or not raw:
@@ -58,6 +58,10 @@ class Stations(Spec):
 
     def schema(self) -> Schema:
         return {"type": "object", "additionalProperties": {"type": "string"}, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "collections.abc.Mapping[str, str] | tuple[tuple[str, str], ...]"
 
 
 @register
@@ -86,8 +90,10 @@ class MassElastic(Element):
     glyph: ClassVar[str] = "sheet"
     sign: ClassVar[str] = "positive when the drivetrain drives the mass at the first port in the positive sense"
 
-    table: Any = entry(SheetEntry("the sheet: a file with columns, beside the model file"))
-    at: Any = entry(Stations("masses of the sheet that are on nodes of the model, as {flywheel: fly}"), ())
+    table: MassElasticSheet = entry(SheetEntry("the sheet: a file with columns, beside the model file"))
+    at: tuple[tuple[str, str], ...] = entry(
+        Stations("masses of the sheet that are on nodes of the model, as {flywheel: fly}"), ()
+    )
 
     def contradictions(self) -> list[Fault]:
         masses, taken = self.table.masses, list[str]()
@@ -152,9 +158,9 @@ def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: st
         node, name = nodes[mass.name], f"{prefix}{mass.name}"
         said = mass.label if mass.label != mass.name else ""
         if mass.inertia is not None and mass.inertia.si:
-            yield Inertia(name, node=node, inertia=mass.inertia.raw, description=said)
+            yield Inertia.from_entries(name, node=node, inertia=mass.inertia.raw, description=said)
         if mass.damping is not None and mass.damping.si:
-            yield Damper(
+            yield Damper.from_entries(
                 f"{prefix}{free_name(f'{mass.name}_damping', taken)}", nodes=(node, GROUND), damping=mass.damping.raw
             )
     for link in sheet.links:
@@ -174,7 +180,9 @@ def _connection(link: SheetLink, nodes: tuple[str, str], ratio: Fraction, prefix
         start = f"{name}_end"
         yield _shaft(link, name, (first, start))
     plain = max(abs(ratio.numerator), ratio.denominator) < MOST_DIGITS
-    yield Gear(f"{name}_gear" if not rigid else name, nodes=(start, second), ratio=ratio if plain else float(ratio))
+    yield Gear.from_entries(
+        f"{name}_gear" if not rigid else name, nodes=(start, second), ratio=ratio if plain else float(ratio)
+    )
 
 
 def _joint(name: str, nodes: tuple[str, str]) -> Element:
@@ -188,12 +196,12 @@ def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
     section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}
     if link.stiffness is None:
         assert link.length is not None
-        return Shaft(name, nodes=nodes, length=link.length.raw, inertia="none", damping=damping, **section)
+        return Shaft.from_entries(name, nodes=nodes, length=link.length.raw, inertia="none", damping=damping, **section)
     if not link.stiffness.si:
-        return Damper(name, nodes=nodes, damping=damping)
+        return Damper.from_entries(name, nodes=nodes, damping=damping)
     if link.loss is not None:
         measure, value = link.loss
         losses = scalar(value.raw) if measure == "eta" else DampingMeasure(measure, scalar(value.raw), None)
-        return HystereticSpring(name, nodes=nodes, stiffness=link.stiffness.raw, loss_factor=losses,
+        return HystereticSpring.from_entries(name, nodes=nodes, stiffness=link.stiffness.raw, loss_factor=losses,
                                 damping=damping, **section)  # fmt: skip
-    return Spring(name, nodes=nodes, stiffness=link.stiffness.raw, damping=damping, **section)
+    return Spring.from_entries(name, nodes=nodes, stiffness=link.stiffness.raw, damping=damping, **section)

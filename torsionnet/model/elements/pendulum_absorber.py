@@ -9,6 +9,7 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodeName
@@ -47,23 +48,23 @@ class PendulumAbsorber(Element):
     glyph: ClassVar[str] = "pendulum"
     sign: ClassVar[str] = "positive when the drivetrain drives the pendulums in the positive sense"
 
-    node: Any = entry(NodeName("the node it turns with", allow_ground=False))
-    mass: Any = entry(PhysicalQuantity("mass of one pendulum", "mass", "m", exclusive=True))
-    pivot_radius: Any = entry(
+    node: str = entry(NodeName("the node it turns with", allow_ground=False))
+    mass: Expression = entry(PhysicalQuantity("mass of one pendulum", "mass", "m", exclusive=True))
+    pivot_radius: Expression = entry(
         PhysicalQuantity("from the axis of the shaft to the centre of the path", "length", "R", exclusive=True)
     )
-    path_radius: Any = entry(
+    path_radius: Expression = entry(
         PhysicalQuantity("radius of the path of the centre of mass at its vertex", "length", "r", exclusive=True)
     )
-    speed: Any = entry(
+    speed: Expression = entry(
         PhysicalQuantity("mean speed of the shaft, or a parameter that follows it", "speed", "Omega", exclusive=True)
     )
-    count: Any = entry(Count("how many pendulums, all alike and in phase", 1, 100), 1)
-    own_inertia: Any = entry(PhysicalQuantity("inertia of one mass about its centre of mass", "inertia", "J"), 0)
-    suspension: Any = entry(OneOf("whether the masses turn against the shaft", ("bifilar", "simple")), "bifilar")
-    damping: Any = entry(PhysicalQuantity("viscous damping between all masses and the shaft", "damping", "c"), 0)
-    path: Any = entry(OneOf("form of the path", ("circle", "cycloid", "epicycloid")), "circle")
-    swing: Any = entry(PhysicalQuantity("length of path to one side over r, as an angle", "angle", "alpha"), 0)
+    count: int = entry(Count("how many pendulums, all alike and in phase", 1, 100), 1)
+    own_inertia: Expression = entry(PhysicalQuantity("inertia of one mass about its centre of mass", "inertia", "J"), 0)
+    suspension: str = entry(OneOf("whether the masses turn against the shaft", ("bifilar", "simple")), "bifilar")
+    damping: Expression = entry(PhysicalQuantity("viscous damping between all masses and the shaft", "damping", "c"), 0)
+    path: str = entry(OneOf("form of the path", ("circle", "cycloid", "epicycloid")), "circle")
+    swing: Expression = entry(PhysicalQuantity("length of path to one side over r, as an angle", "angle", "alpha"), 0)
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Values, make_row
 from torsionnet.model.element_base.nodes import NodeName
@@ -58,26 +58,32 @@ class Propeller(Element):
     glyph: ClassVar[str] = "disc"
     sign: ClassVar[str] = "positive when the drivetrain drives the propeller in the positive sense"
 
-    node: Any = entry(NodeName("the node it turns with", allow_ground=False))
-    inertia: Any = entry(PhysicalQuantity("mass moment of inertia in air", "inertia", "J", usual=(1e-12, 1e10)))
-    entrained_water: Any = entry(PhysicalQuantity("share that entrained water adds, as 25 %", "1", "w"), 0)
-    entrained_inertia: Any = entry(PhysicalQuantity("instead: inertia of entrained water", "inertia", "J_w"), None)
-    pitch_ratio: Any = entry(PhysicalQuantity("pitch over diameter at which the blades stand", "1", "p", None), None)
-    design_pitch_ratio: Any = entry(
+    node: str = entry(NodeName("the node it turns with", allow_ground=False))
+    inertia: Expression = entry(PhysicalQuantity("mass moment of inertia in air", "inertia", "J", usual=(1e-12, 1e10)))
+    entrained_water: Expression = entry(PhysicalQuantity("share that entrained water adds, as 25 %", "1", "w"), 0)
+    entrained_inertia: Expression | None = entry(
+        PhysicalQuantity("instead: inertia of entrained water", "inertia", "J_w"), None
+    )
+    pitch_ratio: Expression | None = entry(
+        PhysicalQuantity("pitch over diameter at which the blades stand", "1", "p", None), None
+    )
+    design_pitch_ratio: Expression | None = entry(
         PhysicalQuantity("pitch over diameter for which entrained water is given", "1", "p_d", nonzero=True), None
     )
-    damping: Any = entry(PhysicalQuantity("damping by the water", "damping", "c"), None)
-    archer: Any = entry(PhysicalQuantity("instead: factor of Archer's formula, about 30", "1", "a"), None)
-    exponent: Any = entry(PhysicalQuantity("instead: exponent m of torque over speed, about 2", "1", "m"), None)
-    torque_slope: Any = entry(
+    damping: Expression | None = entry(PhysicalQuantity("damping by the water", "damping", "c"), None)
+    archer: Expression | None = entry(PhysicalQuantity("instead: factor of Archer's formula, about 30", "1", "a"), None)
+    exponent: Expression | None = entry(
+        PhysicalQuantity("instead: exponent m of torque over speed, about 2", "1", "m"), None
+    )
+    torque_slope: Expression | None = entry(
         PhysicalQuantity("instead: slope dK_Q/dJ_a of the open-water torque, below zero", "1", "K_Qs", None), None
     )
-    torque_coefficient: Any = entry(
+    torque_coefficient: Expression | None = entry(
         PhysicalQuantity("open-water torque coefficient K_Q there", "1", "K_Q", exclusive=True), None
     )
-    advance_ratio: Any = entry(PhysicalQuantity("advance ratio at which it works", "1", "J_a"), None)
-    torque: Any = entry(PhysicalQuantity("mean torque, for the laws of damping", "torque", "Q"), None)
-    speed: Any = entry(
+    advance_ratio: Expression | None = entry(PhysicalQuantity("advance ratio at which it works", "1", "J_a"), None)
+    torque: Expression | None = entry(PhysicalQuantity("mean torque, for the laws of damping", "torque", "Q"), None)
+    speed: Expression | None = entry(
         PhysicalQuantity("speed of the propeller, for the laws of damping", "speed", "Omega", exclusive=True), None
     )
 

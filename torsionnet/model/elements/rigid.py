@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.model.element_base.element import Element, register
@@ -25,7 +25,7 @@ class RigidCoupling(Element):
     kind: ClassVar[str] = "rigid_coupling"
     glyph: ClassVar[str] = "coupling"
 
-    nodes: Any = entry(NodePair("the two nodes it joins; torque is positive from the first to the second"))
+    nodes: tuple[str, str] = entry(NodePair("the two nodes it joins; torque is positive from the first to the second"))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         del value
@@ -47,7 +47,7 @@ class Lock(Element):
     glyph: ClassVar[str] = "clamp"
     sign: ClassVar[str] = "positive when the drivetrain turns the clamp in the positive sense"
 
-    node: Any = entry(NodeName("the clamped node", allow_ground=False))
+    node: str = entry(NodeName("the clamped node", allow_ground=False))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         del value

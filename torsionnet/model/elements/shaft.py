@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
@@ -41,19 +42,23 @@ class Shaft(Element):
     kind: ClassVar[str] = "shaft"
     glyph: ClassVar[str] = "shaft"
 
-    nodes: Any = entry(NodePair("its two ends; twist is the angle of the first minus the second"))
-    outer_diameter: Any = entry(PhysicalQuantity("outer diameter", "length", "D", exclusive=True, usual=(1e-3, 5)))
-    length: Any = entry(PhysicalQuantity("length", "length", "L", exclusive=True, usual=(1e-3, 2e4)))
-    shear_modulus: Any = entry(
+    nodes: tuple[str, str] = entry(NodePair("its two ends; twist is the angle of the first minus the second"))
+    outer_diameter: Expression = entry(
+        PhysicalQuantity("outer diameter", "length", "D", exclusive=True, usual=(1e-3, 5))
+    )
+    length: Expression = entry(PhysicalQuantity("length", "length", "L", exclusive=True, usual=(1e-3, 2e4)))
+    shear_modulus: Expression = entry(
         PhysicalQuantity("shear modulus", "shear modulus", "G", exclusive=True, usual=(1e5, 1e12)), "79.3 GPa"
     )
-    density: Any = entry(PhysicalQuantity("density", "density", "rho", usual=(100, 25e3)), "7850 kg/m^3")
-    inner_diameter: Any = entry(
+    density: Expression = entry(PhysicalQuantity("density", "density", "rho", usual=(100, 25e3)), "7850 kg/m^3")
+    inner_diameter: Expression = entry(
         PhysicalQuantity("inner diameter, 0 for a solid shaft", "length", "d", usual=(1e-4, 5)), 0
     )
-    segments: Any = entry(Count("number of equal segments"), 1)
-    inertia: Any = entry(OneOf("how its inertia is modelled", ("consistent", "lumped", "none")), "consistent")
-    damping: Any = entry(DampingQuantity("viscous damping of the whole shaft in twist", "damping", "c"), 0)
+    segments: int = entry(Count("number of equal segments"), 1)
+    inertia: str = entry(OneOf("how its inertia is modelled", ("consistent", "lumped", "none")), "consistent")
+    damping: Expression | DampingMeasure = entry(
+        DampingQuantity("viscous damping of the whole shaft in twist", "damping", "c"), 0
+    )
 
     def contradictions(self) -> list[Fault]:
         return section_faults(self)

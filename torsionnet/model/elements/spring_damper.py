@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.model.element_base.curves import LookupCurve
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
@@ -40,18 +43,20 @@ class SpringDamper(Element):
     glyph: ClassVar[str] = "damper"
     sign: ClassVar[str] = "positive when the drivetrain drives the inner star in the positive sense"
 
-    node: Any = entry(NodeName("the node its inner star turns with", allow_ground=False))
-    ring_inertia: Any = entry(PhysicalQuantity("inertia of the outer ring", "inertia", "J_r", exclusive=True))
-    stiffness: Any = entry(PhysicalQuantity("stiffness of the springs", "stiffness", "k", exclusive=True))
-    damping: Any = entry(DampingQuantity("damping by the oil, or a measure at a frequency", "damping", "c"), None)
-    loss_over_frequency: Any = entry(
+    node: str = entry(NodeName("the node its inner star turns with", allow_ground=False))
+    ring_inertia: Expression = entry(PhysicalQuantity("inertia of the outer ring", "inertia", "J_r", exclusive=True))
+    stiffness: Expression = entry(PhysicalQuantity("stiffness of the springs", "stiffness", "k", exclusive=True))
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("damping by the oil, or a measure at a frequency", "damping", "c"), None
+    )
+    loss_over_frequency: Rows = entry(
         LookupCurve("instead: c omega/k", "frequency", exclusive=True, shown="{10 Hz: 0.3, 40 Hz: 0.6}"),
         None,
     )
-    stiffness_over_frequency: Any = entry(
+    stiffness_over_frequency: Rows = entry(
         LookupCurve("k(f) over the stiffness", "frequency", exclusive=True, shown="{10 Hz: 1.1, 40 Hz: 1.3}"), None
     )
-    hub_inertia: Any = entry(PhysicalQuantity("inertia of the inner star", "inertia", "J_h"), 0)
+    hub_inertia: Expression = entry(PhysicalQuantity("inertia of the inner star", "inertia", "J_h"), 0)
 
     def contradictions(self) -> list[Fault]:
         if self.loss_over_frequency and self.damping is not None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -37,11 +38,13 @@ class Spring(Element):
     kind: ClassVar[str] = "spring"
     glyph: ClassVar[str] = "spring"
 
-    nodes: Any = entry(NodePair(PAIR))
-    stiffness: Any = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"))
-    damping: Any = entry(DampingQuantity("viscous damping, or a damping measure at a frequency", "damping", "c"), 0)
-    outer_diameter: Any = entry(SECTION, None)
-    inner_diameter: Any = entry(BORE, 0)
+    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    stiffness: Expression = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"))
+    damping: Expression | DampingMeasure = entry(
+        DampingQuantity("viscous damping, or a damping measure at a frequency", "damping", "c"), 0
+    )
+    outer_diameter: Expression | None = entry(SECTION, None)
+    inner_diameter: Expression = entry(BORE, 0)
 
     def contradictions(self) -> list[Fault]:
         return section_faults(self)
@@ -70,8 +73,8 @@ class Damper(Element):
     kind: ClassVar[str] = "damper"
     glyph: ClassVar[str] = "damper"
 
-    nodes: Any = entry(NodePair(PAIR))
-    damping: Any = entry(PhysicalQuantity("viscous damping", "damping", "c"))
+    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    damping: Expression = entry(PhysicalQuantity("viscous damping", "damping", "c"))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(difference(*self.nodes), damping=value(self.damping)),)

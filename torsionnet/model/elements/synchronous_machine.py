@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
@@ -46,20 +47,24 @@ class SynchronousMachine(Element):
     glyph: ClassVar[str] = "machine"
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
 
-    node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
-    stiffness: Any = entry(
+    node: str = entry(NodeName("the node of the rotor", allow_ground=False))
+    stiffness: Expression | None = entry(
         PhysicalQuantity("magnetic stiffness over the mechanical angle", "stiffness", "k", exclusive=True), None
     )
-    pull_out_torque: Any = entry(
+    pull_out_torque: Expression | None = entry(
         PhysicalQuantity("instead: torque T_e of the field at 90 degrees", "torque", "T_e", exclusive=True), None
     )
-    pole_pairs: Any = entry(Count("electrical periods of a revolution", 1, 10_000), None)
-    torque: Any = entry(PhysicalQuantity("mean torque it gives or takes, a size", "torque", "T"), None)
-    load_angle: Any = entry(PhysicalQuantity("instead: load angle, electrical, a size", "angle", "delta"), None)
-    reluctance_torque: Any = entry(PhysicalQuantity("torque T_r of salient poles", "torque", "T_r"), None)
-    damping: Any = entry(DampingQuantity("damping of the damper winding, over the mechanical speed", "damping", "c"), 0)
-    inertia: Any = entry(PhysicalQuantity("inertia of the rotor", "inertia", "J"), 0)
-    housing: Any = entry(NodeName("the node of the stator"), "ground")
+    pole_pairs: int | None = entry(Count("electrical periods of a revolution", 1, 10_000), None)
+    torque: Expression | None = entry(PhysicalQuantity("mean torque it gives or takes, a size", "torque", "T"), None)
+    load_angle: Expression | None = entry(
+        PhysicalQuantity("instead: load angle, electrical, a size", "angle", "delta"), None
+    )
+    reluctance_torque: Expression | None = entry(PhysicalQuantity("torque T_r of salient poles", "torque", "T_r"), None)
+    damping: Expression | DampingMeasure = entry(
+        DampingQuantity("damping of the damper winding, over the mechanical speed", "damping", "c"), 0
+    )
+    inertia: Expression = entry(PhysicalQuantity("inertia of the rotor", "inertia", "J"), 0)
+    housing: str = entry(NodeName("the node of the stator"), "ground")
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
@@ -85,7 +90,7 @@ class SynchronousMachine(Element):
         if not isinstance(self.load_angle, Number):
             text = "the load angle is a number, as 25 deg: expressions have no cosine; give torque with parameters"
             return [Fault(text, ("load_angle",))]
-        if self.reluctance_torque is None and self.load_angle.value >= math.pi / 2:
+        if self.reluctance_torque is None and self.load_angle.evaluate({}) >= math.pi / 2:
             return [Fault("at a load angle of 90 deg and more it falls out of step", ("load_angle",))]
         return []
 
@@ -114,7 +119,7 @@ class SynchronousMachine(Element):
         if self.load_angle is None:
             torque = 0 if self.torque is None else value(self.torque)
             return pairs * value.root(field**2 - torque**2, "the torque must not be above the pull-out torque")
-        once, twice = (value.algebra.number(_cosine(n * self.load_angle.value)) for n in (1, 2))
+        once, twice = (value.algebra.number(_cosine(n * self.load_angle.evaluate({}))) for n in (1, 2))
         saliency = 0 if self.reluctance_torque is None else value(self.reluctance_torque)
         return pairs * (field * once + 2 * saliency * twice)
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Values, difference
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.elements.springs import PAIR
 
 
@@ -28,8 +29,8 @@ class TabulatedSpring(Element):
     kind: ClassVar[str] = "tabulated_spring"
     glyph: ClassVar[str] = "spring"
 
-    nodes: Any = entry(NodePair(PAIR))
-    table: Any = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
+    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    table: StiffnessTable = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         del value

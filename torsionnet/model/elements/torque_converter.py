@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.piecewise_linear import slope_at, value_at
+from torsionnet.core.piecewise_linear import Rows, slope_at, value_at
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.hydrodynamic import RATIO, Hydrodynamic
@@ -40,7 +40,7 @@ class TorqueConverter(Hydrodynamic):
     kind: ClassVar[str] = "torque_converter"
     more_tables: ClassVar[tuple[str, ...]] = ("torque_ratio",)
 
-    torque_ratio: Any = entry(
+    torque_ratio: Rows = entry(
         Characteristic("rows [speed ratio, turbine torque over pump torque]", (RATIO, RowColumn("torque ratio"))),
         kw_only=True,
     )

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
@@ -43,17 +45,25 @@ class TunedDamper(Element):
     glyph: ClassVar[str] = "damper"
     sign: ClassVar[str] = "positive when the drivetrain drives the hub in the positive sense"
 
-    node: Any = entry(NodeName("the node its hub turns with", allow_ground=False))
-    ring_inertia: Any = entry(PhysicalQuantity("inertia of the ring", "inertia", "J_r", exclusive=True))
-    stiffness: Any = entry(PhysicalQuantity("stiffness of the layer", "stiffness", "k", exclusive=True), None)
-    natural_frequency: Any = entry(
+    node: str = entry(NodeName("the node its hub turns with", allow_ground=False))
+    ring_inertia: Expression = entry(PhysicalQuantity("inertia of the ring", "inertia", "J_r", exclusive=True))
+    stiffness: Expression | None = entry(
+        PhysicalQuantity("stiffness of the layer", "stiffness", "k", exclusive=True), None
+    )
+    natural_frequency: Expression | None = entry(
         PhysicalQuantity("instead: natural frequency of the ring, hub held fast", "frequency", "f_r", exclusive=True),
         None,
     )
-    loss_factor: Any = entry(LossFactor("loss factor of the layer, or another measure of it", "1", "eta"), None)
-    damping_ratio: Any = entry(PhysicalQuantity("instead: damping ratio of the ring, hub held fast", "1", "zeta"), None)
-    damping: Any = entry(DampingQuantity("instead: viscous damping, or a measure at a frequency", "damping", "c"), None)
-    hub_inertia: Any = entry(PhysicalQuantity("inertia of the hub", "inertia", "J_h"), 0)
+    loss_factor: Expression | DampingMeasure | None = entry(
+        LossFactor("loss factor of the layer, or another measure of it", "1", "eta"), None
+    )
+    damping_ratio: Expression | None = entry(
+        PhysicalQuantity("instead: damping ratio of the ring, hub held fast", "1", "zeta"), None
+    )
+    damping: Expression | DampingMeasure | None = entry(
+        DampingQuantity("instead: viscous damping, or a measure at a frequency", "damping", "c"), None
+    )
+    hub_inertia: Expression = entry(PhysicalQuantity("inertia of the hub", "inertia", "J_h"), 0)
 
     def contradictions(self) -> list[Fault]:
         if (self.stiffness is None) == (self.natural_frequency is None):

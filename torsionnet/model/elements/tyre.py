@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values, difference, make_row
@@ -38,21 +40,25 @@ class Tyre(Element):
     kind: ClassVar[str] = "tyre"
     glyph: ClassVar[str] = "spring"
 
-    nodes: Any = entry(NodePair("rim and road; twist is the angle of the first minus the second"))
-    state: Any = entry(OneOf("whether it rolls, with slip, or stands without", ("rolling", "standing")), "rolling")
-    radius: Any = entry(PhysicalQuantity("rolling radius", "length", "r", exclusive=True, usual=(0.02, 3)), None)
-    slip_stiffness: Any = entry(
+    nodes: tuple[str, str] = entry(NodePair("rim and road; twist is the angle of the first minus the second"))
+    state: str = entry(OneOf("whether it rolls, with slip, or stands without", ("rolling", "standing")), "rolling")
+    radius: Expression | None = entry(
+        PhysicalQuantity("rolling radius", "length", "r", exclusive=True, usual=(0.02, 3)), None
+    )
+    slip_stiffness: Expression | None = entry(
         PhysicalQuantity("longitudinal force per slip", "force", "C", exclusive=True, usual=(500, 1e8)), None
     )
-    speed: Any = entry(PhysicalQuantity("speed on the road", "velocity", "v", exclusive=True), None)
-    stiffness: Any = entry(
+    speed: Expression | None = entry(PhysicalQuantity("speed on the road", "velocity", "v", exclusive=True), None)
+    stiffness: Expression | None = entry(
         PhysicalQuantity("torsional stiffness of rim against road", "stiffness", "k", exclusive=True), None
     )
-    relaxation_length: Any = entry(
+    relaxation_length: Expression | None = entry(
         PhysicalQuantity("instead of the stiffness: relaxation length", "length", "sigma", exclusive=True), None
     )
-    damping: Any = entry(DampingQuantity("viscous damping in parallel to the stiffness", "damping", "d"), 0)
-    belt_inertia: Any = entry(PhysicalQuantity("inertia of belt and tread", "inertia", "J_b"), 0)
+    damping: Expression | DampingMeasure = entry(
+        DampingQuantity("viscous damping in parallel to the stiffness", "damping", "d"), 0
+    )
+    belt_inertia: Expression = entry(PhysicalQuantity("inertia of belt and tread", "inertia", "J_b"), 0)
 
     def contradictions(self) -> list[Fault]:
         if (self.stiffness is None) == (self.relaxation_length is None):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Law, Part, Values, make_row
 from torsionnet.model.element_base.nodes import NodeName
@@ -39,16 +40,18 @@ class Vehicle(Element):
     glyph: ClassVar[str] = "disc"
     sign: ClassVar[str] = "positive when the drivetrain drives the vehicle in the positive sense"
 
-    node: Any = entry(NodeName("the node that turns with the wheels, behind the tyres", allow_ground=False))
-    mass: Any = entry(PhysicalQuantity("mass of the vehicle", "mass", "m", exclusive=True, usual=(1, 1e7)))
-    wheel_radius: Any = entry(
+    node: str = entry(NodeName("the node that turns with the wheels, behind the tyres", allow_ground=False))
+    mass: Expression = entry(PhysicalQuantity("mass of the vehicle", "mass", "m", exclusive=True, usual=(1, 1e7)))
+    wheel_radius: Expression = entry(
         PhysicalQuantity("rolling radius of the wheels", "length", "r", exclusive=True, usual=(0.02, 3))
     )
-    wheel_inertia: Any = entry(PhysicalQuantity("inertia of wheels that no drive shaft turns", "inertia", "J_w"), 0)
-    speed: Any = entry(PhysicalQuantity("speed of the vehicle, for what damps", "velocity", "v"), None)
-    drag_area: Any = entry(PhysicalQuantity("drag coefficient times frontal area", "area", "A_d"), None)
-    air_density: Any = entry(PhysicalQuantity("density of the air", "density", "rho"), "1.204 kg/m^3")
-    rolling_slope: Any = entry(
+    wheel_inertia: Expression = entry(
+        PhysicalQuantity("inertia of wheels that no drive shaft turns", "inertia", "J_w"), 0
+    )
+    speed: Expression | None = entry(PhysicalQuantity("speed of the vehicle, for what damps", "velocity", "v"), None)
+    drag_area: Expression | None = entry(PhysicalQuantity("drag coefficient times frontal area", "area", "A_d"), None)
+    air_density: Expression = entry(PhysicalQuantity("density of the air", "density", "rho"), "1.204 kg/m^3")
+    rolling_slope: Expression = entry(
         PhysicalQuantity("growth of the rolling resistance coefficient with speed", "per velocity", "f_1"), 0
     )
 

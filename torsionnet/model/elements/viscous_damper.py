@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.curves import Temperature
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
@@ -19,6 +19,7 @@ from torsionnet.model.element_base.laws import Law, Part, Row, Values, differenc
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.element_base.sheared_shapes import FilmGap
 from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.element_base.viscoelastic import Viscoelastic, temperature_faults
 
 _FILMS = ("damping", "table", "silicone")
@@ -56,20 +57,26 @@ class ViscousDamper(Element):
     glyph: ClassVar[str] = "damper"
     sign: ClassVar[str] = "positive when the drivetrain drives the hub in the positive sense"
 
-    node: Any = entry(NodeName("the node its hub turns with", allow_ground=False))
-    ring_inertia: Any = entry(PhysicalQuantity("inertia of the ring", "inertia", "J_r", exclusive=True))
-    damping: Any = entry(
+    node: str = entry(NodeName("the node its hub turns with", allow_ground=False))
+    ring_inertia: Expression = entry(PhysicalQuantity("inertia of the ring", "inertia", "J_r", exclusive=True))
+    damping: Expression | DampingMeasure | None = entry(
         DampingQuantity("viscous damping of the film, or a measure of its damping", "damping", "c"), None
     )
-    stiffness: Any = entry(PhysicalQuantity("stiffness of the film", "stiffness", "k"), 0)
-    hub_inertia: Any = entry(PhysicalQuantity("inertia of hub and casing", "inertia", "J_h"), 0)
-    table: Any = entry(
+    stiffness: Expression = entry(PhysicalQuantity("stiffness of the film", "stiffness", "k"), 0)
+    hub_inertia: Expression = entry(PhysicalQuantity("inertia of hub and casing", "inertia", "J_h"), 0)
+    table: StiffnessTable | None = entry(
         TableEntry("instead: rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad] of the film"), None
     )
-    silicone: Any = entry(Nested("instead: moduli of the silicone", lambda: Viscoelastic, "viscoelastic"), None)
-    gap: Any = entry(Nested("its gaps round the ring", lambda: FilmGap, "film_gap"), None)
-    scale: Any = entry(PhysicalQuantity("factor on the table or on the moduli", "1", "F", exclusive=True), None)
-    temperature: Any = entry(Temperature("temperature of the silicone", "temperature", "t", exclusive=True), None)
+    silicone: Viscoelastic | None = entry(
+        Nested("instead: moduli of the silicone", lambda: Viscoelastic, "viscoelastic"), None
+    )
+    gap: FilmGap | None = entry(Nested("its gaps round the ring", lambda: FilmGap, "film_gap"), None)
+    scale: Expression | None = entry(
+        PhysicalQuantity("factor on the table or on the moduli", "1", "F", exclusive=True), None
+    )
+    temperature: Expression | None = entry(
+        Temperature("temperature of the silicone", "temperature", "t", exclusive=True), None
+    )
 
     def contradictions(self) -> list[Fault]:
         given = [name for name in _FILMS if getattr(self, name) is not None]
@@ -116,8 +123,8 @@ class ViscousDamper(Element):
         if self.table is not None:
             return Law(row, table=self._scaled(self.table, value))
         if self.silicone is not None:
-            temperature = None if self.temperature is None else float(self.temperature.value)
-            film = self.silicone.stiffness(self.gap.factor, temperature)
+            temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
+            film = self.silicone.stiffness(present(self.gap).factor, temperature)
             return Law(row, table=self._scaled(film, value))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)

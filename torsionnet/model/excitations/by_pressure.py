@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 
@@ -21,12 +21,12 @@ ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ByPressure(Composite):
+class ByPressure(Composite[Mapping[float, Stored_co]]):
     """A table by mean indicated pressure; stored by Pa, rising."""
 
-    of: Spec
+    of: Spec[Stored_co]
 
-    def read(self, raw: Any) -> tuple[dict[float, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[float, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or not raw:
             return {}, [Fault(f"expected mean indicated pressures, {{27 bar: {self.of.example}}}, got {raw!r}")]
         table: dict[float, Any] = {}
@@ -59,7 +59,7 @@ class ByPressure(Composite):
         return self.of.definitions()
 
 
-def mean_pressure(raw: Any) -> float:
+def mean_pressure(raw: object) -> float:
     """A mean indicated pressure in Pa, of a size that an engine has."""
     try:
         pressure = MEAN_PRESSURE.coerce(raw)

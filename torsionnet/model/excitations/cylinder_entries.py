@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named
@@ -20,10 +19,10 @@ def number_fault(name: str) -> str | None:
     return None if name.isdecimal() and 0 < int(name) <= 99 else f'cylinders have numbers from 1 to 99, not "{name}"'
 
 
-class CylindersEntry(Listed):
+class CylindersEntry(Listed[int]):
     """A list of cylinders, or ``each``: one after the other, as conditions of their own."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if raw == EACH:
             return EACH, []
         if isinstance(raw, str):
@@ -40,10 +39,6 @@ class CylindersEntry(Listed):
 FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=10)
 
 
-def by_cylinder(description: str, of: Value, form: str) -> Named:
+def by_cylinder(description: str, of: Value, form: str) -> Named[float]:
     """A table by number of cylinder."""
     return Named(description, of, refused=number_fault, form=form)
-
-
-def listed(numbers: Iterable[int]) -> str:
-    return ", ".join(map(str, numbers))

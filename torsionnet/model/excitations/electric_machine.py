@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.element_base.nodes import NodeName
@@ -23,7 +23,7 @@ from torsionnet.model.excitations.order_excitation import (
     OrderTorques,
     register_excitation,
 )
-from torsionnet.model.excitations.speed_table import SpeedTable, not_covered, over_speed
+from torsionnet.model.excitations.speed_table import SpeedRows, SpeedTable, not_covered, over_speed
 
 _LINE_FREQUENCY = Value("frequency of the line or inverter", "frequency", exclusive=True, below=1e6)
 
@@ -36,9 +36,9 @@ class AirGapTorque(Declared):
     article: ClassVar[str] = "a pulsation"
     form: ClassVar[str] = "{amplitude: 40 N*m, phase: 0 deg} or {share: 2 %}"
 
-    amplitude: Any = entry(Value("peak value, the same at all speeds (cogging)", "torque"), 0)
-    share: Any = entry(Value("peak value over the torque of the machine at that speed (ripple)", "1", below=10), 0)
-    phase: Any = entry(PHASE, 0)
+    amplitude: float = entry(Value("peak value, the same at all speeds (cogging)", "torque"), 0)
+    share: float = entry(Value("peak value over the torque of the machine at that speed (ripple)", "1", below=10), 0)
+    phase: float = entry(PHASE, 0)
 
     def contradictions(self) -> list[Fault]:
         if self.amplitude or self.share:
@@ -57,8 +57,10 @@ class LineTorques(Declared):
     article: ClassVar[str] = "a line"
     form: ClassVar[str] = "{frequency: 50 Hz, multiples: {6: {share: 2 %}, 12: {share: 1 %}}}"
 
-    frequency: Any = entry(_LINE_FREQUENCY)
-    multiples: Any = entry(ByOrder("multiple of the frequency -> peak value and phase", _PULSATION))
+    frequency: float = entry(_LINE_FREQUENCY)
+    multiples: Mapping[float, AirGapTorque] = entry(
+        ByOrder("multiple of the frequency -> peak value and phase", _PULSATION)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +71,9 @@ class SlipTorque(Declared):
     article: ClassVar[str] = "a slip"
     form: ClassVar[str] = "{frequency: 50 Hz, amplitude: [[0 rpm, 60 kN*m], [1500 rpm, 40 kN*m]]}"
 
-    frequency: Any = entry(_LINE_FREQUENCY)
-    amplitude: Any = entry(SpeedTable("rows [speed, peak value]", Value("peak value of a torque", "torque")))
-    phase: Any = entry(PHASE, 0)
+    frequency: float = entry(_LINE_FREQUENCY)
+    amplitude: SpeedRows = entry(SpeedTable("rows [speed, peak value]", Value("peak value of a torque", "torque")))
+    phase: float = entry(PHASE, 0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +84,11 @@ class ShortCircuit(Declared):
     article: ClassVar[str] = "a short circuit"
     form: ClassVar[str] = "{frequency: 50 Hz, phases: 2, once: 90 kN*m, twice: 45 kN*m}"
 
-    frequency: Any = entry(_LINE_FREQUENCY)
-    phases: Any = entry(Count("how many phases are short: 1, 2 or 3", 1, 3))
-    once: Any = entry(Value("peak value at the line frequency", "torque", exclusive=True))
-    twice: Any = entry(Value("peak value at twice the line frequency; none with three phases", "torque"), 0)
-    phase: Any = entry(PHASE, 0)
+    frequency: float = entry(_LINE_FREQUENCY)
+    phases: int = entry(Count("how many phases are short: 1, 2 or 3", 1, 3))
+    once: float = entry(Value("peak value at the line frequency", "torque", exclusive=True))
+    twice: float = entry(Value("peak value at twice the line frequency; none with three phases", "torque"), 0)
+    phase: float = entry(PHASE, 0)
 
     def contradictions(self) -> list[Fault]:
         if self.phases == 3 and self.twice:
@@ -123,22 +125,28 @@ class ElectricMachine(OrderExcitation):
 
     kind: ClassVar[str] = "electric_machine"
 
-    node: Any = entry(NodeName("the node of the rotor; orders count its revolutions", allow_ground=False))
-    stator: Any = entry(NodeName("the node of the stator, if it gives way", allow_ground=False), None)
-    pole_pairs: Any = entry(Count("electrical periods of a revolution", 1, 10_000), None)
-    rated_torque: Any = entry(Value("torque of which shares are taken", "torque", exclusive=True), None)
-    torque: Any = entry(
+    node: str = entry(NodeName("the node of the rotor; orders count its revolutions", allow_ground=False))
+    stator: str | None = entry(NodeName("the node of the stator, if it gives way", allow_ground=False), None)
+    pole_pairs: int | None = entry(Count("electrical periods of a revolution", 1, 10_000), None)
+    rated_torque: float | None = entry(Value("torque of which shares are taken", "torque", exclusive=True), None)
+    torque: SpeedRows | None = entry(
         SpeedTable("rows [speed, share of the rated torque] that the machine has there", Value("a share", "1")), None
     )
-    orders: Any = entry(ByOrder("order of the rotor -> peak value and phase", _PULSATION, fewest=0), None)
-    electrical_orders: Any = entry(ByOrder("order of the electrical period -> the same", _PULSATION, fewest=0), None)
-    line: Any = entry(Nested("multiples of the line frequency", lambda: LineTorques, "line_torques"), None)
-    frequencies: Any = entry(
+    orders: Mapping[float, AirGapTorque] = entry(
+        ByOrder("order of the rotor -> peak value and phase", _PULSATION, fewest=0), None
+    )
+    electrical_orders: Mapping[float, AirGapTorque] = entry(
+        ByOrder("order of the electrical period -> the same", _PULSATION, fewest=0), None
+    )
+    line: LineTorques | None = entry(
+        Nested("multiples of the line frequency", lambda: LineTorques, "line_torques"), None
+    )
+    frequencies: Mapping[float, AirGapTorque] = entry(
         ByOrder("frequency -> the same; interharmonics |m f1 + n f2| and others", _PULSATION, FREQUENCY, "frequency"),
         None,
     )
-    slip: Any = entry(Nested("a synchronous motor that starts", lambda: SlipTorque, "slip_torque"), None)
-    short_circuit: Any = entry(Nested("a short circuit", lambda: ShortCircuit, "short_circuit"), None)
+    slip: SlipTorque | None = entry(Nested("a synchronous motor that starts", lambda: SlipTorque, "slip_torque"), None)
+    short_circuit: ShortCircuit | None = entry(Nested("a short circuit", lambda: ShortCircuit, "short_circuit"), None)
 
     def contradictions(self) -> list[Fault]:
         kinds = ("orders", "electrical_orders", "line", "frequencies", "slip", "short_circuit")
@@ -196,20 +204,20 @@ class ElectricMachine(OrderExcitation):
 
     def _pulsations(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         rated = (self.rated_torque or 0.0) * np.ones(len(speeds))
-        present = rated * over_speed(self.torque, speeds, "torque") if self.torque else rated
+        torque = rated * over_speed(self.torque, speeds, "torque") if self.torque else rated
         per_revolution = {"orders": 1, "electrical_orders": self.pole_pairs}
         for (name, *_), table in self._tables():
             for key, one in table.items():
-                size = (one.amplitude + one.share * present) * np.exp(1j * one.phase)
+                size = (one.amplitude + one.share * torque) * np.exp(1j * one.phase)
                 if name in per_revolution:
-                    yield _Pulsation(key * per_revolution[name], 0.0, size)
+                    yield _Pulsation(key * present(per_revolution[name]), 0.0, size)
                 else:
-                    yield _Pulsation(0.0, key * (self.line.frequency if name == "line" else 1), size)
+                    yield _Pulsation(0.0, key * (present(self.line).frequency if name == "line" else 1), size)
 
     def _of_slip(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         if self.slip:
             size = over_speed(self.slip.amplitude, speeds, "slip torque") * np.exp(1j * self.slip.phase)
-            yield _Pulsation(-2.0 * self.pole_pairs, 2 * self.slip.frequency, size)
+            yield _Pulsation(-2.0 * present(self.pole_pairs), 2 * self.slip.frequency, size)
 
     def _of_short_circuit(self) -> Iterator[_Pulsation]:
         if self.short_circuit:

@@ -12,14 +12,14 @@ import numpy as np
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Path
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.cylinder_entries import CYLINDER, FACTOR, CylindersEntry, by_cylinder, number_fault
-from torsionnet.model.excitations.engine_load import LOAD
+from torsionnet.model.excitations.engine_load import LOAD, EngineLoad
 from torsionnet.model.excitations.firing import banked_phases, even_phases
-from torsionnet.model.excitations.gas_torque import GAS, Crank
+from torsionnet.model.excitations.gas_torque import GAS, Crank, GasPressure
 from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, ReactingExcitation
 from torsionnet.model.excitations.rating import FRICTION, Rating
 
@@ -31,9 +31,9 @@ HIGHEST = {4: 12.0, 2: 15.0}
 class EngineEntries(ReactingExcitation):
     """Cylinders on a crankshaft, when they fire, and what is in them."""
 
-    speed_of: Any = entry(NodeName("a node of the crankshaft; orders count its revolutions", allow_ground=False))
-    cycle: Any = entry(Count("strokes of a cycle: 2 or 4", 2, 4))
-    cylinders: Any = entry(
+    speed_of: str = entry(NodeName("a node of the crankshaft; orders count its revolutions", allow_ground=False))
+    cycle: int = entry(Count("strokes of a cycle: 2 or 4", 2, 4))
+    cylinders: Mapping[str, str] = entry(
         Named(
             "number of each cylinder -> the node its throw is on",
             NodeName("", allow_ground=False),
@@ -42,11 +42,11 @@ class EngineEntries(ReactingExcitation):
             refused=number_fault,
         )
     )
-    firing_order: Any = entry(
+    firing_order: tuple[int, ...] = entry(
         Listed("the cylinders as they fire, evenly but for banks", CYLINDER, form="a list of cylinders"),
         (),
     )
-    firing_angles: Any = entry(
+    firing_angles: Mapping[str, float] = entry(
         by_cylinder(
             "instead: cylinder -> crank angle after the first at which it fires",
             Value("angle at which a cylinder fires", "angle", lower=None),
@@ -54,7 +54,7 @@ class EngineEntries(ReactingExcitation):
         ),
         None,
     )
-    phase: Any = entry(
+    phase: float | None = entry(
         Value(
             "beside other engines: crank angle by which it fires later than the first engine of the model; without it "
             "the angle between two crankshafts is not known, and the worst counts",
@@ -63,7 +63,7 @@ class EngineEntries(ReactingExcitation):
         ),
         None,
     )
-    banks: Any = entry(
+    banks: Mapping[str, tuple[int, ...]] = entry(
         Named(
             "of a V engine: name of each bank -> its cylinders, in the direction of rotation",
             Listed("its cylinders", CYLINDER, form="a list of cylinders"),
@@ -71,17 +71,17 @@ class EngineEntries(ReactingExcitation):
         ),
         None,
     )
-    bank_angle: Any = entry(
+    bank_angle: float | None = entry(
         Value("from a bank to the next, in the direction of rotation", "angle", exclusive=True), None
     )
-    bore: Any = entry(Value("diameter of a cylinder", "length", exclusive=True))
-    stroke: Any = entry(Value("twice the crank radius", "length", exclusive=True))
-    rod_length: Any = entry(Value("connecting rod between its centres", "length", exclusive=True))
-    piston_rod: Any = entry(Value("diameter of the rod below a double-acting piston", "length"), 0)
-    reciprocating_mass: Any = entry(Value("piston, pin and the rod's share, of one cylinder", "mass"), 0)
-    gas: Any = entry(GAS, None)
-    load: Any = entry(LOAD, None)
-    misfire: Any = entry(
+    bore: float = entry(Value("diameter of a cylinder", "length", exclusive=True))
+    stroke: float = entry(Value("twice the crank radius", "length", exclusive=True))
+    rod_length: float = entry(Value("connecting rod between its centres", "length", exclusive=True))
+    piston_rod: float = entry(Value("diameter of the rod below a double-acting piston", "length"), 0)
+    reciprocating_mass: float = entry(Value("piston, pin and the rod's share, of one cylinder", "mass"), 0)
+    gas: GasPressure | None = entry(GAS, None)
+    load: EngineLoad | None = entry(LOAD, None)
+    misfire: tuple[int, ...] | str = entry(
         CylindersEntry(
             "cylinders without injection, which follow the motored trace; each: one after the other, the worst counts",
             CYLINDER,
@@ -89,17 +89,17 @@ class EngineEntries(ReactingExcitation):
         ),
         (),
     )
-    gas_off: Any = entry(
+    gas_off: tuple[int, ...] = entry(
         Listed(
             "cylinders without any gas torque, as with the running gear removed", CYLINDER, form="a list of cylinders"
         ),
         (),
     )
-    factors: Any = entry(
+    factors: Mapping[str, float] = entry(
         by_cylinder("gas torque of cylinders that differ, over that of the others", FACTOR, "{3: 0.8}"), None
     )
-    spread: Any = entry(Value("gas torques differ by as much up or down, in the worst combination", "1", below=1), 0)
-    orders: Any = entry(
+    spread: float = entry(Value("gas torques differ by as much up or down, in the worst combination", "1", below=1), 0)
+    orders: tuple[float, ...] = entry(
         Listed(
             "the orders that act; default: 0.5 to 12 of a four-stroke, 1 to 15 of a two-stroke engine",
             ORDER,
@@ -133,11 +133,12 @@ class EngineEntries(ReactingExcitation):
     @cached_property
     def absorbs(self) -> bool:
         """By its pressure traces; what is given by order alone is taken for an engine."""
-        traces = [] if self.gas is None else [self.gas.fired, *(self.gas.traces or {}).values()]
+        gas = self.gas
+        if gas is None:
+            return False
+        traces = [gas.fired, *(gas.traces or {}).values()]
         means = [
-            trace.mean_indicated_pressure(self.crank.ratio, self.revolutions, self.gas.zero)
-            for trace in traces
-            if trace
+            trace.mean_indicated_pressure(self.crank.ratio, self.revolutions, gas.zero) for trace in traces if trace
         ]
         return bool(means) and max(means) < 0
 
@@ -149,7 +150,7 @@ class EngineEntries(ReactingExcitation):
     def bank_places(self) -> dict[int, float]:
         """Angle of the bank of each cylinder in rad, 0 without banks."""
         banks = (self.banks or {}).values()
-        return {number: place * self.bank_angle for place, bank in enumerate(banks) for number in bank}
+        return {number: place * present(self.bank_angle) for place, bank in enumerate(banks) for number in bank}
 
     @cached_property
     def acting_phases(self) -> dict[int, float]:
@@ -184,10 +185,11 @@ class EngineEntries(ReactingExcitation):
         """By its power, else by the mean indicated pressure of its load or of its trace."""
         load, gas = self.load, self.gas
         if load is not None and load.power is not None:
-            speed, power = load.rated, load.power
+            speed, power = present(load.rated), load.power
             return Rating(power / speed, ("load", "power"), speed, ("load", "rated"), power, load.exponent)
         if load is not None:
-            return self._indicated(load.mean_indicated_pressure, ("load", "mean_indicated_pressure"), load, "load")
+            pressure = present(load.mean_indicated_pressure)
+            return self._indicated(pressure, ("load", "mean_indicated_pressure"), load, "load")
         if gas is not None and gas.fired and not gas.crank_end:
             pressure = gas.fired.mean_indicated_pressure(self.crank.ratio, self.revolutions, gas.zero)
             return self._indicated(pressure, ("gas", "fired"), gas, "gas")

@@ -7,8 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, UsageError
-from torsionnet.model.excitations.cylinder_entries import EACH, listed
+from torsionnet.core.entries.spec import present
+from torsionnet.core.errors import Fault, Path, UsageError
+from torsionnet.core.listing import listed
+from torsionnet.model.excitations.cylinder_entries import EACH
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
 from torsionnet.model.excitations.firing import unlike_crank
@@ -135,7 +137,7 @@ def _gas(engine: EngineEntries) -> Iterator[Fault]:
             yield Fault(f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True)
     if gas is None:
         return
-    if gas.is_by_pressure and engine.load is None and len(gas.traces or gas.harmonics) > 1:
+    if gas.is_by_pressure and engine.load is None and len(gas.traces or present(gas.harmonics)) > 1:
         text = "which mean indicated pressure acts? give load: {mean_indicated_pressure: 27 bar}"
         yield Fault(f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True)
     if engine.load is not None and not gas.is_by_pressure:
@@ -183,7 +185,7 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
             yield Fault(str(error), ("load",))
 
 
-def _stretched(engine: EngineEntries, path: tuple[str, ...], trace: PressureTrace) -> Iterator[Fault]:
+def _stretched(engine: EngineEntries, path: Path, trace: PressureTrace) -> Iterator[Fault]:
     """A list of one revolution in the place of a cycle, which has two."""
     pressures = np.array(trace.values)
     wide = 360 * engine.revolutions * float(np.mean(pressures >= pressures.max() / 2))

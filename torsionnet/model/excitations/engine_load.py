@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, entry
+from torsionnet.core.entries.spec import EntryError, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.by_pressure import MEAN_PRESSURE, mean_pressure
 from torsionnet.model.excitations.order_excitation import FloatArray
@@ -32,13 +32,13 @@ class EngineLoad(Declared):
     article: ClassVar[str] = "the load of an engine"
     form: ClassVar[str] = "{mean_indicated_pressure: 27 bar, rated: 750 rpm, exponent: 2}"
 
-    mean_indicated_pressure: Any = entry(MEAN_PRESSURE, None)
-    power: Any = entry(Value("instead: power at the coupling at rated speed", "power", exclusive=True), None)
-    mechanical_efficiency: Any = entry(
+    mean_indicated_pressure: float | None = entry(MEAN_PRESSURE, None)
+    power: float | None = entry(Value("instead: power at the coupling at rated speed", "power", exclusive=True), None)
+    mechanical_efficiency: float | None = entry(
         Value("power at the coupling over indicated power", "1", exclusive=True, below=1.0001), None
     )
-    rated: Any = entry(Value("speed to which these belong", "speed", exclusive=True), None)
-    exponent: Any = entry(
+    rated: float | None = entry(Value("speed to which these belong", "speed", exclusive=True), None)
+    exponent: float = entry(
         Value("mean indicated pressure follows (speed/rated) to this power: 2 on a propeller curve", "1", lower=None), 0
     )
 
@@ -67,9 +67,10 @@ class EngineLoad(Declared):
         """
         pressure = self.mean_indicated_pressure
         if pressure is None:
-            work = self.power / self.mechanical_efficiency * 2 * math.pi * revolutions / self.rated
+            power = present(self.power) / present(self.mechanical_efficiency)
+            work = power * 2 * math.pi * revolutions / present(self.rated)
             pressure = work / swept_volume
-        follows = (speeds / self.rated) ** self.exponent if self.exponent else np.ones(len(speeds))
+        follows = (speeds / present(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds))
         return np.asarray(pressure * follows)
 
 

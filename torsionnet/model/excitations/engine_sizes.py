@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from torsionnet.core.entries.spec import present
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.gas_torque import GasPressure
@@ -84,12 +85,11 @@ def _crankcase(gas: GasPressure) -> Iterator[Fault]:
 
 def _peaks(gas: GasPressure) -> Iterator[Fault]:
     """Pressures of a fired and a motored trace, alone and against each other."""
-    fired = max(gas.fired.values)
+    trace = present(gas.fired)
+    fired = max(trace.values)
     if fired > HIGHEST_PEAK:
-        text = (
-            f"{gas.fired.origin}a highest pressure of {fired / 1e5:.4g} bar: usual are up to {HIGHEST_PEAK / 1e5:g} bar"
-        )
-        yield Fault(text + _meant_unit(fired, 1e5, HIGHEST_PEAK), ("gas", "fired"), "warning", position=gas.fired.place)
+        text = f"{trace.origin}a highest pressure of {fired / 1e5:.4g} bar: usual are up to {HIGHEST_PEAK / 1e5:g} bar"
+        yield Fault(text + _meant_unit(fired, 1e5, HIGHEST_PEAK), ("gas", "fired"), "warning", position=trace.place)
     if not gas.motored:
         return
     motored, (low, high) = max(gas.motored.values), COMPRESSED

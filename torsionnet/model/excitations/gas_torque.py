@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,22 +12,22 @@ import numpy as np
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, present
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.excitations.by_pressure import ByPressure, interpolated
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 from torsionnet.model.excitations.pressure_trace import PressureTrace
-from torsionnet.model.excitations.tangential_harmonics import PHASES, HarmonicTables, amplitudes
+from torsionnet.model.excitations.tangential_harmonics import PHASES, HarmonicTables, Tables, amplitudes
 from torsionnet.model.excitations.trace_entry import TraceEntry
 
 FIRING_TDC = "firing_tdc"
 
 
-class ZeroEntry(Spec):
+class ZeroEntry(Spec[float]):
     """Where firing top dead centre is in the angles of a trace; stored in rad."""
 
-    def coerce(self, raw: Any) -> float:
+    def coerce(self, raw: object) -> float:
         if raw == FIRING_TDC:
             return 0.0
         try:
@@ -55,25 +55,29 @@ class GasPressure(Declared):
     article: ClassVar[str] = "the gas of an engine"
     form: ClassVar[str] = "{fired: p100.csv, motored: compression.csv, crankcase: 1 bar}"
 
-    fired: Any = entry(TraceEntry(_TRACE), None)
-    traces: Any = entry(
+    fired: PressureTrace | None = entry(TraceEntry(_TRACE), None)
+    traces: Mapping[float, PressureTrace] | None = entry(
         ByPressure("instead: several by mean indicated pressure, {27 bar: p100.csv, 14 bar: p50.csv}", TraceEntry("")),
         None,
     )
-    harmonics: Any = entry(
+    harmonics: Tables | None = entry(
         HarmonicTables("instead: tangential pressure by order, one table or several by mean indicated pressure"), None
     )
     phase_of: str = entry(OneOf("what phases of harmonics are those of", PHASES), "cosine")
-    motored: Any = entry(TraceEntry("the pressure without injection, but with compression"), None)
-    motored_harmonics: Any = entry(HarmonicTables("instead: tangential pressure by order without injection"), None)
-    crank_end: Any = entry(
+    motored: PressureTrace | None = entry(TraceEntry("the pressure without injection, but with compression"), None)
+    motored_harmonics: Tables | None = entry(
+        HarmonicTables("instead: tangential pressure by order without injection"), None
+    )
+    crank_end: PressureTrace | None = entry(
         TraceEntry("pressure below the piston of a double-acting cylinder, over the same angles as above it"), None
     )
     reference: str = entry(OneOf("what the pressures are over", ("absolute", "gauge")), "absolute")
-    zero: Any = entry(ZeroEntry(f"{FIRING_TDC}, or the angle of the traces at firing top dead centre"), 0.0)
-    crankcase: Any = entry(Value("absolute pressure below the pistons", "pressure"), "1 bar")
-    rated: Any = entry(Value("speed to which a single trace belongs, of exponent", "speed", exclusive=True), None)
-    exponent: Any = entry(Value("gas torque follows speed/rated to this power", "1", lower=None), 0)
+    zero: float = entry(ZeroEntry(f"{FIRING_TDC}, or the angle of the traces at firing top dead centre"), 0.0)
+    crankcase: float = entry(Value("absolute pressure below the pistons", "pressure"), "1 bar")
+    rated: float | None = entry(
+        Value("speed to which a single trace belongs, of exponent", "speed", exclusive=True), None
+    )
+    exponent: float = entry(Value("gas torque follows speed/rated to this power", "1", lower=None), 0)
 
     def contradictions(self) -> list[Fault]:
         return [*self._wrong_sources(), *self._wrong_scaling()]
@@ -100,7 +104,7 @@ class GasPressure(Declared):
     @property
     def is_by_pressure(self) -> bool:
         """Whether the mean indicated pressure decides."""
-        return bool(self.traces) or (bool(self.harmonics) and None not in self.harmonics)
+        return bool(self.traces) or bool(self.harmonics and None not in self.harmonics)
 
     @property
     def has_motored(self) -> bool:
@@ -125,10 +129,13 @@ class GasPressure(Declared):
     def fired_harmonics(self, crank: Crank, orders: FloatArray, pressures: FloatArray | None) -> ComplexArray:
         """Torque of a firing cylinder in N m, (n_pressures or 1, n_orders), at mean indicated pressures in Pa."""
         tables: dict[float | None, ComplexArray] = {}
-        for pressure, trace in (self.traces or {None: self.fired} if not self.harmonics else {}).items():
-            tables[pressure] = self._of_trace(trace, crank, orders)
-        for pressure, table in (self.harmonics or {}).items():
-            tables[pressure] = crank.factor * amplitudes(table, orders, self.phase_of)
+        if self.harmonics:
+            for pressure, table in self.harmonics.items():
+                tables[pressure] = crank.factor * amplitudes(table, orders, self.phase_of)
+        elif self.traces:
+            tables |= {mean: self._of_trace(trace, crank, orders) for mean, trace in self.traces.items()}
+        else:
+            tables[None] = self._of_trace(present(self.fired), crank, orders)
         values = np.array(list(tables.values())) + self._below_piston(crank, orders)
         known = [pressure for pressure in tables if pressure is not None]
         return values if not known or pressures is None else interpolated(known, values, pressures)
@@ -157,7 +164,7 @@ class GasPressure(Declared):
 
     def factor(self, speeds: FloatArray) -> FloatArray:
         """Gas torque at speeds in rad/s over that of the traces."""
-        return np.asarray((speeds / self.rated) ** self.exponent if self.exponent else np.ones(len(speeds)))
+        return np.asarray((speeds / present(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds)))
 
 
 GAS = Nested("pressure in the cylinders", lambda: GasPressure, "gas")

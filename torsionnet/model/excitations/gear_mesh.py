@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -30,9 +30,9 @@ class MeshError(Declared):
     article: ClassVar[str] = "an error of a mesh"
     form: ClassVar[str] = "{way: 4 um, phase: 0 deg} or {angle: 60 urad}"
 
-    way: Any = entry(Value("peak value along the line of action", "length"), None)
-    angle: Any = entry(Value("peak value as an angle of the wheel", "angle"), None)
-    phase: Any = entry(PHASE, 0)
+    way: float | None = entry(Value("peak value along the line of action", "length"), None)
+    angle: float | None = entry(Value("peak value as an angle of the wheel", "angle"), None)
+    phase: float = entry(PHASE, 0)
 
     def contradictions(self) -> list[Fault]:
         if (self.way is None) != (self.angle is None):
@@ -72,19 +72,21 @@ class GearMesh(TwistExcitation):
     kind: ClassVar[str] = "gear_mesh"
     named_by: ClassVar[str] = "mesh"
 
-    mesh: Any = entry(ElementName("the gear, an element with a mesh stiffness", "the name of a gear"))
-    teeth: Any = entry(Count("teeth of that wheel; default: as the gear says", 1, 1_000_000), None)
-    mate_teeth: Any = entry(Count("teeth of the other wheel; default: as the gear says", 1, 1_000_000), None)
-    base_radius: Any = entry(
+    mesh: str = entry(ElementName("the gear, an element with a mesh stiffness", "the name of a gear"))
+    teeth: int | None = entry(Count("teeth of that wheel; default: as the gear says", 1, 1_000_000), None)
+    mate_teeth: int | None = entry(Count("teeth of the other wheel; default: as the gear says", 1, 1_000_000), None)
+    base_radius: float | None = entry(
         Value("base radius of that wheel, for errors given as a way", "length", exclusive=True), None
     )
-    transmission_error: Any = entry(
+    transmission_error: Mapping[float, MeshError] = entry(
         ByOrder("multiple of the tooth frequency -> peak value and phase", _ERROR, fewest=0), None
     )
-    run_out: Any = entry(
+    run_out: MeshError | None = entry(
         Nested("once per revolution of that wheel, half of the total run-out", lambda: MeshError, "run_out"), None
     )
-    mate_run_out: Any = entry(Nested("the same of the other wheel", lambda: MeshError, "mate_run_out"), None)
+    mate_run_out: MeshError | None = entry(
+        Nested("the same of the other wheel", lambda: MeshError, "mate_run_out"), None
+    )
 
     def contradictions(self) -> list[Fault]:
         if not (self.transmission_error or self.run_out or self.mate_run_out):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import D, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.order_excitation import (
@@ -21,7 +21,7 @@ from torsionnet.model.excitations.order_excitation import (
     ReactingExcitation,
     register_excitation,
 )
-from torsionnet.model.excitations.speed_table import SpeedTable, not_covered, over_speed
+from torsionnet.model.excitations.speed_table import SpeedRows, SpeedTable, not_covered, over_speed
 
 PHASE = Value("phase: what acts is amplitude * cos(order * phi + phase)", "angle", lower=None)
 FREQUENCY = Value("a frequency", "frequency", exclusive=True, below=1e6)
@@ -37,11 +37,11 @@ class HarmonicAmplitude(Declared):
     article: ClassVar[str] = "an order"
     form: ClassVar[str] = "{amplitude: 12 N*m, phase: 30 deg}"
 
-    amplitude: Any = entry(Value("peak value of a torque", "torque"), None)
-    angle: Any = entry(Value("peak value of an imposed angle", "angle"), None)
-    velocity: Any = entry(Value("peak value of an imposed angular velocity", "speed"), None)
-    acceleration: Any = entry(Value("peak value of an imposed angular acceleration", "acceleration"), None)
-    phase: Any = entry(PHASE, 0)
+    amplitude: float | None = entry(Value("peak value of a torque", "torque"), None)
+    angle: float | None = entry(Value("peak value of an imposed angle", "angle"), None)
+    velocity: float | None = entry(Value("peak value of an imposed angular velocity", "speed"), None)
+    acceleration: float | None = entry(Value("peak value of an imposed angular acceleration", "acceleration"), None)
+    phase: float = entry(PHASE, 0)
 
     def contradictions(self) -> list[Fault]:
         given = [name for name in ("amplitude", *MOTIONS) if getattr(self, name) is not None]
@@ -67,27 +67,27 @@ class HarmonicAmplitude(Declared):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ByOrder(Spec):
+class ByOrder(Plural[Mapping[float, D]]):
     """A table by order, a number above 0; or by frequency."""
 
-    of: Nested
+    of: Nested[D]
     key: Value = ORDER
     called: str = "order"
     fewest: int = 1
 
     @property
-    def absent(self) -> dict[float, Any]:
+    def absent(self) -> dict[float, D]:
         return {}
 
     @property
     def example(self) -> str:
         return f"{{{'2' if self.key is ORDER else '50 Hz'}: {self.of.example}}}"
 
-    def read(self, raw: Any) -> tuple[dict[float, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[dict[float, D], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
             what = "orders" if self.called == "order" else "frequencies"
             return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, got {raw!r}")]
-        table: dict[float, Any] = {}
+        table: dict[float, D] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
             try:
@@ -99,7 +99,8 @@ class ByOrder(Spec):
             if place in table:
                 faults.append(Fault(f"{self.called} {place:g} stands twice", (key,), on_key=True))
                 continue
-            table[place], found = self.of.read(value)
+            one, found = self.of.read(value)
+            table[place] = cast("D", one)
             faults += [fault.under(key) for fault in found]
         return table, faults
 
@@ -143,11 +144,15 @@ class HarmonicTorque(ReactingExcitation):
 
     kind: ClassVar[str] = "harmonic"
 
-    node: Any = entry(NodeName("the node it acts on", allow_ground=False))
-    speed_of: Any = entry(NodeName("the shaft whose orders are given; default: node", allow_ground=False), None)
-    orders: Any = entry(ByOrder("order -> peak value and phase", AMPLITUDE, fewest=0), None)
-    frequencies: Any = entry(ByOrder("frequency -> peak value and phase", AMPLITUDE, FREQUENCY, "frequency", 0), None)
-    factor: Any = entry(SpeedTable("rows [speed, factor] of all amplitudes", Value("a factor", "1")), None)
+    node: str = entry(NodeName("the node it acts on", allow_ground=False))
+    speed_of: str | None = entry(NodeName("the shaft whose orders are given; default: node", allow_ground=False), None)
+    orders: Mapping[float, HarmonicAmplitude] = entry(
+        ByOrder("order -> peak value and phase", AMPLITUDE, fewest=0), None
+    )
+    frequencies: Mapping[float, HarmonicAmplitude] = entry(
+        ByOrder("frequency -> peak value and phase", AMPLITUDE, FREQUENCY, "frequency", 0), None
+    )
+    factor: SpeedRows | None = entry(SpeedTable("rows [speed, factor] of all amplitudes", Value("a factor", "1")), None)
 
     def contradictions(self) -> list[Fault]:
         parts = [*self.orders.values(), *self.frequencies.values()]

@@ -13,7 +13,7 @@ from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, entry
+from torsionnet.core.entries.spec import EntryError, Json, Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError
 from torsionnet.model.element_base.nodes import NodeName
@@ -38,14 +38,16 @@ class OrderTable(Declared):
     article: ClassVar[str] = "a table"
     form: ClassVar[str] = f"{{columns: [{FORM}], rows: [[2, 35, 0], [4, 8, 90]]}}"
 
-    columns: Any = entry(
+    columns: tuple[str, ...] = entry(
         Listed(
             "headings: order or frequency, speed; amplitude, rms or peak_to_peak, phase; or real and imag",
             Text("a heading", "a heading"),
             "a list of headings",
         )
     )
-    rows: Any = entry(Listed("rows of numbers", Listed("numbers", _NUMBER, "a row of numbers"), "a list of rows"))
+    rows: tuple[tuple[float, ...], ...] = entry(
+        Listed("rows of numbers", Listed("numbers", _NUMBER, "a row of numbers"), "a list of rows")
+    )
 
     def contradictions(self) -> list[Fault]:
         if not self.rows:
@@ -66,10 +68,10 @@ class OrderTable(Declared):
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 
-class OrderTableEntry(Nested):
+class OrderTableEntry(Nested[OrderTable]):
     """A table, or the name of a file that has it; what is written are the numbers."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if not isinstance(raw, str | FilePath):
             return super().read(raw)
         try:
@@ -82,8 +84,8 @@ class OrderTableEntry(Nested):
 
     def definitions(self) -> Schema:
         found = super().definitions()
-        table = found[self.name]
-        return {**found, self.name: {"description": table["description"], "anyOf": [{"type": "string"}, table]}}
+        either: list[Json] = [{"type": "string"}, found[self.name]]
+        return {**found, self.name: {"description": self.description, "anyOf": either}}
 
 
 @register_excitation
@@ -105,9 +107,11 @@ class MeasuredExcitation(ReactingExcitation):
 
     kind: ClassVar[str] = "measured"
 
-    node: Any = entry(NodeName("the node it acts on", allow_ground=False))
-    speed_of: Any = entry(NodeName("the shaft of the orders and speeds; default: node", allow_ground=False), None)
-    table: Any = entry(
+    node: str = entry(NodeName("the node it acts on", allow_ground=False))
+    speed_of: str | None = entry(
+        NodeName("the shaft of the orders and speeds; default: node", allow_ground=False), None
+    )
+    table: OrderTable = entry(
         OrderTableEntry(
             "the recording: a file such as orders.csv, or its numbers",
             lambda: OrderTable,

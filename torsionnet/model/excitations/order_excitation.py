@@ -87,7 +87,7 @@ class OrderExcitation(Declared):
 
     article: ClassVar[str] = "an excitation"
 
-    enabled: Any = entry(Flag("whether it acts before a configuration says otherwise"), True)
+    enabled: bool = entry(Flag("whether it acts before a configuration says otherwise"), True)
 
     @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:
@@ -181,7 +181,7 @@ class OrderExcitation(Declared):
 class ReactingExcitation(OrderExcitation):
     """Base of those whose torques may act between two nodes: a crankshaft and the block, a pump and its housing."""
 
-    reaction: Any = entry(
+    reaction: str | None = entry(
         NodeName(
             "the node that takes the opposite torques, or that an imposed motion is relative to; default: the ground",
             allow_ground=False,

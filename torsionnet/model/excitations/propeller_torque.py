@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -31,8 +31,8 @@ class BladeOrder(Declared):
     article: ClassVar[str] = "a blade order"
     form: ClassVar[str] = "{share: 6 %, phase: 30 deg}"
 
-    share: Any = entry(Value("amplitude over mean torque, as 6 %", "1", below=1))
-    phase: Any = entry(Value("the torque taken is share * Q * cos(order * phi + phase)", "angle", lower=None), 0)
+    share: float = entry(Value("amplitude over mean torque, as 6 %", "1", below=1))
+    phase: float = entry(Value("the torque taken is share * Q * cos(order * phi + phase)", "angle", lower=None), 0)
 
 
 BLADE_ORDER = Nested("share and phase", lambda: BladeOrder, "blade_order")
@@ -47,9 +47,11 @@ class PropellerCondition(Declared):
     article: ClassVar[str] = "a condition"
     form: ClassVar[str] = "{torque: 20 %, blade_orders: {1: {share: 10 %}}}"
 
-    torque: Any = entry(Value("its mean torque over that of full ahead at rated speed", "1", exclusive=True), 1)
-    exponent: Any = entry(Value("its mean torque follows speed/rated to this power; default: as full ahead", "1"), None)
-    blade_orders: Any = entry(_BLADE_ORDERS)
+    torque: float = entry(Value("its mean torque over that of full ahead at rated speed", "1", exclusive=True), 1)
+    exponent: float | None = entry(
+        Value("its mean torque follows speed/rated to this power; default: as full ahead", "1"), None
+    )
+    blade_orders: Mapping[float, BladeOrder] = entry(_BLADE_ORDERS)
 
 
 @register_excitation
@@ -72,14 +74,14 @@ class PropellerTorque(OrderExcitation):
 
     kind: ClassVar[str] = "propeller"
 
-    node: Any = entry(NodeName("the node of the propeller; orders count its revolutions", allow_ground=False))
-    blades: Any = entry(Count("number of blades", 2, 9))
-    blade_orders: Any = entry(_BLADE_ORDERS)
-    torque: Any = entry(Value("mean torque at rated speed", "torque", exclusive=True))
-    rated: Any = entry(Value("rated speed of the propeller", "speed", exclusive=True))
-    exponent: Any = entry(Value("mean torque follows (speed/rated) to this power", "1"), 2)
+    node: str = entry(NodeName("the node of the propeller; orders count its revolutions", allow_ground=False))
+    blades: int = entry(Count("number of blades", 2, 9))
+    blade_orders: Mapping[float, BladeOrder] = entry(_BLADE_ORDERS)
+    torque: float = entry(Value("mean torque at rated speed", "torque", exclusive=True))
+    rated: float = entry(Value("rated speed of the propeller", "speed", exclusive=True))
+    exponent: float = entry(Value("mean torque follows (speed/rated) to this power", "1"), 2)
     pitch: str = entry(OneOf("whether its pitch can be set", ("fixed", "controllable")), "fixed")
-    conditions: Any = entry(
+    conditions: Mapping[str, PropellerCondition] = entry(
         Named(
             "others than full ahead, such as zero_pitch, astern, iced",
             Nested("its torque and blade orders", lambda: PropellerCondition, "propeller_condition"),
@@ -89,7 +91,7 @@ class PropellerTorque(OrderExcitation):
     )
     condition: str = entry(Text("which of them it is in; default: full ahead", "the name of a condition"), "")
     phase_zero: str = entry(OneOf("where phases count from", ("engine_tdc1", "blade")), "engine_tdc1")
-    blade_angle: Any = entry(
+    blade_angle: float | None = entry(
         Value("by how much a blade is past upright where the first cylinder fires", "angle", None), None
     )
 

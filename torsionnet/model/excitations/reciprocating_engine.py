@@ -88,7 +88,7 @@ class ReciprocatingEngine(EngineEntries):
 
     @property
     def _without_injection(self) -> tuple[int, ...]:
-        return () if self.misfire == EACH else tuple(self.misfire)
+        return () if isinstance(self.misfire, str) else self.misfire
 
     def _gas_of(self, number: int, fired: ComplexArray, motored: ComplexArray) -> ComplexArray:
         """Torque of a cylinder's gas by speed and order, before it is turned to its firing angle."""

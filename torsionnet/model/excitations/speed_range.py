@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import re
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -9,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.model.element_base.nodes import NodeName
 
@@ -19,17 +20,17 @@ MOST_SPEEDS = 100_000
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 
-class SpeedBand(Spec):
+class SpeedBand(Spec[tuple[float, float]]):
     """Two speeds, the lower one first; stored in rad/s."""
 
-    def coerce(self, raw: Any) -> tuple[float, float]:
+    def coerce(self, raw: object) -> tuple[float, float]:
         low, high = (SPEED.coerce(edge) for edge in self._edges(raw))
         if low >= high:
             raise EntryError(f"a range goes from a lower to a higher speed, as in {FORMS}; got {raw!r}")
         return low, high
 
     @staticmethod
-    def _edges(raw: Any) -> tuple[Any, Any]:
+    def _edges(raw: object) -> tuple[Any, Any]:
         if isinstance(raw, list | tuple) and len(raw) == 2:
             return raw[0], raw[1]
         match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
@@ -44,7 +45,7 @@ class SpeedBand(Spec):
         return list(value)
 
     def schema(self) -> Schema:
-        pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"description": f"{self.description}: {FORMS}", "anyOf": [{"type": "string"}, pair]}
 
 
@@ -63,13 +64,13 @@ class SpeedRange(Declared):
     article: ClassVar[str] = "a range of speeds"
     form: ClassVar[str] = "{of: fly, range: 300..788 rpm, step: 2 rpm}"
 
-    of: Any = entry(NodeName("the node whose speed is meant", allow_ground=False))
-    range: Any = entry(SpeedBand("lowest and highest speed"), None)
-    step: Any = entry(Value("from one speed to the next", "speed", exclusive=True), None)
-    list: Any = entry(Listed("the speeds one by one", SPEED, form="a list of speeds"), ())
-    rated: Any = entry(Value("speed to which rated torques belong", "speed", exclusive=True), None)
+    of: str = entry(NodeName("the node whose speed is meant", allow_ground=False))
+    range: tuple[float, float] | None = entry(SpeedBand("lowest and highest speed"), None)
+    step: float | None = entry(Value("from one speed to the next", "speed", exclusive=True), None)
+    list: tuple[float, ...] = entry(Listed("the speeds one by one", SPEED, form="a list of speeds"), ())
+    rated: float | None = entry(Value("speed to which rated torques belong", "speed", exclusive=True), None)
 
-    def contradictions(self) -> list[Fault]:
+    def contradictions(self) -> builtins.list[Fault]:
         if bool(self.list) == bool(self.range):
             text = "speeds are given by a range with its step, or one by one in a list"
             return [Fault(f"{text}; here is {'both' if self.list else 'neither'}", ("range",), on_key=True)]
@@ -77,7 +78,7 @@ class SpeedRange(Declared):
             return [Fault("a list of speeds has no step", ("step",), on_key=True)]
         if self.range and not self.step:
             return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True)]
-        if self.range and (self.range[1] - self.range[0]) / self.step > MOST_SPEEDS:
+        if self.range and (self.range[1] - self.range[0]) / present(self.step) > MOST_SPEEDS:
             return [Fault(f"these are more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
         return []
 
@@ -86,7 +87,7 @@ class SpeedRange(Declared):
         """The speeds in rad/s, rising."""
         if self.list:
             return tuple(sorted(set(self.list)))
-        low, high = self.range
-        count = int((high - low) / self.step * (1 + 1e-12) + 1e-9)
-        found = [low + number * self.step for number in range(count + 1)]
+        (low, high), step = present(self.range), present(self.step)
+        count = int((high - low) / step * (1 + 1e-12) + 1e-9)
+        found = [low + number * step for number in range(count + 1)]
         return (*found, high) if high - found[-1] > 1e-9 * high else tuple(found)

@@ -14,14 +14,14 @@ from torsionnet.core.errors import Fault, Path, UsageError
 from torsionnet.core.units import RPM
 from torsionnet.model.excitations.order_excitation import FloatArray
 
-Rows = tuple[tuple[float, float], ...]
+SpeedRows = tuple[tuple[float, float], ...]
 _SPEED = Value("a speed", "speed", below=1e6)
 SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedTable(Spec):
-    """Rows [speed, value] with rising speeds; a speed given twice is a step, the second value counts there."""
+class SpeedTable(Spec[SpeedRows]):
+    """SpeedRows [speed, value] with rising speeds; a speed given twice is a step, the second value counts there."""
 
     of: Value
 
@@ -29,7 +29,7 @@ class SpeedTable(Spec):
     def example(self) -> str:
         return "rows [speed, value] as [[300 rpm, 0.2], [750 rpm, 1]]"
 
-    def coerce(self, raw: Any) -> Rows:
+    def coerce(self, raw: object) -> SpeedRows:
         if not isinstance(raw, list | tuple) or len(raw) < 2:
             raise EntryError(f"expected {self.example}, got {raw!r}")
         rows = tuple(self._row(index, row) for index, row in enumerate(raw))
@@ -50,11 +50,11 @@ class SpeedTable(Spec):
         return [list(row) for row in value]
 
     def schema(self) -> Schema:
-        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        row: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
         return {"type": "array", "items": row, "minItems": 2, "description": self.description}
 
 
-def not_covered(tables: Mapping[Path, Rows | None], speeds: FloatArray | None) -> list[Fault]:
+def not_covered(tables: Mapping[Path, SpeedRows | None], speeds: FloatArray | None) -> list[Fault]:
     """Tables by their places that do not cover speeds in rad/s, where these are known."""
     if speeds is None:
         return []
@@ -62,7 +62,7 @@ def not_covered(tables: Mapping[Path, Rows | None], speeds: FloatArray | None) -
     return [Fault(text, path) for path, text in texts.items() if text]
 
 
-def over_speed(table: Rows, speeds: FloatArray, what: str) -> FloatArray:
+def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
     """Values of a table at speeds in rad/s.
 
     Raises
@@ -85,7 +85,7 @@ def over_speed(table: Rows, speeds: FloatArray, what: str) -> FloatArray:
     return np.asarray(values[place - 1] + np.clip(share, 0, 1) * (values[place] - values[place - 1]))
 
 
-def _outside(table: Rows, speeds: FloatArray, what: str) -> str:
+def _outside(table: SpeedRows, speeds: FloatArray, what: str) -> str:
     """What to say of speeds outside a table, if there are any."""
     (low, high), (first, last) = (speeds.min(), speeds.max()), (table[0][0], table[-1][0])
     if low >= first - SLACK * last and high <= last + SLACK * last:

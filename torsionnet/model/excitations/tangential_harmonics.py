@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from torsionnet.core.entries.composite import Composite, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.spec import Schema, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.by_pressure import ByPressure
 from torsionnet.model.excitations.harmonic_torque import ByOrder
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 
+Tables: TypeAlias = "Mapping[float | None, Mapping[float, TangentialHarmonic]]"
 PHASES = ("cosine", "sine")
 _SIGNED = Value("tangential pressure", "pressure", lower=None)
 
@@ -29,10 +30,12 @@ class TangentialHarmonic(Declared):
     article: ClassVar[str] = "an order"
     form: ClassVar[str] = "{amplitude: 2.1 bar, phase: 30 deg}, or {cosine: 1.8 bar, sine: -1.1 bar}"
 
-    amplitude: Any = entry(Value("peak value over piston area and crank radius", "pressure"), None)
-    phase: Any = entry(Value("of the cosine, or of the sine where phase_of says so", "angle", lower=None), None)
-    cosine: Any = entry(_SIGNED, None)
-    sine: Any = entry(_SIGNED, None)
+    amplitude: float | None = entry(Value("peak value over piston area and crank radius", "pressure"), None)
+    phase: float | None = entry(
+        Value("of the cosine, or of the sine where phase_of says so", "angle", lower=None), None
+    )
+    cosine: float | None = entry(_SIGNED, None)
+    sine: float | None = entry(_SIGNED, None)
 
     def contradictions(self) -> list[Fault]:
         polar, parts = (self.amplitude, self.phase), (self.cosine, self.sine)
@@ -44,18 +47,18 @@ class TangentialHarmonic(Declared):
     def complex_amplitude(self, phase_of: str) -> complex:
         """T in t(phi) = Re t exp(j h phi), Pa; phi is 0 at firing top dead centre."""
         if self.amplitude is None:
-            return complex(self.cosine, -self.sine)
-        return complex(self.amplitude * np.exp(1j * self.phase) * (-1j if phase_of == "sine" else 1))
+            return complex(present(self.cosine), -present(self.sine))
+        return complex(self.amplitude * np.exp(1j * present(self.phase)) * (-1j if phase_of == "sine" else 1))
 
 
 _BY_ORDER = ByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))
 _BY_PRESSURE = ByPressure("mean indicated pressure -> orders", _BY_ORDER)
 
 
-class HarmonicTables(Composite):
+class HarmonicTables(Composite[Tables]):
     """One table by order, or several by mean indicated pressure; stored by Pa, None for one that stands alone."""
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):
             if None in raw:
                 return dict(raw), []

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.spec import EntryError, Schema, present
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import (
@@ -27,14 +27,14 @@ PRESSURE = Value("a pressure", "pressure", lower=None)
 _ANGLE = Value("crank angle of the first pressure", "angle", lower=None)
 
 
-class TraceEntry(Composite):
+class TraceEntry(Composite[PressureTrace]):
     """A list of pressures at even steps, the same with the angle where it begins, or the name of a file."""
 
     @property
     def example(self) -> str:
         return "p100.csv, or a list of pressures"
 
-    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, PressureTrace):
             return raw, []
         try:
@@ -44,7 +44,7 @@ class TraceEntry(Composite):
         except ModelError as error:
             return None, list(error.faults)
 
-    def _read(self, raw: Any) -> tuple[Any, list[Fault]]:
+    def _read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, str | Path):
             return read_pressure_file(raw if isinstance(raw, Path) else nearby_file(raw)), []
         start = 0.0
@@ -63,8 +63,8 @@ class TraceEntry(Composite):
         return list(value.values) if not value.start else {"start": value.start, "pressures": list(value.values)}
 
     def schema(self) -> Schema:
-        several = {"type": "array", "items": SCALAR_SCHEMA}
-        begun = {
+        several: Schema = {"type": "array", "items": SCALAR_SCHEMA}
+        begun: Schema = {
             "type": "object",
             "properties": {"start": SCALAR_SCHEMA, "pressures": several},
             "required": ["start", "pressures"],
@@ -81,7 +81,7 @@ def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], li
         plain = isinstance(one, float) and math.isfinite(one)
         value, wrong = (one, []) if plain else PRESSURE.read(one)
         faults += [fault.under(index) for fault in wrong]
-        values += [] if wrong else [value]
+        values += [] if wrong else [present(value)]
     return values, faults
 
 

@@ -20,7 +20,7 @@ class TwistExcitation(OrderExcitation):
     named_by: ClassVar[str] = ""
     """The entry that names the element."""
 
-    speed_of: Any = entry(
+    speed_of: str | None = entry(
         NodeName(
             "the wheel or input shaft whose angles and revolutions are meant; default: the first node of the element",
             allow_ground=False,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -42,12 +42,12 @@ class UniversalJoint(TwistExcitation):
     kind: ClassVar[str] = "universal_joint"
     named_by: ClassVar[str] = "joint"
 
-    joint: Any = entry(ElementName("the element between its input and its output, a spring or a compliant gear"))
-    angle: Any = entry(Value("angle between input and output shaft", "angle"))
-    phase: Any = entry(
+    joint: str = entry(ElementName("the element between its input and its output, a spring or a compliant gear"))
+    angle: float = entry(Value("angle between input and output shaft", "angle"))
+    phase: float = entry(
         Value("angle of the input yoke where phi is 0; 90 deg if in line with that of the last joint", "angle", None), 0
     )
-    multiples: Any = entry(Count("how many multiples of twice the speed act", 1, 10), 2)
+    multiples: int = entry(Count("how many multiples of twice the speed act", 1, 10), 2)
 
     def contradictions(self) -> list[Fault]:
         if self.angle < STEEPEST:
@@ -73,4 +73,4 @@ class UniversalJoint(TwistExcitation):
         # cos(x - pi/2) is sin x; what counts is how far the input is ahead of the output.
         lag = -sizes * -1j * np.exp(2j * count * self.phase)
         amplitudes = np.broadcast_to(lag[None, :, None], (len(speeds), len(count), 1)).copy()
-        return OrderTorques(2.0 * count, (self.joint,), amplitudes)
+        return OrderTorques(np.asarray(2.0 * count, dtype=float), (self.joint,), amplitudes)

@@ -7,7 +7,8 @@ what needs more than one entry at a time (names, dimensions, connections) is lef
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from typing import Any
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA
@@ -21,8 +22,8 @@ SCALAR = {**SCALAR_SCHEMA, "description": "a number in SI units, a value with un
 
 def file_schema(*kinds: type[Declared]) -> Schema:
     """The JSON Schema (draft 2020-12) of a file that is one of several kinds; the first one gives it its title."""
-    schemas = [kind.schema() for kind in kinds]
-    schema: Schema = {"$schema": DRAFT, **schemas[0], "title": f"torsionnet {kinds[0].kind}"}
+    schemas: list[dict[str, Any]] = [dict(kind.schema()) for kind in kinds]
+    schema: dict[str, Any] = {"$schema": DRAFT, **schemas[0], "title": f"torsionnet {kinds[0].kind}"}
     if len(kinds) > 1:
         schema["properties"] = {key: value for one in reversed(schemas) for key, value in one["properties"].items()}
         schema["required"] = [key for key in schemas[0]["required"] if all(key in one["required"] for one in schemas)]
@@ -34,7 +35,7 @@ def file_schema(*kinds: type[Declared]) -> Schema:
     return {**schema, "$defs": definitions}
 
 
-def _told_by(schema: Schema, common: Collection[str]) -> Schema:
+def _told_by(schema: Mapping[str, Any], common: Collection[str]) -> Schema:
     """What one kind of file has to have and the others have not."""
     required = [key for key in schema["required"] if key not in common]
     return {"anyOf": schema["anyOf"]} if "anyOf" in schema else {"required": required}

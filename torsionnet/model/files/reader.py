@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TypeAlias
 
 from torsionnet.core.collecting import collector_paused
+from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.checks import has_errors
-from torsionnet.model.defining import read_definition
+from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.followups import check_what_was_read
@@ -58,8 +59,8 @@ def read_text(
         return None, placed([*document.faults, Fault(text, ("vary",), on_key=True)], document)
     with files_beside(folder):
         include_parts(document)
-        definition, faults = read_definition(document.data)
-        faults = check_what_was_read(definition, document, faults)
+        definition, faults = define(document.data)
+        faults = check_what_was_read(definition, document, [*version_faults(document.data, "model"), *faults])
         if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
             faults = [*faults, *further(definition)]
         if definition.authored is not None:

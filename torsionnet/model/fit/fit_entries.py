@@ -101,14 +101,14 @@ class FitParameter(Declared):
     per_configuration: bool = entry(Flag("whether every measurement finds a value of its own"), False)
 
 
-class ParameterTable(Named):
+class ParameterTable(Named[FitParameter]):
     """Parameters by name, or their names alone."""
 
-    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, FitParameter], list[Fault]]:
         return super().read(dict.fromkeys(raw) if isinstance(raw, list) and raw else raw)
 
     def schema(self) -> Schema:
-        names = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        names: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 1}
         return {"description": self.description, "anyOf": [super().schema(), names]}
 
 

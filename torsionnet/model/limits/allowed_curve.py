@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Plural, Schema
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
@@ -20,7 +20,7 @@ Pairs = tuple[tuple[float, Number], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AllowedTable(Spec):
+class AllowedTable(Plural[Pairs]):
     """A table ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``; stored as pairs by rising key."""
 
     over: str
@@ -34,7 +34,7 @@ class AllowedTable(Spec):
     def example(self) -> str:
         return "{300 rpm: 40 MPa, 750 rpm: 25 MPa}" if self.over == "speed" else "{0.4: 40 MPa, 1: 25 MPa}"
 
-    def read(self, raw: Any) -> tuple[Pairs, list[Fault]]:
+    def read(self, raw: object) -> tuple[Pairs, list[Fault]]:
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
@@ -51,10 +51,10 @@ class AllowedTable(Spec):
                 faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
             allowed, wrong = ALLOWED.read(value)
             faults += [fault.under(key) for fault in wrong]
-            found[at] = allowed
+            found[at] = cast("Number", allowed)
         return (() if faults else tuple(sorted(found.items(), key=lambda pair: pair[0]))), faults
 
-    def coerce(self, raw: Any) -> Pairs:
+    def coerce(self, raw: object) -> Pairs:
         pairs, faults = self.read(raw)
         if faults:
             raise EntryError(faults[0].message)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.entries.words import OneOf
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
@@ -45,17 +45,21 @@ class CouplingLimit(ElementLimit):
     kind: ClassVar[str] = "coupling"
     criteria: ClassVar[tuple[str, ...]] = ("T_KN", "T_Kmax", "T_KW", "P_KV", "twist", "vibratory_twist")
 
-    T_KN: Any = entry(Value("nominal torque, for the mean torque", "torque", exclusive=True), None)
-    T_Kmax: Any = entry(Value("maximum torque, for mean and vibratory torque", "torque", exclusive=True), None)
-    T_KW: Any = entry(Value("vibratory torque in continuous operation, peak value", "torque", exclusive=True), None)
-    P_KV: Any = entry(Value("power it may turn into heat in continuous operation", "power", exclusive=True), None)
-    twist: Any = entry(Value("twist, mean and vibratory", "angle", exclusive=True), None)
-    vibratory_twist: Any = entry(Value("vibratory twist, peak value", "angle", exclusive=True), None)
-    frequency_factor: Any = entry(
+    T_KN: float | None = entry(Value("nominal torque, for the mean torque", "torque", exclusive=True), None)
+    T_Kmax: float | None = entry(Value("maximum torque, for mean and vibratory torque", "torque", exclusive=True), None)
+    T_KW: float | None = entry(
+        Value("vibratory torque in continuous operation, peak value", "torque", exclusive=True), None
+    )
+    P_KV: float | None = entry(
+        Value("power it may turn into heat in continuous operation", "power", exclusive=True), None
+    )
+    twist: float | None = entry(Value("twist, mean and vibratory", "angle", exclusive=True), None)
+    vibratory_twist: float | None = entry(Value("vibratory twist, peak value", "angle", exclusive=True), None)
+    frequency_factor: str = entry(
         OneOf("whether T_KW falls above 10 Hz, as data by DIN 740-2 do", ("none", "din_740_2")), "none"
     )
-    torque_temperature_factor: Any = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
-    power_temperature_factor: Any = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
+    torque_temperature_factor: float = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
+    power_temperature_factor: float = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
 
     def seen(self, subject: LimitSubject) -> list[Sensor]:
         del subject
@@ -102,7 +106,7 @@ class CouplingLimit(ElementLimit):
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
         values = evidence.weighted_size(self.torque, weights)
         orders = evidence.orders([self.torque]) * weights
-        allowed = everywhere(self.T_KW / self.torque_temperature_factor, evidence)
+        allowed = everywhere(present(self.T_KW) / self.torque_temperature_factor, evidence)
         return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 
     def _twists(self, evidence: Evidence) -> Iterator[LimitLine]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from torsionnet.core.units import RPM
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.excitations.order_excitation import ORDER
-from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
+from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, Pairs, allowed_at
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import TOLERANCE, Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
@@ -49,18 +49,18 @@ class CurveLimit(Limit):
 
     kind: ClassVar[str] = "curve"
 
-    output: Any = entry(ChannelName("sensor, or torque(element), stress(shaft), ...", "the name of a sensor"))
-    value: Any = entry(ALLOWED, None)
-    over_speed: Any = entry(AllowedTable("instead: values over the speed of the reference shaft", "speed"), ())
-    over_lambda: Any = entry(AllowedTable("instead: values over the speed ratio n/n_rated", "1"), ())
-    measure: Any = entry(
+    output: str = entry(ChannelName("sensor, or torque(element), stress(shaft), ...", "the name of a sensor"))
+    value: Number | None = entry(ALLOWED, None)
+    over_speed: Pairs = entry(AllowedTable("instead: values over the speed of the reference shaft", "speed"), ())
+    over_lambda: Pairs = entry(AllowedTable("instead: values over the speed ratio n/n_rated", "1"), ())
+    measure: str = entry(
         OneOf("what is compared: half range of the sum, or the largest of the orders", ("half_range", "each_order")),
         "half_range",
     )
-    orders: Any = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
-    tachometer_tolerance: Any = entry(TOLERANCE, 0)
-    transient_factor: Any = entry(Value("times the value for passing through", "1", lower=1), None)
-    source: Any = entry(Text("who says so, and where"))
+    orders: tuple[float, ...] = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
+    tachometer_tolerance: float = entry(TOLERANCE, 0)
+    transient_factor: float | None = entry(Value("times the value for passing through", "1", lower=1), None)
+    source: str = entry(Text("who says so, and where"))
 
     @property
     def of(self) -> str:

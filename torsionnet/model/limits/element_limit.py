@@ -29,8 +29,8 @@ class ElementLimit(Limit):
     alternatives: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Ways to state one thing: with entries of one way given, a catalogue adds none of another."""
 
-    element: Any = entry(ElementName("what it is about"))
-    source: Any = entry(Text("who states the values, and where"), "values given by the user")
+    element: str = entry(ElementName("what it is about"))
+    source: str = entry(Text("who states the values, and where"), "values given by the user")
 
     @property
     def of(self) -> str:

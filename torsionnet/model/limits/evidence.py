@@ -87,7 +87,7 @@ class Evidence:
 
     def worst_case(self, sensor: Sensor, at: int) -> str:
         """Which case is worst for a sensor at a speed, by its place; empty where there is one case alone."""
-        return self.run.cases(str(sensor))[at] if isinstance(self.run, WorstResponse) else ""
+        return self.run.case_at(at, str(sensor)) if isinstance(self.run, WorstResponse) else ""
 
     def mean(self, sensor: Sensor) -> FloatArray | None:
         """Mean value over speed; None where it is not known."""

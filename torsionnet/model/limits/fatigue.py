@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
@@ -38,20 +38,22 @@ class FatigueLimit(ShaftLimit):
 
     kind: ClassVar[str] = "fatigue"
 
-    fatigue_strength: Any = entry(
+    fatigue_strength: float = entry(
         Value("fully reversed strength in shear tau_W at the knee of the S-N line", "pressure", exclusive=True)
     )
-    stress_concentration: Any = entry(Value("fatigue stress concentration K in torsion", "1", lower=1), 1)
-    mean_stress: Any = entry(OneOf("how mean stress counts", ("goodman", "haigh", "none")), "goodman")
-    ultimate_strength: Any = entry(Value("strength in shear tau_B, for goodman", "pressure", exclusive=True), None)
-    mean_sensitivity: Any = entry(Value("M, for haigh", "1", below=1), None)
-    cycles: Any = entry(Value("cycles N to be borne; default: unlimited", "1", lower=1000), None)
-    knee: Any = entry(Value("cycles N_knee at the knee of the S-N line", "1", lower=1000), 2_000_000)
-    slope: Any = entry(Value("of the S-N line: tau ~ N^(-1/slope) up to the knee", "1", lower=1), None)
-    safety: Any = entry(Value("S wanted against fatigue", "1", lower=1), 1)
-    yield_strength: Any = entry(Value("yield strength in shear tau_F", "pressure", exclusive=True), None)
-    yield_safety: Any = entry(Value("S_F wanted against yield", "1", lower=1), 1)
-    source: Any = entry(Text("where the strengths come from"), "strengths given by the user")
+    stress_concentration: float = entry(Value("fatigue stress concentration K in torsion", "1", lower=1), 1)
+    mean_stress: str = entry(OneOf("how mean stress counts", ("goodman", "haigh", "none")), "goodman")
+    ultimate_strength: float | None = entry(
+        Value("strength in shear tau_B, for goodman", "pressure", exclusive=True), None
+    )
+    mean_sensitivity: float | None = entry(Value("M, for haigh", "1", below=1), None)
+    cycles: float | None = entry(Value("cycles N to be borne; default: unlimited", "1", lower=1000), None)
+    knee: float = entry(Value("cycles N_knee at the knee of the S-N line", "1", lower=1000), 2_000_000)
+    slope: float | None = entry(Value("of the S-N line: tau ~ N^(-1/slope) up to the knee", "1", lower=1), None)
+    safety: float = entry(Value("S wanted against fatigue", "1", lower=1), 1)
+    yield_strength: float | None = entry(Value("yield strength in shear tau_F", "pressure", exclusive=True), None)
+    yield_safety: float = entry(Value("S_F wanted against yield", "1", lower=1), 1)
+    source: str = entry(Text("where the strengths come from"), "strengths given by the user")
 
     def contradictions(self) -> list[Fault]:
         faults = super().contradictions()
@@ -69,7 +71,7 @@ class FatigueLimit(ShaftLimit):
         """tau_W for the cycles wanted, Pa."""
         if self.cycles is None or self.cycles >= self.knee:
             return float(self.fatigue_strength)
-        return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / self.slope))
+        return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / present(self.slope)))
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence

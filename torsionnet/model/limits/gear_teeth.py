@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -36,11 +36,15 @@ class GearLimit(ElementLimit):
 
     kind: ClassVar[str] = "gear"
 
-    at: Any = entry(Text("port or node whose torque is meant; default: the first", "the name of a node"), None)
-    vibratory_share: Any = entry(Value("vibratory torque over mean torque at rated speed", "1", exclusive=True), None)
-    rated_torque: Any = entry(Value("that mean torque; default: of the load", "torque", exclusive=True), None)
-    vibratory_torque: Any = entry(Value("vibratory torque allowed, instead of a share", "torque", exclusive=True), None)
-    hammer: Any = entry(Flag("whether torque must not reverse"), True)
+    at: str | None = entry(Text("port or node whose torque is meant; default: the first", "the name of a node"), None)
+    vibratory_share: float | None = entry(
+        Value("vibratory torque over mean torque at rated speed", "1", exclusive=True), None
+    )
+    rated_torque: float | None = entry(Value("that mean torque; default: of the load", "torque", exclusive=True), None)
+    vibratory_torque: float | None = entry(
+        Value("vibratory torque allowed, instead of a share", "torque", exclusive=True), None
+    )
+    hammer: bool = entry(Flag("whether torque must not reverse"), True)
 
     def contradictions(self) -> list[Fault]:
         if self.vibratory_share is not None and self.vibratory_torque is not None:

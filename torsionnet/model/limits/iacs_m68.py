@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -63,24 +63,24 @@ class IacsM68(ShaftLimit):
 
     kind: ClassVar[str] = "iacs_m68"
 
-    shaft: Any = entry(OneOf("which shaft it is", tuple(FEATURES)))
-    feature: Any = entry(
+    shaft: str = entry(OneOf("which shaft it is", tuple(FEATURES)))
+    feature: str = entry(
         OneOf("design feature where the stress is judged", tuple(name for table in FEATURES.values() for name in table))
     )
-    material: Any = entry(OneOf("kind of steel", tuple(STRENGTHS)))
-    tensile_strength: Any = entry(Value("specified minimum tensile strength sigma_B", "pressure", exclusive=True))
-    hole_diameter: Any = entry(Value("diameter of a radial hole", "length", exclusive=True), None)
-    slot_length: Any = entry(Value("length of a longitudinal slot", "length", exclusive=True), None)
-    slot_width: Any = entry(Value("its width", "length", exclusive=True), None)
-    slots: Any = entry(Count("slots, evenly around the shaft", 1, 12), 1)
-    stress_concentration: Any = entry(
+    material: str = entry(OneOf("kind of steel", tuple(STRENGTHS)))
+    tensile_strength: float = entry(Value("specified minimum tensile strength sigma_B", "pressure", exclusive=True))
+    hole_diameter: float | None = entry(Value("diameter of a radial hole", "length", exclusive=True), None)
+    slot_length: float | None = entry(Value("length of a longitudinal slot", "length", exclusive=True), None)
+    slot_width: float | None = entry(Value("its width", "length", exclusive=True), None)
+    slots: int = entry(Count("slots, evenly around the shaft", 1, 12), 1)
+    stress_concentration: float | None = entry(
         Value("of a slot, largest principal stress over sqrt(3) tau_nominal: C_K = 1.45/scf", "1", exclusive=True), None
     )
-    rated: Any = entry(
+    rated: float | None = entry(
         Value("rated speed of the reference shaft; default: that of speeds:", "speed", exclusive=True), None
     )
-    tachometer_tolerance: Any = entry(TOLERANCE, 0)
-    safe_speed: Any = entry(
+    tachometer_tolerance: float = entry(TOLERANCE, 0)
+    safe_speed: float | None = entry(
         Value("speed of the reference shaft that must stay free with a cylinder misfiring", "speed", exclusive=True),
         None,
     )

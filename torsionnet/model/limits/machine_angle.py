@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
@@ -32,10 +32,10 @@ class MachineAngleLimit(Limit):
 
     kind: ClassVar[str] = "machine_angle"
 
-    node: Any = entry(NodeName("the node of its rotor", allow_ground=False))
-    pole_pairs: Any = entry(Count("pairs of poles", 1, 200))
-    angle: Any = entry(Value("angle allowed, peak value, electrical", "angle", exclusive=True))
-    source: Any = entry(Text("who states the value, and where"), "value given by the user")
+    node: str = entry(NodeName("the node of its rotor", allow_ground=False))
+    pole_pairs: int = entry(Count("pairs of poles", 1, 200))
+    angle: float = entry(Value("angle allowed, peak value, electrical", "angle", exclusive=True))
+    source: str = entry(Text("who states the value, and where"), "value given by the user")
 
     @property
     def of(self) -> str:

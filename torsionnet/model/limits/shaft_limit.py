@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
@@ -42,11 +41,11 @@ class RoundSection:
 class ShaftLimit(Limit):
     """Base of the limits of nominal shear stress."""
 
-    element: Any = entry(ElementName("the shaft, or a spring that stands for one"))
-    diameter: Any = entry(
+    element: str = entry(ElementName("the shaft, or a spring that stands for one"))
+    diameter: float | None = entry(
         Value("outer diameter where the stress is judged; default: that of the shaft", "length", exclusive=True), None
     )
-    bore: Any = entry(Value("inner diameter there; default: that of the shaft", "length"), None)
+    bore: float | None = entry(Value("inner diameter there; default: that of the shaft", "length"), None)
 
     @property
     def of(self) -> str:

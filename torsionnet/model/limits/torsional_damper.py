@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
@@ -32,10 +32,10 @@ class DamperLimit(ElementLimit):
     criteria: ClassVar[tuple[str, ...]] = ("power", "power_per_area", "vibratory_twist")
     alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("power",), ("power_per_area", "area"))
 
-    power: Any = entry(Value("power it may turn into heat", "power", exclusive=True), None)
-    power_per_area: Any = entry(Value("instead: per cooling area", "heat flux", exclusive=True), None)
-    area: Any = entry(Value("cooling area", "area", exclusive=True), None)
-    vibratory_twist: Any = entry(Value("twist of ring against hub, peak value", "angle", exclusive=True), None)
+    power: float | None = entry(Value("power it may turn into heat", "power", exclusive=True), None)
+    power_per_area: float | None = entry(Value("instead: per cooling area", "heat flux", exclusive=True), None)
+    area: float | None = entry(Value("cooling area", "area", exclusive=True), None)
+    vibratory_twist: float | None = entry(Value("twist of ring against hub, peak value", "angle", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
         faults = super().contradictions()
@@ -48,7 +48,7 @@ class DamperLimit(ElementLimit):
     @property
     def allowed_power(self) -> float | None:
         """W."""
-        per_area = None if self.power_per_area is None else float(self.power_per_area * self.area)
+        per_area = None if self.power_per_area is None else float(self.power_per_area * present(self.area))
         return float(self.power) if self.power is not None else per_area
 
     def seen(self, subject: LimitSubject) -> list[Sensor]:

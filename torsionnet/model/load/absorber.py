@@ -5,11 +5,11 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.units import RPM
 
@@ -19,14 +19,14 @@ STEEPEST = 10
 """Power of the speed that no torque follows; 1 to 3 are usual."""
 
 
-class TorqueOverSpeed(Spec):
+class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
     """A table ``{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}``; stored as pairs in rad/s and N m, by rising speed."""
 
     @property
     def absent(self) -> tuple[tuple[float, float], ...]:
         return ()
 
-    def read(self, raw: Any) -> tuple[tuple[tuple[float, float], ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[tuple[float, float], ...], list[Fault]]:
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
@@ -43,7 +43,7 @@ class TorqueOverSpeed(Spec):
                 faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True))
             torque, wrong = _TORQUE.read(value)
             faults += [fault.under(key) for fault in wrong]
-            found[speed] = torque
+            found[speed] = cast("float", torque)
         return tuple(sorted(found.items())) if not faults else (), faults
 
     @property
@@ -72,13 +72,13 @@ class Absorber(Declared):
     article: ClassVar[str] = "an absorber"
     form: ClassVar[str] = "{power: 3000 kW, torque_exponent: 2}"
 
-    power: Any = entry(Value("power absorbed at rated speed", "power", exclusive=True), None)
-    torque: Any = entry(Value("instead: torque absorbed at rated speed", "torque", exclusive=True), None)
-    torque_exponent: Any = entry(
+    power: float | None = entry(Value("power absorbed at rated speed", "power", exclusive=True), None)
+    torque: float | None = entry(Value("instead: torque absorbed at rated speed", "torque", exclusive=True), None)
+    torque_exponent: float | None = entry(
         Value("torque follows (speed/rated) to this power: 2 of a propeller or fan, 0 of a hoist", "1", lower=None),
         None,
     )
-    rated: Any = entry(
+    rated: float | None = entry(
         Value(
             "rated speed of this node; default: what speeds: {rated: ...} means there",
             "speed",
@@ -86,7 +86,9 @@ class Absorber(Declared):
         ),
         None,
     )
-    over_speed: Any = entry(TorqueOverSpeed("instead of all others: torque over the speed of this node"), ())
+    over_speed: tuple[tuple[float, float], ...] = entry(
+        TorqueOverSpeed("instead of all others: torque over the speed of this node"), ()
+    )
 
     def contradictions(self) -> list[Fault]:
         sizes = [name for name in ("power", "torque") if getattr(self, name) is not None]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.scalars import Value
@@ -37,8 +37,10 @@ class Load(Absorber):
     article: ClassVar[str] = "a load"
     form: ClassVar[str] = "{absorbed_at: prop, power: 3000 kW, torque_exponent: 2, driven_by: {fly: 1}}"
 
-    absorbed_at: Any = entry(TorquePlace("the node that absorbs; gen-frame: with the reaction on another node"), None)
-    absorbers: Any = entry(
+    absorbed_at: str | None = entry(
+        TorquePlace("the node that absorbs; gen-frame: with the reaction on another node"), None
+    )
+    absorbers: Mapping[str, Absorber] = entry(
         Named(
             "instead: several nodes, each with what it absorbs",
             _ABSORBER,
@@ -47,7 +49,7 @@ class Load(Absorber):
         ),
         None,
     )
-    driven_by: Any = entry(
+    driven_by: Mapping[str, float] = entry(
         Named(
             "node, two nodes as fly-block, or excitation that drives -> share of the power; default: the only engine",
             _SHARE,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import torsionnet.model.section_entries as sections
 from torsionnet.core.entries.declared import Declared
@@ -17,6 +17,10 @@ from torsionnet.model.elements import Element
 from torsionnet.model.parameters import Parameter
 from torsionnet.model.parts.part_entries import PORTS, USE
 from torsionnet.model.parts.use import Use
+
+if TYPE_CHECKING:
+    from torsionnet.model.excitations.order_excitation import OrderExcitation
+    from torsionnet.model.limits.limit import Limit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,8 +40,8 @@ class Part(Declared):
     inputs: Mapping[str, Input] = entry(sections.INPUTS, None)
     sensors: Mapping[str, Sensor] = entry(sections.SENSORS, None)
     configurations: Mapping[str, Mapping[str, Overlay]] = entry(sections.CONFIGURATIONS, None)
-    excitations: Mapping[str, Any] = entry(sections.EXCITATIONS, None)
-    limits: Mapping[str, Any] = entry(sections.LIMITS, None)
+    excitations: Mapping[str, OrderExcitation] = entry(sections.EXCITATIONS, None)
+    limits: Mapping[str, Limit] = entry(sections.LIMITS, None)
 
     def __post_init__(self) -> None:
         """The values are typed already."""
@@ -46,7 +50,7 @@ class Part(Declared):
                 object.__setattr__(self, name, stored)
 
     @classmethod
-    def read(cls, raw: Any) -> tuple[Self | None, list[Fault]]:
+    def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
         """As for any entry, but with what could be read where something could not."""
         if isinstance(raw, cls) or not isinstance(raw, Mapping):
             return super().read(raw)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import Schema
 from torsionnet.core.entries.words import is_plain
 from torsionnet.core.expression_reading import check_name
 from torsionnet.model.element_base.nodes import NodeName
 
+if TYPE_CHECKING:
+    from torsionnet.model.parts.use import Use
+
 PLAIN_NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
 
 
-def _use() -> type[Declared]:
+def _use() -> type[Use]:
     from torsionnet.model.parts.use import Use
 
     return Use

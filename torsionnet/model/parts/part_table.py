@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.parts.part_entries import PLAIN_NAME_SCHEMA, use_name_fault
 
+if TYPE_CHECKING:
+    from torsionnet.model.parts.part import Part
 
-def _part() -> type[Declared]:
+
+def _part() -> type[Part]:
     from torsionnet.model.parts.part import Part
 
     return Part
 
 
-class PartTable(Named):
+class PartTable(Named["Part"]):
     """Parts that could be read in part stay: what uses them is checked all the same."""
 
-    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, Part], list[Fault]]:
         if not isinstance(raw, Mapping):
             return super().read(raw)
         table, faults = {}, list(self._name_faults(raw))

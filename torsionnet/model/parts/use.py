@@ -9,21 +9,22 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed, Named, PairOf
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import AnyQuantity
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co, entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.nodes import NodeName
 
 MOST_COPIES = 1000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OneOrEach(Spec):
+class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
     """One value for all copies of a part, or a list with one for each."""
 
-    of: Spec
+    of: Spec[Stored_co]
 
-    def coerce(self, raw: Any) -> Any:
+    def coerce(self, raw: object) -> Any:
         if not isinstance(raw, list | tuple):
             return self.of.coerce(raw)
         values, faults = Listed(self.description, self.of).read(raw)
@@ -69,7 +70,7 @@ class Use(Declared):
 
     part: str = entry(Text("which part it is", "the name of a part"))
     at: Mapping[str, str | tuple[str, ...]] = entry(_AT, None)
-    parameters: Mapping[str, Any] = entry(_VALUES, None)
+    parameters: Mapping[str, Expression | tuple[Expression, ...]] = entry(_VALUES, None)
     repeat: int | None = entry(Count("how many copies; their names end in 1, 2, ...", 1, MOST_COPIES), None)
     chain: tuple[str, str] | None = entry(
         PairOf("ports [front, rear]: the rear of each copy is the front of the next", _PORT), None

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import Fault, Path, UsageError, meant_or
+from torsionnet.core.listing import listed
 from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report.report_plan import Pair, ReportPlan
@@ -55,11 +56,7 @@ def _orders(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
 
 def _declared(definition: Definition, what: str) -> str:
     tables = {table: getattr(definition, f"{table}s") for table in ("input", "sensor") if table in what}
-    return "; ".join(f"{table}s: {_listed(names)}" for table, names in tables.items())
-
-
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(names) or "none"
+    return "; ".join(f"{table}s: {listed(names, none='none')}" for table, names in tables.items())
 
 
 def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:

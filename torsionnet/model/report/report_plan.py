@@ -57,10 +57,10 @@ class Pair:
         return {"output": self.output, "input": self.input, "excitation": self.excitation}
 
 
-class PairEntry(Spec):
+class PairEntry(Spec[Pair]):
     """``OUTPUT/INPUT``, or its parts by name."""
 
-    def coerce(self, raw: Any) -> Pair:
+    def coerce(self, raw: object) -> Pair:
         if isinstance(raw, Pair):
             return raw
         try:
@@ -69,7 +69,7 @@ class PairEntry(Spec):
             raise EntryError(str(error)) from None
 
     @staticmethod
-    def _in_parts(raw: Any) -> Pair:
+    def _in_parts(raw: object) -> Pair:
         if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
         raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
@@ -81,7 +81,7 @@ class PairEntry(Spec):
         return reference("report_transfer_function")
 
     def definitions(self) -> Schema:
-        detailed = {
+        detailed: Schema = {
             "type": "object",
             "properties": {name: {"type": "string", "description": text} for name, text in _PARTS.items()},
             "required": ["output", "input"],
@@ -105,10 +105,10 @@ def section_fault(name: Any) -> str:
     return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
-class SectionName(Spec):
+class SectionName(Spec[str]):
     """A section of a report."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         name = ConfigurationName("").coerce(raw)
         if reason := section_fault(name):
             raise EntryError(reason)
@@ -118,10 +118,10 @@ class SectionName(Spec):
         return {"oneOf": [{"const": name, "description": text} for name, text in SECTIONS.items()]}
 
 
-class ConfigurationName(Spec):
+class ConfigurationName(Spec[str]):
     """A name, which in a file may look like a number."""
 
-    def coerce(self, raw: Any) -> str:
+    def coerce(self, raw: object) -> str:
         if not isinstance(raw, str | int) or isinstance(raw, bool):
             raise EntryError(f"expected a name, got {raw!r}")
         return str(raw)

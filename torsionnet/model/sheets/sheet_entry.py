@@ -6,19 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.entries.nearby import nearby_file
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, dotted
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
 
 
-class SheetEntry(Spec):
+class SheetEntry(Spec[MassElasticSheet]):
     """The name of a file in the folder of the model file, or below."""
 
     @property
     def example(self) -> str:
         return "the name of a file beside the model, as engine.csv"
 
-    def coerce(self, raw: Any) -> MassElasticSheet:
+    def coerce(self, raw: object) -> MassElasticSheet:
         if isinstance(raw, MassElasticSheet):
             return raw
         if not isinstance(raw, str | Path):
@@ -36,3 +36,7 @@ class SheetEntry(Spec):
 
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"str | pathlib.Path | {dotted(MassElasticSheet)}"

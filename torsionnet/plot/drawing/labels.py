@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.expressions import Name
 from torsionnet.core.number_text import NumberText, typeset_unit
@@ -75,10 +75,10 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     return [line for line in (*teeth, *lines) if line][:MOST_LINES]
 
 
-def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
+def _line(spec: Spec[object], raw: Any, values: Mapping[str, Any]) -> str:
     if isinstance(spec, TableEntry):
         return "k(f), c(f)"
-    if not isinstance(spec, PhysicalQuantity):
+    if not isinstance(spec, QuantityKind):
         return ""
     if isinstance(raw, DampingMeasure):
         at = "" if raw.at is None else f" at {NumberText(float(raw.at.evaluate(values)))} Hz"
@@ -109,7 +109,7 @@ def expression(text: str) -> str:
 def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
     """Ratio as the quotient of the teeth."""
     ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
-    name = ratio.symbol if isinstance(ratio, PhysicalQuantity) else "tau"
+    name = ratio.symbol if isinstance(ratio, QuantityKind) else "tau"
     sign = "−" if teeth[0] * teeth[1] < 0 else ""
     return f"{symbol(name)} = {sign}{abs(teeth[1])}/{abs(teeth[0])} = {NumberText(teeth[1] / teeth[0])}"
 

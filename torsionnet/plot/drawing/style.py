@@ -39,6 +39,11 @@ WIDEST_TITLE = 84
 """Characters of a title that stand on one line."""
 
 
+def panel_columns(count: int, most: int = 4) -> int:
+    """Columns in which so many panels stand on a page: 1, 2, 3 up to nine, then 4."""
+    return min(most, next(columns for columns, up_to in ((1, 1), (2, 4), (3, 9), (4, math.inf)) if count <= up_to))
+
+
 def new_figure(width: float, height: float) -> Figure:
     """A figure that arranges its axes without overlaps; it belongs to no window."""
     return Figure(figsize=(width, height), layout="constrained", facecolor=PAPER)

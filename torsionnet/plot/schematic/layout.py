@@ -12,16 +12,16 @@ from collections import deque
 from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING
 
-from torsionnet.plot.drawing.pieces import Piece
+from torsionnet.plot.drawing.pieces import Piece, Stroke, text_width
 from torsionnet.plot.schematic.branch_lines import UP_IF, Drop, Exit
 from torsionnet.plot.schematic.drawing_plan import DrawingPlan, make_plan
-from torsionnet.plot.schematic.flags import flag
 from torsionnet.plot.schematic.line_routes import Course, Leaving, RouteStep, courses, cuts, needed
 from torsionnet.plot.schematic.shaft_lines import Line
 from torsionnet.plot.schematic.topology import Link, Tree, Vertex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+
 
 PAGE = 545.0
 """Width of a drawing unless another is asked for."""
@@ -40,6 +40,11 @@ INDENT = 26.0
 """Pieces of a line that comes from gears stay clear of the wheels."""
 
 
+TIP, HALF, PAD = 5.0, 7.0, 10.0
+LONGEST = 24
+"""Letters of a name on a flag."""
+
+
 def blocks(drivetrain: Drivetrain, page: float = PAGE) -> list[list[Piece]]:
     """For each connected part its bands, from top to bottom."""
     plan, grown = make_plan(drivetrain, page)
@@ -52,8 +57,9 @@ class Sheet:
     """One connected part: its lines, how wide they are, and those that wait for a band of their own."""
 
     def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
-        self.tree, self.plan = tree, plan
-        self.courses = courses(tree)
+        self.tree: Tree = tree
+        self.plan: DrawingPlan = plan
+        self.courses: dict[Vertex, Course] = courses(tree)
         self.starts: dict[Vertex, float] = {}
         self.steps: dict[Vertex, list[RouteStep]] = {}
         self.needs: dict[Vertex, float] = {}
@@ -104,7 +110,7 @@ class Sheet:
             return self._course(head, self.plan.page, top=True)
         came = course.incoming
         line = Line(self.plan)
-        line.x = flag(line.block, 0.0, self._shared_node(head)) + 6
+        line.x = _flag(line.block, 0.0, self._shared_node(head)) + 6
         line.block.line((line.x - 6, 0), (line.x, 0))
         if not came.is_gear:
             line.arrive(came, course.parent)
@@ -162,7 +168,7 @@ class Sheet:
         block = Piece()
         begin = stages[-1].offset + 18 if stages else 12.0
         block.line((0, 0), (begin, 0))
-        flag(block, begin, self._shared_node(what))
+        _flag(block, begin, self._shared_node(what))
         return Drop(x, y, block, stages)
 
     def _shared_node(self, head: Vertex) -> str:
@@ -192,3 +198,14 @@ def _stacked(built: list[Piece], indent: float) -> Piece:
         whole.add(piece.shifted(begin, drop))
     whole.anchors.pop(-1, None)
     return whole
+
+
+def _flag(block: Piece, x: float, text: str) -> float:
+    """A flag on the shaft at (x, 0), pointing to the right; gives where it ends."""
+    shown = text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    end = x + text_width(shown, "what") + 2 * TIP + PAD
+    outline = ((x, -HALF), (end - TIP, -HALF), (end, 0.0), (end - TIP, HALF), (x, HALF))
+    block.strokes.append(Stroke(outline, "thin", closed=True, fill="#ffffff"))
+    block.boxes.append((x, end, -HALF, HALF))
+    block.write((x + end - TIP) / 2, -4.4, [(shown, "what")])
+    return end

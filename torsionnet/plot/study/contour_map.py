@@ -29,7 +29,6 @@ from torsionnet.plot.study.study_axes import (
     known,
     label_with,
     lines_of,
-    panel_columns,
     say,
     titled,
 )
@@ -72,7 +71,7 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
     scale = units.scale(*found.quantity)
     every = scale * known(one.values for one in found.maps.values())
     levels, norm = _levels(every)
-    columns = panel_columns(len(found.maps))
+    columns = style.panel_columns(len(found.maps))
     rows = math.ceil(len(found.maps) / columns)
     share_x, share_y = (_alike(getattr(one, side) for one in found.maps.values()) for side in "xy")
     labels = _Labels.within(found, units, columns, rows, apart=0.0 if share_y else TICKS)

@@ -16,7 +16,6 @@ from torsionnet.plot.study.study_axes import (
     is_wide,
     key_below,
     known,
-    panel_columns,
     say,
     titled,
 )
@@ -46,7 +45,7 @@ def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str
     matplotlib.figure.Figure
     """
     count, quantity = len(found.lines), (found.quantity, found.measure.unit)
-    columns = panel_columns(count, MOST_COLUMNS)
+    columns = style.panel_columns(count, MOST_COLUMNS)
     rows = math.ceil(count / columns)
     figure = style.new_figure(style.WIDTH, 1.1 + HEIGHT * rows)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)

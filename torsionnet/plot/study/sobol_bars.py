@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.plot.drawing.bars import Bars, draw_bars, takes_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
-from torsionnet.plot.study.study_axes import bar_panels, key_below, named_rows, say, takes_a_page, titled
+from torsionnet.plot.study.study_axes import bar_key, named_rows, say, study_bars, titled
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
@@ -45,19 +46,14 @@ def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | 
         figure = _matrix(found, cases)
         style.heading(figure, found.title if title is None else title)
         return figure
-    figure, panels, width = bar_panels(len(found.indices), rows, found.parameters)
+    figure, panels, width = study_bars(len(found.indices), rows, found.parameters)
     for axes, ((case, quantity), one) in zip(panels, _by_quantity(found), strict=True):
         _bars(axes, one, found.parameters, width)
         titled(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
     columns = round(style.WIDTH / width)
     for axes in panels[-columns:]:
         axes.set_xlabel("share of the variance [-]")
-    handles, labels = next(
-        ((handles, labels) for axes in panels for handles, labels in [axes.get_legend_handles_labels()] if labels),
-        ((), ()),
-    )
-    if labels:
-        key_below(figure, handles, [f"{label}, {100 * found.confidence:g} % interval" for label in labels])
+    bar_key(figure, panels, f", {100 * found.confidence:g} % interval")
     style.heading(figure, found.title if title is None else title)
     return figure
 
@@ -83,11 +79,11 @@ def _bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: f
     if not np.isfinite(one.total).any():
         say(axes, "no variance to be shared")
         return
-    for shift, color, values, low, high, label in (
-        (-HEIGHT / 2, style.PALETTE[0], one.first, one.first_low, one.first_high, "first order"),
-        (HEIGHT / 2, style.PALETTE[1], one.total, one.total_low, one.total_high, "total"),
-    ):
-        places = [place + shift for place in range(len(order))]
-        axes.barh(places, values[order], height=HEIGHT, color=color, label=label)
-        axes.hlines(places, low[order], high[order], color=style.INK, linewidth=1.0)
-    axes.axvline(0, color=style.MUTED, linewidth=0.8)
+    bars = [
+        Bars(values[order], color, label, height=HEIGHT, below=shift, intervals=(low[order], high[order]))
+        for shift, color, values, low, high, label in (
+            (-HEIGHT / 2, style.PALETTE[0], one.first, one.first_low, one.first_high, "first order"),
+            (HEIGHT / 2, style.PALETTE[1], one.total, one.total_low, one.total_high, "total"),
+        )
+    ]
+    draw_bars(axes, len(order), bars)

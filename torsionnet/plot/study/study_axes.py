@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import bracketed, typeset_unit
+from torsionnet.plot.drawing.bars import bar_panels, name_rows
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
 from torsionnet.plot.schematic.texts import wrapped
@@ -29,9 +30,6 @@ EVEN = 1e-6
 """By how much steps or factors may differ and still be equal."""
 ROLE = "sensor"
 """Whose font is as large as that of an axis."""
-BARS, ROW = 1.5, 0.26
-"""Inches that bars take to the right of their names, and one below the other."""
-FEW_PANELS, MOST_BARS = 6, 100
 MARKS = "=.-/"
 """Behind which a long word is broken before it is between two letters."""
 KEY = 0.45
@@ -188,45 +186,24 @@ def by_factors(axes: Axes, side: str, low: float, high: float, inches: float = m
         axis.set_major_locator(LogLocator(numticks=max(2, int(inches / _width(style.plain(high))))))
 
 
-def panel_columns(count: int, most: int = 4) -> int:
-    """Columns in which so many panels stand on a page: 1, 2, 3 up to nine, then 4."""
-    return min(most, next(columns for columns, up_to in ((1, 1), (2, 4), (3, 9), (4, math.inf)) if count <= up_to))
+def study_bars(count: int, rows: int, names: Sequence[str]) -> tuple[Figure, list[Axes], float]:
+    """Panels of bars with names beside them, and how wide one is, in inches."""
+    return bar_panels(count, rows, max(map(_width, names), default=0.0))
 
 
-def takes_a_page(count: int, rows: int) -> bool:
-    """Whether so many panels of bars are more than one looks at."""
-    return count > FEW_PANELS and count * (rows + 2) > MOST_BARS
-
-
-def bar_panels(count: int, rows: int, names: Sequence[str]) -> tuple[Figure, list[Axes], float]:
-    """Panels of horizontal bars with names beside them, as many in a row as leave room for both.
-
-    Returns
-    -------
-    figure, panels : Figure, list of Axes
-    width : float
-        Of a panel with its names, in inches.
-    """
-    longest = max(map(_width, names), default=0.0)
-    columns = panel_columns(count, max(1, int(style.WIDTH / (BARS + min(longest, style.WIDTH / 3)))))
-    lines = math.ceil(count / columns)
-    figure = style.new_figure(style.WIDTH, 0.9 + lines * (0.8 + ROW * max(rows, 2)))
-    grid = figure.subplots(lines, columns, squeeze=False).ravel()
-    for axes in grid[count:]:
-        axes.remove()
-    return figure, grid[:count].tolist(), style.WIDTH / columns
+def bar_key(figure: Figure, panels: Iterable[Axes], behind: str = "") -> None:
+    """A legend of all panels from the first that has labels, each with what stands ``behind`` it."""
+    found = (axes.get_legend_handles_labels() for axes in panels)
+    handles, labels = next(((handles, labels) for handles, labels in found if labels), ((), ()))
+    if labels:
+        key_below(figure, handles, [f"{label}{behind}" for label in labels])
 
 
 def named_rows(axes: Axes, names: Sequence[str], width: float) -> None:
     """Parameters at the rows of a panel of bars, the first on top."""
-    _rows(axes, [axis_label(name, "", width / 2) for name in names])
+    name_rows(axes, [axis_label(name, "", width / 2) for name in names])
 
 
 def told_rows(axes: Axes, texts: Sequence[str], width: float) -> None:
     """The same of configurations, which are no symbols."""
-    _rows(axes, [broken(text, width / 2) for text in texts])
-
-
-def _rows(axes: Axes, names: Sequence[str]) -> None:
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.4, -0.6)
+    name_rows(axes, [broken(text, width / 2) for text in texts])

@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import bracketed, on_screen, typeset_unit
+from torsionnet.plot.drawing.bars import Bars, draw_bars, takes_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
 from torsionnet.plot.study.study_axes import (
     ALIKE,
     axis_label,
-    bar_panels,
-    key_below,
+    bar_key,
     named_rows,
     say,
-    takes_a_page,
+    study_bars,
     titled,
 )
 from torsionnet.study.shown_units import IN_SI, ShownUnits
@@ -52,7 +52,7 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
         figure = _matrix(found, units)
         style.heading(figure, found.title if title is None else title)
         return figure
-    figure, panels, width = bar_panels(len(pairs), min(MOST_PARAMETERS, len(names)), names)
+    figure, panels, width = study_bars(len(pairs), min(MOST_PARAMETERS, len(names)), names)
     for axes, (case, quantity) in zip(panels, pairs, strict=True):
         scale, unit = units.scale(quantity, found.units[quantity]), units.unit(quantity, found.units[quantity])
         one = found.swings[case, quantity]
@@ -61,12 +61,7 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
         middle = "" if np.isnan(one.middle) else f"{on_screen(one.middle * scale, 4)} in the middle"
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
         titled(axes, ": ".join(told), width - 0.4)
-    handles, labels = next(
-        ((handles, labels) for axes in panels for handles, labels in [axes.get_legend_handles_labels()] if labels),
-        ((), ()),
-    )
-    if labels:
-        key_below(figure, handles, labels)
+    bar_key(figure, panels)
     style.heading(figure, found.title if title is None else title)
     return figure
 
@@ -93,11 +88,10 @@ def _bars(axes: Axes, one: Swings, names: list[str], scale: float, width: float)
         say(axes, "no value" if np.isnan(one.middle) else "moved by no parameter")
         axes.set_xticks([])
         return
-    for values, color, label in (
-        (ends[0], style.PALETTE[5], "parameter at its low end"),
-        (ends[1], style.PALETTE[1], "at its high end"),
-    ):
-        widths = (values - one.middle) * scale
-        axes.barh(range(len(shown)), widths, left=one.middle * scale, color=color, height=0.7, alpha=0.9, label=label)
-    axes.axvline(one.middle * scale, color=style.INK, linewidth=0.9)
+    low, high = (ends - one.middle) * scale
+    bars = [
+        Bars(low, style.PALETTE[5], "parameter at its low end", one.middle * scale, alpha=0.9),
+        Bars(high, style.PALETTE[1], "at its high end", one.middle * scale, alpha=0.9),
+    ]
+    draw_bars(axes, len(shown), bars, line=style.INK, width=0.9)
     axes.locator_params(axis="x", nbins=4)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
-from torsionnet.core.entries.scalars import PhysicalQuantity, Value
+from torsionnet.core.entries.scalars import QuantityKind, Value
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
@@ -24,7 +24,7 @@ from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, 
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import as_shown, table
-from torsionnet.report.report_words import capital, listed, named, plain, unit
+from torsionnet.report.report_words import capital, named, named_first, plain, unit
 from torsionnet.report.wording import SHOWN
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
     ends = [between(each) for each in group]
     names, nodes = [plain(each.name) for each in group], list(dict.fromkeys(ends))
     rest = f"; … and {len(nodes) - MOST} more" if len(nodes) > MOST else ""
-    head: Row = (listed(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
+    head: Row = (named_first(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
     values = list(_values(element, rig)) or [("", "", "", "")]
     for number, row in enumerate(values):
         yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")
@@ -99,7 +99,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
     for name, spec, value in given(element):
         if isinstance(value, DampingMeasure):
             yield from _measure(element, value, rig)
-        elif isinstance(spec, PhysicalQuantity) and isinstance(value, Expression):
+        elif isinstance(spec, QuantityKind) and isinstance(value, Expression):
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
                 yield plain(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
@@ -115,7 +115,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
 
 
 def _in_words(
-    element: Element, name: str, spec: Spec, value: Any, rig: Drivetrain
+    element: Element, name: str, spec: Spec[object], value: Any, rig: Drivetrain
 ) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
     """Each of the expressions an element has in such an entry, as those of a law; words where there is none."""
     found = [(path, one, of) for path, _, one, of in element.expressions() if path[0] == name]
@@ -126,9 +126,9 @@ def _in_words(
         yield plain(name), "", in_words(spec, value), "–"
 
 
-def _of_table(spec: Spec, value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:
+def _of_table(spec: Spec[object], value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:
     """Symbol, value and unit of one of several quantities."""
-    if isinstance(spec, PhysicalQuantity) and isinstance(value, Expression):
+    if isinstance(spec, QuantityKind) and isinstance(value, Expression):
         number = NumberText(float(value.evaluate(rig.exact_values)), 5)
         return _symbol(value), number, unit(expected_unit(spec.dimension))
     return "", _plain(spec, value), "–"
@@ -138,7 +138,7 @@ def _symbol(value: Expression) -> Inline:
     return "" if isinstance(value, Number) else Math(expression_latex(value))
 
 
-def _plain(spec: Spec, value: Any) -> str:
+def _plain(spec: Spec[object], value: Any) -> str:
     if isinstance(spec, TableEntry):
         return (
             f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"

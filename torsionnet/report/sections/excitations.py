@@ -77,7 +77,7 @@ def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
             yield f"{over}{plain(name)}", *_shown(spec, value)
 
 
-def _shown(spec: Spec, value: Any) -> tuple[Cell, Cell]:
+def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
     """The value, and its unit."""
     if isinstance(spec, Value) and spec.dimension == "speed":
         return NumberText(value * RPM, 6), "r/min"
@@ -105,7 +105,7 @@ def _given(entry: Declared) -> str:
     )
 
 
-def _with_unit(spec: Spec, value: Any) -> str:
+def _with_unit(spec: Spec[object], value: Any) -> str:
     if not isinstance(spec, Value):
         return _text(spec.plain(value))
     if spec.dimension == "angle":

@@ -20,7 +20,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, Form, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import listed, plain
+from torsionnet.report.report_words import named_first, plain
 from torsionnet.report.widths import letters
 from torsionnet.symbolic.shown import latex
 from torsionnet.symbolic.symbol_names import angle_latex
@@ -38,7 +38,7 @@ def kinematics_section(subject: ReportData) -> Section:
     if not subject.is_large:
         names: Text = ("; the coordinates are ", *_angles(kept), ".") if kept else ("; nothing can move.",)
     else:
-        names = (f"; the coordinates are the angles of {listed([plain(node) for node in kept], FEW)}.",)
+        names = (f"; the coordinates are the angles of {named_first([plain(node) for node in kept], FEW)}.",)
     count = f"The model has {len(rig.nodes)} nodes, {len(kept)} of them independent"
     blocks: list[Block] = [Paragraph((count, *names))]
     dependent = [node for node in rig.nodes if node not in kept]
@@ -116,7 +116,7 @@ def _owners(rig: Drivetrain, node: str) -> str:
     kinematics = rig.assembly.kinematics
     owners = [*(f"input {name}" for name in kinematics.imposed), *(name for name, _ in kinematics.constraints)]
     origin = sorted(kinematics.reduction.origin(node))
-    return listed([plain(name) for name in dict.fromkeys(owners[index] for index in origin)], 4)
+    return named_first([plain(name) for name in dict.fromkeys(owners[index] for index in origin)], 4)
 
 
 def _numeric(rig: Drivetrain, dependent: list[str]) -> TableBlock:

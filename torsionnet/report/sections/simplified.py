@@ -8,7 +8,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.report.document_tree import Block, Cell, Code, Formula, Heading, Math, NumberText, Paragraph, Section
 from torsionnet.report.report_data import MOST_SYMBOLIC, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import listed, pair_latex, quotient_latex
+from torsionnet.report.report_words import named_first, pair_latex, quotient_latex
 from torsionnet.report.widths import FORMULA, letters
 from torsionnet.symbolic.shown import latex
 
@@ -76,7 +76,7 @@ def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
     blocks: list[Block] = [table(("What is left out of ", Math(pair_latex(pair))), COLUMNS, rows)]
     for text, names in formulas.items():
         if len(formulas) > 1:
-            blocks.append(Paragraph((f"Configuration {listed(names, len(names))}:",)))
+            blocks.append(Paragraph((f"Configuration {named_first(names, len(names))}:",)))
         how = f'model.symbolic().simplified("{pair.output}", "{pair.input}", tolerance={tolerance:g})'
         blocks.append(
             Formula(rf"{quotient_latex(pair)} = {text}")

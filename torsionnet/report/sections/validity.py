@@ -17,7 +17,7 @@ from torsionnet.model.elements import (
 )
 from torsionnet.report.document_tree import Cell, Listing, Math, Section, inlines
 from torsionnet.report.report_data import ReportData, is_damped
-from torsionnet.report.report_words import listed, named, pair_latex, plain
+from torsionnet.report.report_words import named, named_first, pair_latex, plain
 
 if TYPE_CHECKING:
     from torsionnet.model.elements import Element
@@ -91,7 +91,7 @@ def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[st
         if isinstance(element, kinds)
     }
     if found:
-        yield text.format(names=listed([plain(name) for name in found], FEW))
+        yield text.format(names=named_first([plain(name) for name in found], FEW))
 
 
 def _readings(subject: ReportData) -> Iterator[Cell]:
@@ -103,4 +103,4 @@ def _readings(subject: ReportData) -> Iterator[Cell]:
             yield ("Poles of ", Math(pair_latex(pair)), where, *inlines(named(pair.input)), CUT)
     imposed = [name for name, channel in subject.model.inputs.items() if channel.quantity == "angle"]
     if imposed:
-        yield IMPOSED.format(names=listed(imposed, FEW))
+        yield IMPOSED.format(names=named_first(imposed, FEW))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.report.document_tree import Cell, Heading, NumberText, TableBlock, Text
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import listed, named, unit
+from torsionnet.report.report_words import named, named_first, unit
 from torsionnet.study.shown_units import ShownUnits
 from torsionnet.study.variations.nominal import NominalReader, nominals
 
@@ -46,7 +46,7 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
     for name, variation in study.space.entries.vary.items():
         written = ", ".join(f"{key} {_plain(value)}" for key, value in variation.to_data().items())
         for one in alike[name]:
-            where = listed(one.cases, FEW) if len(alike[name]) > 1 else ""
+            where = named_first(one.cases, FEW) if len(alike[name]) > 1 else ""
             given = "" if one.given is None else NumberText(one.given * units.scale(name), DIGITS)
             numbers = _numbers(one.sizes, units.scale(name))
             rows.append((named(name), where, unit(units.unit(name)), given, variation.words, numbers, written))

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from torsionnet.core.atomic import write_text
-from torsionnet.report.document_tree import Picture, Report
-from torsionnet.report.writers.html_table import table_html
-from torsionnet.report.writers.html_text import escaped, inline
+from torsionnet.report.document_tree import Cell, Heading, NumberText, Picture, Report, TableBlock
+from torsionnet.report.writers.html_text import escaped, inline, number
 from torsionnet.report.writers.mathml import mathml
 from torsionnet.report.writers.templating import Illustrations, TextFormat, written
+
+FEW = 14
+"""Rows of a table that stays on one page."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -43,7 +46,52 @@ FORMAT = TextFormat(
     inline,
     {
         "display": partial(mathml, block=True),
-        "table": lambda block, number, word: table_html(block, f"{word} {number}", f"table-{number.lower()}"),
+        "table": lambda block, number, word: _table_html(block, f"{word} {number}", f"table-{number.lower()}"),
     },
     tuple(MEDIA_TYPES),
 )
+
+
+def _table_html(block: TableBlock, label: str, name: str) -> str:
+    """A table with caption, repeated head and notes; it scrolls where the screen is narrow.
+
+    ``label`` stands before the caption, ``name`` is the id of the caption.
+    """
+    decimals = [block.decimals(index) for index in range(len(block.columns))]
+    head = "".join(f"<th{_class(column)} scope=col>{_heading(column)}</th>" for column in block.columns)
+    body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
+    foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.ending)
+    keep = " keep" if sum(len(group.rows) for group in block.groups) <= FEW else ""
+    caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
+    return (
+        f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
+        f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>{foot}</div>"
+    )
+
+
+def _heading(column: Heading) -> str:
+    unit = f"<span class=unit>{escaped(column.unit)}</span>" if column.bracket else ""
+    return f"{inline(column.text)}{' ' if unit else ''}{unit}"
+
+
+def _class(column: Heading) -> str:
+    return " class=num" if column.numeric else " class=wide" if column.wide else ""
+
+
+def _group(title: Cell, rows: Sequence[tuple[Cell, ...]], columns: Sequence[Heading], decimals: Sequence[int]) -> str:
+    lead = f"<tr class=group><th colspan={len(columns)} scope=rowgroup>{inline(title)}</th></tr>" if title else ""
+    body = "".join(f"<tr{_continued(row)}>{_cells(row, columns, decimals)}</tr>" for row in rows)
+    return f"<tbody>{lead}{body}</tbody>\n"
+
+
+def _continued(row: tuple[Cell, ...]) -> str:
+    """Rows that go on with what the row above is about have no line over them."""
+    return " class=on" if row and row[0] == "" else ""
+
+
+def _cells(row: tuple[Cell, ...], columns: Sequence[Heading], decimals: Sequence[int]) -> str:
+    parts = []
+    for cell, column, places in zip(row, columns, decimals, strict=True):
+        content = number(cell, places) if isinstance(cell, NumberText) else inline(cell)
+        parts.append(f"<td{_class(column)}>{content}</td>")
+    return "".join(parts)

@@ -4,20 +4,47 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
+import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from torsionnet.core.atomic import write_bytes
-from torsionnet.core.errors import SolveError
+from torsionnet.core.errors import MissingExtraError, SolveError
 from torsionnet.report.document_tree import Report
-from torsionnet.report.writers.browser import find_browser
 from torsionnet.report.writers.html import html_page
 
 PATIENCE = 120
 """Seconds after which the browser is given up."""
 _DATE = re.compile(rb"/(CreationDate|ModDate) \(D:\d{14}")
 _FIXED = b"20000101000000"
+
+
+VARIABLE = "TORSIONNET_BROWSER"
+COMMANDS = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "microsoft-edge-stable",
+    "msedge",
+    "brave-browser",
+)
+MAC = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+)
+WINDOWS = (
+    r"Google\Chrome\Application\chrome.exe",
+    r"Chromium\Application\chrome.exe",
+    r"Microsoft\Edge\Application\msedge.exe",
+)
+FOLDERS = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -69,3 +96,39 @@ def undated(data: bytes) -> bytes:
     b"/CreationDate (D:20000101000000+00'00')"
     """
     return _DATE.sub(lambda match: b"/" + match[1] + b" (D:" + _FIXED, data)
+
+
+def find_browser() -> str:
+    """Path of the program.
+
+    Raises
+    ------
+    MissingExtraError
+        There is none.
+    """
+    given = os.environ.get(VARIABLE)
+    if given:
+        found = shutil.which(given) or (given if Path(given).is_file() else None)
+        if found is None:
+            raise MissingExtraError(
+                f'{VARIABLE} names "{given}", which is no program; name the program file of Chromium, Chrome or Edge'
+            )
+        return found
+    for path in _candidates():
+        found = shutil.which(path)
+        if found:
+            return found
+    raise MissingExtraError(
+        "a PDF is printed by a browser, and there is neither Chromium nor Chrome nor Edge: install one, name its "
+        f"program in the environment variable {VARIABLE}, or write -o report.html and print that from any browser"
+    )
+
+
+def _candidates() -> Iterator[str]:
+    yield from COMMANDS
+    if sys.platform == "darwin":
+        yield from MAC
+    for folder in FOLDERS:
+        base = os.environ.get(folder)
+        if base:
+            yield from (str(Path(base) / program) for program in WINDOWS)

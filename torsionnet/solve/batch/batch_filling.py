@@ -24,8 +24,9 @@ class Filling:
     """Coefficients that start as those of the drivetrain, and what is known of every variant."""
 
     def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
-        self.drivetrain, self.values = drivetrain, values
-        self.count = len(next(iter(values.values())))
+        self.drivetrain: AssembledModel = drivetrain
+        self.values: Mapping[str, FloatArray] = values
+        self.count: int = len(next(iter(values.values())))
         system = drivetrain.assembly.system
         self.inertia, self.damping, self.stiffness = (
             np.tile(one, (self.count, 1)) for one in (system.inertia, system.damping, system.stiffness)

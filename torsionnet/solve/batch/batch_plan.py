@@ -6,7 +6,7 @@ What depends on the parameters is evaluated by the elements themselves, in numbe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,15 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import ModelError, TorsionnetError, UsageError
+from torsionnet.core.number_range import is_beyond_range
+from torsionnet.model.checks.values import is_in_measure, negative_laws, wrong_size
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.curves import OnCurve
 from torsionnet.model.element_base.round_section import section_modulus
-from torsionnet.model.elements import Law, Part, Values
+from torsionnet.model.elements import Element, Law, Part, Values
 from torsionnet.model.parameters import evaluation_order
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_filling import Filling
-from torsionnet.solve.batch.moved_parameters import derived_from, operating_point_moves
 from torsionnet.solve.batch.planned_element import PlannedElement, planned_elements
-from torsionnet.solve.batch.variant_checks import require_possible
 from torsionnet.solve.batch.variant_numbers import VARIANTS, Decisions, VariantNumber, passes
 
 
@@ -97,7 +98,7 @@ class BatchPlan:
 
 def _checked(planned: PlannedElement, value: Values) -> tuple[Part, ...]:
     parts = planned.element.parts(value)
-    require_possible(planned.element, parts, value, on=planned.is_on)
+    _require_possible(planned.element, parts, value, on=planned.is_on)
     return parts
 
 
@@ -145,12 +146,59 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
         drivetrain.configured(**{name: known.get(name, 0.0) for name in chosen})
     except ModelError:  # also as a plain number, which has no unit
         return None
-    derived = tuple(derived_from(definition, chosen, evaluation_order(definition.parameters)[0]))
+    derived = tuple(_derived_from(definition, chosen, evaluation_order(definition.parameters)[0]))
     moved = frozenset((*chosen, *derived))
-    if operating_point_moves(definition, moved, chosen):
+    if _operating_point_moves(definition, moved, chosen):
         return None
     fixed = {name: value for name, value in drivetrain.exact_values.items() if name not in moved}
     decisions = Decisions(1)
     varied = {name: VariantNumber(np.array([known[name]]), decisions) for name in chosen}
     elements = planned_elements(drivetrain, numbers_of(definition, derived, fixed, varied), moved)
     return None if elements is None else BatchPlan(drivetrain, chosen, derived, elements, fixed)
+
+
+def _derived_from(definition: Definition, names: Collection[str], order: Collection[str]) -> Iterator[str]:
+    """Parameters that follow others, in the ``order`` of evaluation."""
+    moved = set(names)
+    for name in order:
+        if name not in moved and definition.parameters[name].value.names & moved:
+            moved.add(name)
+            yield name
+
+
+def _operating_point_moves(definition: Definition, moved: Collection[str], names: Collection[str]) -> bool:
+    """Whether mean speeds and torques, or what is read off curves at them, depend on what is varied.
+
+    ``moved`` are all parameters that do, ``names`` those of them that are varied themselves.
+    """
+    point, moving = definition.operating_point, frozenset(moved)
+    if any(value.names & moving for table in (point.speed, point.torque) for value in table.values()):
+        return True
+    if definition.following.keys() <= set(names):
+        return False
+    return any(
+        isinstance(spec, OnCurve) and expression.names & moving
+        for element in definition.active
+        for _, spec, expression, _ in element.expressions()
+    )
+
+
+def _require_possible(element: Element, parts: Iterable[Part], value: Values, *, on: bool) -> None:
+    """Refuse what the entries of an element, or its laws, must not be; of one that is ``on`` also beyond its curves.
+
+    Raises
+    ------
+    UsageError
+        As the first variant has it.
+    """
+    for path, spec, expression, wanted in element.expressions():
+        number: Any = value(expression)
+        if not isinstance(number, VariantNumber):
+            continue
+        wrong: Any = is_beyond_range(number) or wrong_size(
+            spec, number, measure=is_in_measure(spec, path), wanted=wanted
+        )
+        if wrong or (on and isinstance(spec, OnCurve) and spec.curve_fault(number)):
+            raise UsageError(f"{expression} is not possible")
+    if negative_laws(element, [part for part in parts if isinstance(part, Law)]):
+        raise UsageError(f"{element.name} has a coefficient below zero")

@@ -53,7 +53,8 @@ class VariantNumber:
     __array_ufunc__ = None  # numpy leaves arithmetic with it to the methods below
 
     def __init__(self, values: FloatArray, decisions: Decisions) -> None:
-        self.values, self.decisions = values, decisions
+        self.values: FloatArray = values
+        self.decisions: Decisions = decisions
 
     def _new(self, values: FloatArray) -> VariantNumber:
         return VariantNumber(values, self.decisions)

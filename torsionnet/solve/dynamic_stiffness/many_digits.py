@@ -8,7 +8,7 @@ the digits left of its terms is zero.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.action_law import ActionLaw, polynomial
@@ -27,19 +27,18 @@ TRUSTED = 0.55
 CERTAIN = 0.9
 """Share of the digits of coefficients in rows that are known: products around a loop lose few."""
 
-Number: TypeAlias = Any
-"""A number of mpmath."""
-
 
 class ManyDigits:
     """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
-        self.request, self.laws, self.actions = request, assembly.laws, assembly.system.actions
+        self.request: TransferRequest = request
+        self.laws: tuple[Law, ...] = assembly.laws
+        self.actions: tuple[ActionLaw, ...] = assembly.system.actions
         measured = request.measured if request.is_measured else ()
         self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
 
-    def transfer(self, s: Number) -> list[list[Number]] | None:
+    def transfer(self, s: Any) -> list[list[Any]] | None:
         """Outputs over inputs at one s; None where the measured inputs do not tell the excitations apart.
 
         Raises
@@ -51,7 +50,7 @@ class ManyDigits:
         readings, n_out = self._readings(kappa, s), len(self.request.outputs)
         return _quotient(readings[:n_out], readings[n_out:]) if self.request.is_measured else readings
 
-    def _readings(self, kappa: Sequence[Number], s: Number) -> list[list[Number]]:
+    def _readings(self, kappa: Sequence[Any], s: Any) -> list[list[Any]]:
         """Every reading under every excitation."""
         problem = self.posed.problem
         solved = [[number(0)] * len(problem.excitations) for _ in range(problem.n_read)]
@@ -67,7 +66,7 @@ class ManyDigits:
                 values[:] = [value + number(factor) * t for value, t in zip(values, torques[action], strict=True)]
         return readings
 
-    def _closed(self, solved: list[list[Number]], s: Number) -> tuple[list[list[Number]], list[list[Number]]]:
+    def _closed(self, solved: list[list[Any]], s: Any) -> tuple[list[list[Any]], list[list[Any]]]:
         """What is solved with the actions at work, and their torques."""
         n, gains = self.posed.n_excitations, [_action_gain(one, s) for one in self.actions]
         sensed = [[gain * value for value in solved[row]] for gain, row in zip(gains, self.posed.sensed, strict=True)]
@@ -91,7 +90,7 @@ def _accuracy() -> Accuracy:
     return Accuracy(mpmath.mpf(10) ** -digits, lambda value: mpmath.nstr(value, digits))
 
 
-def walked(tape: Tape, kappa: Sequence[Number]) -> dict[int, Number]:
+def walked(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     """The values of a tape, by number, for dynamic stiffnesses of its slots.
 
     Raises
@@ -99,8 +98,8 @@ def walked(tape: Tape, kappa: Sequence[Number]) -> dict[int, Number]:
     SolveError
         A pivot vanishes.
     """
-    r: list[Number] = [None] * tape.n_registers
-    values: dict[int, Number] = {}
+    r: list[Any] = [None] * tape.n_registers
+    values: dict[int, Any] = {}
     for (code, t, a, b), factor in zip(tape.operations.tolist(), tape.factors.tolist(), strict=True):
         if code == ops.LAW:
             r[t] = kappa[a]
@@ -120,14 +119,14 @@ def walked(tape: Tape, kappa: Sequence[Number]) -> dict[int, Number]:
     return values
 
 
-def _factor(part: ReadingPart, kappa: Sequence[Number], s: Number) -> Number:
+def _factor(part: ReadingPart, kappa: Sequence[Any], s: Any) -> Any:
     """What makes a reading of what was solved."""
     if part.term is None:
         return number(part.factor)
     return number(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
 
 
-def _action_gain(action: ActionLaw, s: Number) -> Number:
+def _action_gain(action: ActionLaw, s: Any) -> Any:
     """Torque per angle sensed."""
     import mpmath
 
@@ -137,7 +136,7 @@ def _action_gain(action: ActionLaw, s: Number) -> Number:
     return above / below * (mpmath.exp(-s * number(action.delay)) if action.delay else 1)
 
 
-def _dynamic_stiffness(law: Law, s: Number) -> Number:
+def _dynamic_stiffness(law: Law, s: Any) -> Any:
     import mpmath
 
     loss = mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0
@@ -147,7 +146,7 @@ def _dynamic_stiffness(law: Law, s: Number) -> Number:
     return total
 
 
-def number(value: Any) -> Number:
+def number(value: Any) -> Any:
     """A rational or float with all its digits; the ratio of two integers keeps 10 * 0.1 at 1."""
     import mpmath
 
@@ -155,7 +154,7 @@ def number(value: Any) -> Number:
     return mpmath.mpf(fraction.numerator) / fraction.denominator
 
 
-def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list[list[Number]] | None:
+def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[Any]] | None:
     """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0.
 
     By Cramer's rule: an elimination would leave rounding in place of zeros of the inverse.
@@ -165,7 +164,7 @@ def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list
     whole = _minors(measured).get(every, number(0))
     if not whole:
         return None
-    inverse: list[list[Number]] = [[number(0)] * len(measured) for _ in places]
+    inverse: list[list[Any]] = [[number(0)] * len(measured) for _ in places]
     for j in places:
         minors = _minors([*measured[:j], *measured[j + 1 :]])
         for k in places:
@@ -174,11 +173,11 @@ def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list
     return [[_left(terms) for terms in row] for row in parts]
 
 
-def _minors(rows: Sequence[Sequence[Number]]) -> dict[int, Number]:
+def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
     """Determinants of all these rows in as many columns, by the bits of the columns; those not there are 0."""
     found = {0: number(1)}
     for row in rows:
-        terms: dict[int, list[Number]] = {}
+        terms: dict[int, list[Any]] = {}
         for chosen, minor in found.items():
             for column, value in enumerate(row):
                 if value and minor and not chosen >> column & 1:
@@ -188,7 +187,7 @@ def _minors(rows: Sequence[Sequence[Number]]) -> dict[int, Number]:
     return found
 
 
-def _left(terms: Sequence[Number]) -> Number:
+def _left(terms: Sequence[Any]) -> Any:
     """Their sum, exactly 0 where all digits cancel that mean something."""
     import mpmath
 

@@ -23,10 +23,10 @@ class ManyDigitPencil:
         import mpmath
 
         self.actions = assembly.system.actions
-        self.index = {name: place for place, name in enumerate(assembly.kinematics.coordinates)}
+        self.index: dict[str, int] = {name: place for place, name in enumerate(assembly.kinematics.coordinates)}
         n = len(self.index)
-        self.size = n + len(self.actions)
-        self.powers = [mpmath.zeros(n, n) for _ in range(3)]
+        self.size: int = n + len(self.actions)
+        self.powers: list[Any] = [mpmath.zeros(n, n) for _ in range(3)]
         for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
             ours = [(self.index[name], number(value)) for name, value in row.items() if name in self.index]
             for power, value in zip(self.powers, (law.stiffness, law.damping, law.inertia), strict=True):

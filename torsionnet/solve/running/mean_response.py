@@ -8,7 +8,7 @@ one node each. What that node takes is what the torques leave over, which is not
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -30,7 +30,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
-from torsionnet.solve.running.operating_groups import Places, at_speeds, solved_together
+from torsionnet.solve.running.operating_groups import Places, at_speeds, in_arrays, solved_together
 
 NOTHING = 1e-13
 """What rounding leaves of a sum over its terms."""
@@ -48,13 +48,9 @@ def mean_response(
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T
     held = _held(drivetrain)
-    if drivetrain.definition.load is None:  # the one speed at which the parameters have their values already
-        groups: Iterable[tuple[AssembledModel, Places]] = [(held, np.arange(len(at)))]
-    else:
-        groups = at_speeds(held, reference, at)
     values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(_held_in(held))))
-    for rigs, places in solved_together(groups):
-        per_torque, torques_there = _per_torque(rigs, _request(rigs[0], wanted, nodes)), acting[places, None, :]
+    for per_torque, places in _solved(held, reference, at, wanted, nodes):
+        torques_there = acting[places, None, :]
         found = (torques_there * per_torque).sum(axis=2)
         sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)
         found = np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
@@ -62,6 +58,27 @@ def mean_response(
         _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
     channels = tuple(one.channel for one in wanted)
     return MeanResponse(at, reference, values, channels, drivetrain.title, _rest(drivetrain, left_over))
+
+
+def _solved(
+    held: AssembledModel, reference: str, at: FloatArray, wanted: Sequence[Functional], nodes: Sequence[str]
+) -> Iterator[tuple[FloatArray, Places]]:
+    """Readings (n, n_readings, n_nodes) per torque on a node, and the places of the speeds at which they hold."""
+    everywhere = np.arange(len(at))
+    if held.definition.load is None:  # the one speed at which the parameters have their values already
+        groups: Iterable[tuple[AssembledModel, Places]] = [(held, everywhere)]
+    else:
+        batch = in_arrays(held, reference, at)
+        if batch is not None and not batch.moduli:
+            _refuse_actions(held)
+            yield _per_torque(batch.law_stiffness(np.zeros(1)), _request(held, wanted, nodes)), everywhere
+            return
+        groups = at_speeds(held, reference, at)
+    for rigs, places in solved_together(groups):
+        for rig in rigs:
+            _refuse_actions(rig)
+        kappa = law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1))
+        yield _per_torque(kappa, _request(rigs[0], wanted, nodes)), places
 
 
 def external_torques(
@@ -138,12 +155,16 @@ def _held_in(held: AssembledModel) -> list[str]:
     return [name for name, one in held.elements.items() if isinstance(one, _Holder)]
 
 
-def _per_torque(rigs: Sequence[AssembledModel], request: TransferRequest) -> FloatArray:
-    """Readings (n_rigs, n_readings, n_nodes) per torque on a node."""
-    for rig in rigs:
-        refuse_actions([one for one in rig.assembly.system.actions if one.acts_at_rest], "mean torques are")
-    kappa = _at_rest(law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1)))
-    return np.asarray(transfer_functions(request, kappa, "graph").values.real)
+def _refuse_actions(rig: AssembledModel) -> None:
+    refuse_actions([one for one in rig.assembly.system.actions if one.acts_at_rest], "mean torques are")
+
+
+def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
+    """Readings (n_variants, n_readings, n_nodes) per torque on a node; those of equal stiffness are solved once."""
+    resting = _at_rest(kappa)
+    _, first, which = np.unique(resting.stiffness, axis=0, return_index=True, return_inverse=True)
+    found = transfer_functions(request, resting.variants(first), "graph")
+    return np.asarray(found.values.real[which.ravel()])
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -34,7 +34,9 @@ class ModesOverSpeed:
     def __init__(
         self, drivetrain: AssembledModel, reference: str, speed_range: tuple[float, float], numbers: Sequence[int] = ()
     ) -> None:
-        self.drivetrain, self.reference, self.speed_range = drivetrain, reference, speed_range
+        self.drivetrain: AssembledModel = drivetrain
+        self.reference: str = reference
+        self.speed_range: tuple[float, float] = speed_range
         self.numbers = numbers
         self._found: dict[float, tuple[VibrationMode, ...]] = {}
 

@@ -1,4 +1,7 @@
-"""Running machinery whose parameters follow the operating point: every speed is solved with its own values."""
+"""Running machinery whose parameters follow the operating point: every speed is solved with its own values.
+
+Where these change coefficients of laws and nothing else, all speeds are variants in arrays.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.running.total_ratios import remembered_ratio
 
 Settled: TypeAlias = Mapping[str, FloatArray]
@@ -46,6 +51,14 @@ def at_speeds(
     if not drivetrain.definition.following:
         yield drivetrain, np.arange(len(speeds))
         return
+    values = _values(drivetrain, reference, speeds, settled)
+    for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
+        some = np.array(list(places))
+        yield drivetrain.operated(values[some[0]]), some
+
+
+def _values(drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled) -> list[dict[str, float]]:
+    """Of the parameters that follow the operating point at every speed, by name."""
     points = OperatingPoints(drivetrain.external_torques)
     own = reference_node(drivetrain.definition) or reference
     ratio = 1.0 if own == reference else abs(float(remembered_ratio(drivetrain, own, reference)))
@@ -53,9 +66,23 @@ def at_speeds(
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
             values[place][name] = value
-    for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
-        some = np.array(list(places))
-        yield drivetrain.operated(values[some[0]]), some
+    return values
+
+
+def in_arrays(
+    drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
+) -> Batch | None:
+    """All speeds as variants with the rows of the drivetrain, without a drivetrain for each.
+
+    None where nothing follows the operating point, or where more than coefficients of laws does.
+    """
+    following = tuple(drivetrain.definition.following)
+    plan = batch_plan(drivetrain, following) if following else None
+    if plan is None:
+        return None
+    values = _values(drivetrain, reference, speeds, settled)
+    batch = plan.batch({name: [one[name] for one in values] for name in following})
+    return None if (batch.impossible | batch.apart).any() else batch
 
 
 TOGETHER = 500

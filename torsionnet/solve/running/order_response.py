@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -21,11 +21,13 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.solve.dynamic_stiffness.posed import twisted_law
-from torsionnet.solve.dynamic_stiffness.transfer_request import remembered, stressed_sections
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered, stressed_sections
 from torsionnet.solve.responses.shared_response import shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
-from torsionnet.solve.running.operating_groups import Settled, at_speeds, solved_together
+from torsionnet.solve.running.operating_groups import TOGETHER, Settled, at_speeds, in_arrays, solved_together
 from torsionnet.solve.running.settling import settled_by_vibration
 from torsionnet.solve.running.total_ratios import remembered_ratio
 from torsionnet.solve.running.worst_case import contributions, worst_case
@@ -48,6 +50,11 @@ def order_response(
     at = question.at
 
     def run(wanted: Any, settled: Settled) -> OrderResponse:
+        batch = in_arrays(question.held, question.reference, at, settled)
+        if batch is not None:
+            parts = [np.arange(start, min(start + TOGETHER, len(at))) for start in range(0, len(at), TOGETHER)]
+            found = [(_of_batch(batch.part(part), wanted, question.loads(at[part])), part) for part in parts]
+            return joined(found, at, drivetrain.title)
         found = [
             (_block(rigs, wanted, question.loads(at[part])), part)
             for rigs, part in solved_together(
@@ -263,6 +270,16 @@ def _block(
     return loads.response(gains, channels)
 
 
+def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads) -> OrderResponse:
+    """The responses at some speeds, of a variant for each."""
+
+    def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
+        return responses_at_own_frequencies(batch, request, frequencies)
+
+    request = remembered(batch.drivetrain, outputs, list(loads.inputs), None)
+    return loads.response(*_at_own(solved, request, loads.hertz))
+
+
 def _worst(
     nominal: OrderResponse, acting: Sequence[ActingLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
@@ -301,15 +318,24 @@ def _each(
     hertz: FloatArray,
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
     """As :func:`_gains`, with a drivetrain of its own at every speed; all have the same rows."""
+
+    def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
+        return evaluate([rig.assembly for rig in rigs], request, frequencies).values
+
+    return _at_own(solved, remembered(rigs[0], outputs, inputs, None), hertz)
+
+
+def _at_own(
+    solved: Callable[[TransferRequest, FloatArray], ComplexArray], request: TransferRequest, hertz: FloatArray
+) -> tuple[ComplexArray, tuple[Channel, ...]]:
+    """As :func:`_gains`, by what gives responses (n_speeds, n_f, n_out, n_inputs) at frequencies (n_speeds, n_f)."""
     frequencies, where = np.unique(np.abs(hertz), axis=1, return_inverse=True)
     still = frequencies == 0
     frequencies[still] = 1.0  # any: what comes of it is not used
-    request = remembered(rigs[0], outputs, inputs, None)
-    found = evaluate([rig.assembly for rig in rigs], request, frequencies)
-    warn_infinite(found.values, found.conditioning, frequencies)
-    found.values[still] = 0.0
-    channels = tuple(reading.channel for reading in request.outputs)
-    return _forward(found.values[:, where.ravel()], hertz), channels
+    values = solved(request, frequencies)
+    warn_infinite(values, np.ones(frequencies.shape), frequencies)
+    values[still] = 0.0
+    return _forward(values[:, where.ravel()], hertz), tuple(reading.channel for reading in request.outputs)
 
 
 def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:

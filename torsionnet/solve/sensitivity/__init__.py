@@ -1,6 +1,14 @@
 """Derivatives of responses and modes to parameters, exact: every number carries its own along."""
 
-from torsionnet.solve.sensitivity.mode_sensitivities import ModeSensitivities, mode_sensitivities
-from torsionnet.solve.sensitivity.parametric import Evaluation, ParametricResponse, parametric_response
+from torsionnet.core.lazy import offered
 
-__all__ = ["Evaluation", "ModeSensitivities", "ParametricResponse", "mode_sensitivities", "parametric_response"]
+__all__, __getattr__, __dir__ = offered(
+    __name__,
+    {
+        "Evaluation": "torsionnet.solve.sensitivity.parametric",
+        "ModeSensitivities": "torsionnet.solve.sensitivity.mode_sensitivities",
+        "ParametricResponse": "torsionnet.solve.sensitivity.parametric",
+        "mode_sensitivities": "torsionnet.solve.sensitivity.mode_sensitivities",
+        "parametric_response": "torsionnet.solve.sensitivity.parametric",
+    },
+)

@@ -83,20 +83,22 @@ class Arranged:
         nodes: Sequence[str],
         probes: Sequence[str] = (),
     ) -> None:
-        self.system, self.nodes, self.n_loads = system, nodes, len(loads) + len(probes)
-        self.followed = range(len(system.law_owners)) if probes else system.varied
-        self.driven = [name for name in system.condition_owners if name.startswith("input:")]
+        self.system: Augmented = system
+        self.nodes: Sequence[str] = nodes
+        self.n_loads: int = len(loads) + len(probes)
+        self.followed: range | tuple[int, ...] = range(len(system.law_owners)) if probes else system.varied
+        self.driven: list[str] = [name for name in system.condition_owners if name.startswith("input:")]
         order = {node: index for index, node in enumerate(nodes)}
         self.reduction = reduce_rows(system.exact_conditions, order, set(self.driven))
         free = [node for node in nodes if self.reduction.is_free(node)]
-        self.columns = {name: column for column, name in enumerate((*free, *self.driven))}
-        self.n_free = len(free)
+        self.columns: dict[str, int] = {name: column for column, name in enumerate((*free, *self.driven))}
+        self.n_free: int = len(free)
         self.gaps: list[GapDerivative] = []
-        self.multipliers = {
+        self.multipliers: dict[int, int] = {
             condition: self._gap(GapDerivative(self._opened(condition)))
             for condition in np.flatnonzero(system.condition_slopes.any(axis=(1, 2))).tolist()
         }
-        self.asked = [
+        self.asked: list[SolvedReadings] = [
             self._asked(sensor, elements, values, number) for number, sensor in enumerate(sensors, self.n_loads)
         ]
         still = ReadingDerivative.nothing(system)
@@ -163,25 +165,25 @@ class Arranged:
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
         laws = [self._law_row(law) for law in range(len(system.law_owners))]
-        self.twists = {law: outputs.add(laws[law]) for law in self.followed}
-        self.law_slopes = {
+        self.twists: dict[int, int] = {law: outputs.add(laws[law]) for law in self.followed}
+        self.law_slopes: dict[tuple[int, int], int] = {
             (law, int(p)): outputs.add(self._slope_row(system.law_slopes[law][:, p], law, int(p)))
             for law in system.varied
             for p in np.flatnonzero(system.law_slopes[law].any(axis=0))
         }
-        self.condition_slopes = {
+        self.condition_slopes: dict[tuple[int, int], int] = {
             (condition, int(p)): outputs.add(self._slope_row(system.condition_slopes[condition][:, p]))
             for condition in self.multipliers
             for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
         self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.asked]
-        self.motion_slopes = {
+        self.motion_slopes: dict[tuple[int, int], int] = {
             (number, int(p)): outputs.add(self._slope_row(one.slopes.motion[:, p]))
             for number, one in enumerate(self.asked)
             for p in range(count)
             if one.slopes.motion[:, p].any()
         }
-        self.first_gap = len(outputs.rows)
+        self.first_gap: int = len(outputs.rows)
         excitations = [
             *loads,
             *(

@@ -56,11 +56,13 @@ class ResponsesAroundPoles:
     def __init__(
         self, drivetrain: AssembledModel, chosen: Unknowns, sensors: Sequence[Sensor], loads: Sequence[Input]
     ) -> None:
-        self.chosen, self.nodes = chosen, drivetrain.assembly.kinematics.nodes
+        self.chosen: Unknowns = chosen
+        self.nodes: tuple[str, ...] = drivetrain.assembly.kinematics.nodes
         redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
         self.system: Augmented = augmented(chosen, chosen.start, self.nodes, redundant)
-        self.channels = {channel: name for name, channel in drivetrain.inputs.items()}
-        self.sensors, self.loads = sensors, loads
+        self.channels: dict[Input, str] = {channel: name for name, channel in drivetrain.inputs.items()}
+        self.sensors: Sequence[Sensor] = sensors
+        self.loads: Sequence[Input] = loads
         self.known: dict[tuple[str, ...], Arranged] = {}
 
     @classmethod

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import ExpressionError, Name, Number
 from torsionnet.model.definition import Definition
@@ -131,4 +131,4 @@ def _with_parameter(definition: Definition, name: str, drivetrain: AssembledMode
 def _fields(drivetrain: AssembledModel, element: str) -> list[str]:
     """Scalar fields of an element that have a value."""
     scalars = drivetrain.definition.elements[element].scalars()
-    return [name for name, (spec, _) in scalars.items() if isinstance(spec, PhysicalQuantity)]
+    return [name for name, (spec, _) in scalars.items() if isinstance(spec, QuantityKind)]

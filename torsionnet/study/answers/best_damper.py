@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed
@@ -34,7 +34,7 @@ class BestDamper(StudyAnswer):
     design: Mapping[str, DesignBounds | None] = entry(DESIGN, None)
     output: str = entry(Text("sensor, node, torque(element): what is to be small"))
     input: str | None = entry(Text("input or node that is driven; default: the model's excitations act"), None)
-    band: Any = entry(Band("frequencies, with an input; default: those of the modes"), None)
+    band: tuple[float, float] | None = entry(Band("frequencies, with an input; default: those of the modes"), None)
     excitations: tuple[str, ...] = entry(Listed("only these act; default: all", Text("excitation")), None)
 
     def contradictions(self) -> list[Fault]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -24,7 +24,7 @@ class PeakQuantity(TransferQuantity):
 
     kind: ClassVar[str] = "peak in a band"
 
-    band: Any = entry(Band("where it is looked for"))
+    band: tuple[float, float] = entry(Band("where it is looked for"))
 
     @property
     def where(self) -> str:

@@ -27,8 +27,8 @@ class SpeedQuantity(StudyQuantity):
 
     kind: ClassVar[str] = "over speed"
 
-    excitations: Any = entry(Listed("excitations that act; default: all", Text("an excitation")), None)
-    speeds: Any = entry(SpeedBand("part of the model's speeds"), None)
+    excitations: tuple[str, ...] = entry(Listed("excitations that act; default: all", Text("an excitation")), None)
+    speeds: tuple[float, float] | None = entry(SpeedBand("part of the model's speeds"), None)
     every: int = entry(Count("only every n-th of them, and the last, to save time", upper=10_000), 1)
 
     @classmethod

@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite, Listed
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.entries.spec import EntryError, Schema, present
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.io.recording_files import read_recording
 
@@ -28,20 +28,19 @@ class TorqueHistory:
     values: tuple[float, ...]
 
 
-class TorqueHistoryEntry(Composite):
+class TorqueHistoryEntry(Composite[TorqueHistory]):
     """A channel of a recording beside the file of the study, or a list of torques with their rate."""
 
     @property
     def example(self) -> str:
         return FORM
 
-    def read(self, raw: Any) -> tuple[TorqueHistory | None, list[Fault]]:
+    def read(self, raw: object) -> tuple[TorqueHistory | None, list[Fault]]:
         if isinstance(raw, TorqueHistory):
             return raw, []
-        keys = set(raw) if isinstance(raw, Mapping) else set()
-        if keys == {"rate", "values"}:
+        if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
             return self._listed(raw)
-        if keys != {"file", "channel"}:
+        if not isinstance(raw, Mapping) or set(raw) != {"file", "channel"}:
             return None, [Fault(f"expected {FORM}, got {raw!r}")]
         try:
             return _recorded(str(raw["file"]), str(raw["channel"])), []
@@ -55,15 +54,15 @@ class TorqueHistoryEntry(Composite):
         faults = [fault.under("rate") for fault in wrong] + [fault.under("values") for fault in others]
         if not faults and len(values) < 2:
             faults = [Fault("a torque over time has two samples or more", ("values",))]
-        return (None if faults else TorqueHistory(rate, values)), faults
+        return (None if faults else TorqueHistory(present(rate), values)), faults
 
     def plain(self, value: Any) -> Any:
         """The numbers, so that a written study can be read anywhere."""
         return {"rate": value.rate, "values": list(value.values)}
 
     def schema(self) -> Schema:
-        samples = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2}
-        forms = (
+        samples: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2}
+        forms: tuple[Schema, ...] = (
             {"file": {"type": "string"}, "channel": {"type": "string"}},
             {"rate": SCALAR_SCHEMA, "values": samples},
         )

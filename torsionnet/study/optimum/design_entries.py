@@ -12,6 +12,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
@@ -32,7 +33,7 @@ class DesignBounds(Declared):
     article: ClassVar[str] = "the bounds of a designed parameter"
     form: ClassVar[str] = "[lowest, highest]"
 
-    bounds: tuple[Any, Any] | None = entry(
+    bounds: tuple[Number, Number] | None = entry(
         PairOf(
             "lowest and highest value; default: the bounds in the model, else a tenth and ten times",
             ParameterValue("bound"),
@@ -41,21 +42,21 @@ class DesignBounds(Declared):
     )
 
 
-class DesignedNames(Named):
+class DesignedNames(Named[DesignBounds | None]):
     """Parameters with their bounds by name, or a list of their names alone."""
 
-    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+    def read(self, raw: object) -> tuple[Mapping[str, DesignBounds | None], list[Fault]]:
         return super().read(dict.fromkeys(map(str, raw)) if isinstance(raw, list) and raw else raw)
 
     def schema(self) -> Schema:
-        names = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        names: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 1}
         return {"description": self.description, "anyOf": [super().schema(), names]}
 
 
-class OneOrSeveral(Listed):
+class OneOrSeveral(Listed[str]):
     """One name, or a list of names."""
 
-    def read(self, raw: Any) -> tuple[tuple[Any, ...], list[Fault]]:
+    def read(self, raw: object) -> tuple[tuple[Any, ...], list[Fault]]:
         return super().read([raw] if isinstance(raw, str) else raw)
 
     def schema(self) -> Schema:

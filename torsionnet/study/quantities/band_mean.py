@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -24,7 +24,7 @@ class BandMean(TransferQuantity):
 
     kind: ClassVar[str] = "band_mean"
 
-    band: Any = entry(Band("the frequencies", from_zero=True))
+    band: tuple[float, float] = entry(Band("the frequencies", from_zero=True))
     points: int = entry(Count("evenly spaced, both ends among them", lower=2, upper=100_000), 200)
     mean: str = entry(OneOf("root mean square, or mean of the magnitudes", ("rms", "arithmetic")), "rms")
 

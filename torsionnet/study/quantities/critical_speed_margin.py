@@ -46,9 +46,9 @@ class CriticalSpeedMargin(StudyQuantity):
 
     kind: ClassVar[str] = "critical_speed_margin"
 
-    orders: Any = entry(Listed("orders that count; default: all that act", ORDER), None)
-    excitations: Any = entry(Listed("excitations that count; default: all", Text("an excitation")), None)
-    speeds: Any = entry(SpeedBand("range of speeds; default: that of the model"), None)
+    orders: tuple[float, ...] = entry(Listed("orders that count; default: all that act", ORDER), None)
+    excitations: tuple[str, ...] = entry(Listed("excitations that count; default: all", Text("an excitation")), None)
+    speeds: tuple[float, float] | None = entry(SpeedBand("range of speeds; default: that of the model"), None)
 
     def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities

@@ -23,10 +23,10 @@ from torsionnet.study.variant_block import VariantBlock
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
 
 
-class QuantityFormula(Spec):
+class QuantityFormula(Spec[Expression]):
     """An expression of other quantities."""
 
-    def coerce(self, raw: Any) -> Expression:
+    def coerce(self, raw: object) -> Expression:
         if isinstance(raw, Expression):
             return raw
         if not isinstance(raw, str):
@@ -64,7 +64,7 @@ class QuantityExpression(StudyQuantity):
 
     kind: ClassVar[str] = "expression"
 
-    of: Any = entry(QuantityFormula("numbers, names of quantities, + - * / powers, sqrt and pi"))
+    of: Expression = entry(QuantityFormula("numbers, names of quantities, + - * / powers, sqrt and pi"))
     unit: str | None = entry(Text("of what comes out; default: by the units of the quantities"), None)
 
     @property

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.entries.band import Band
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
@@ -55,8 +55,8 @@ class ResponseQuantity(TransferQuantity):
 
     kind: ClassVar[str] = "response"
 
-    at: Any = entry(FrequencyList("one frequency, or several in a list"), None)
-    band: Any = entry(Band("instead: frequencies of a curve", from_zero=True), None)
+    at: tuple[float, ...] | None = entry(FrequencyList("one frequency, or several in a list"), None)
+    band: tuple[float, float] | None = entry(Band("instead: frequencies of a curve", from_zero=True), None)
     points: int | None = entry(Count(f"of the curve; default: {DEFAULT_POINTS}", lower=2, upper=100_000), None)
     spacing: str | None = entry(
         OneOf("of the points; default: by equal factors where the band is a decade or more", ("linear", "log")), None
@@ -81,7 +81,7 @@ class ResponseQuantity(TransferQuantity):
         """Hz, (n_points,)."""
         if self.at is not None:
             return np.array(self.at)
-        low, high = self.band
+        low, high = present(self.band)
         is_log = self.spacing == "log" or (self.spacing is None and 0 < 10 * low <= high)
         return np.asarray((np.geomspace if is_log else np.linspace)(low, high, self.points or DEFAULT_POINTS))
 
@@ -96,7 +96,7 @@ class ResponseQuantity(TransferQuantity):
         )
         if self.at is not None:
             return f"{what} of {self.quotient} at {', '.join(f'{one:g}' for one in self.at)} Hz"
-        low, high = self.band
+        low, high = present(self.band)
         return f"{what} of {self.quotient} from {low:g} to {high:g} Hz, {len(self.frequencies)} points"
 
     def measure(self, model: Drivetrain) -> QuantityForm:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -81,7 +81,9 @@ class TransientPeak(StudyQuantity):
         ),
         None,
     )
-    history: Any = entry(TorqueHistoryEntry("instead of torque, shape and duration: a torque over time"), None)
+    history: TorqueHistory | None = entry(
+        TorqueHistoryEntry("instead of torque, shape and duration: a torque over time"), None
+    )
     value: str = entry(OneOf("what of the motion", tuple(READ)), "size")
 
     def contradictions(self) -> list[Fault]:
@@ -129,7 +131,7 @@ class TransientPeak(StudyQuantity):
     def torques(self, model: Drivetrain) -> TorqueHistory:
         """Sample by sample, at a rate that suits the nominal model."""
         if self.history is not None:
-            return self.history  # type: ignore[no-any-return]
+            return self.history
         assert self.torque is not None
         assert self.duration is not None
         rate = self._rate(model, self.duration)

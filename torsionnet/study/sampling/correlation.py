@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
@@ -32,7 +32,7 @@ class Correlation(Declared):
     article: ClassVar[str] = "a correlation"
     form: ClassVar[str] = "{between: [k_1, k_2], coefficient: 0.6}"
 
-    between: Any = entry(Listed("parameters", Text("name of a parameter"), form="a list of parameters"))
+    between: tuple[str, ...] = entry(Listed("parameters", Text("name of a parameter"), form="a list of parameters"))
     coefficient: float = entry(Value("linear correlation of the values, above -1 and below 1", "1", lower=None))
 
     def contradictions(self) -> list[Fault]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, log, pi
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
@@ -76,10 +77,10 @@ class Normal(Variation):
 
     kind: ClassVar[str] = "normal"
 
-    mean: Any = entry(MEAN, None)
-    deviation: Any = entry(DEVIATION)
-    low: Any = entry(LOW, None)
-    high: Any = entry(HIGH, None)
+    mean: Number | None = entry(MEAN, None)
+    deviation: Number = entry(DEVIATION)
+    low: Number | None = entry(LOW, None)
+    high: Number | None = entry(HIGH, None)
 
     @property
     def words(self) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
@@ -80,9 +81,9 @@ class Triangular(Variation):
 
     kind: ClassVar[str] = "triangular"
 
-    low: Any = entry(LOWEST)
-    mode: Any = entry(ParameterValue("most frequent value; by default the value in the model"), None)
-    high: Any = entry(HIGHEST)
+    low: Number = entry(LOWEST)
+    mode: Number | None = entry(ParameterValue("most frequent value; by default the value in the model"), None)
+    high: Number = entry(HIGHEST)
 
     def sizes(self, reader: NominalReader) -> dict[str, float]:
         ends = {LOWEST_VALUE: reader.value(self.low, "low"), HIGHEST_VALUE: reader.value(self.high, "high")}

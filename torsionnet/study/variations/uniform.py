@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.entries.spec import entry
+from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
@@ -64,8 +65,8 @@ class Uniform(Variation):
 
     kind: ClassVar[str] = "uniform"
 
-    low: Any = entry(LOWEST)
-    high: Any = entry(HIGHEST)
+    low: Number = entry(LOWEST)
+    high: Number = entry(HIGHEST)
 
     def sizes(self, reader: NominalReader) -> dict[str, float]:
         return {LOWEST_VALUE: reader.value(self.low, "low"), HIGHEST_VALUE: reader.value(self.high, "high")}

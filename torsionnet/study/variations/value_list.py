@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.grid_axis import GridAxis
 from torsionnet.study.variations.nominal import NominalReader
@@ -36,7 +37,7 @@ class ListOfValues(Variation):
     kind: ClassVar[str] = "list"
     is_random: ClassVar[bool] = False
 
-    values: Any = entry(Listed("the values", ParameterValue("a value"), form="a list of values"))
+    values: tuple[Number, ...] = entry(Listed("the values", ParameterValue("a value"), form="a list of values"))
 
     def contradictions(self) -> list[Fault]:
         return [] if self.values else [Fault("the list holds no value", ("values",))]

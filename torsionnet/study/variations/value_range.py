@@ -11,6 +11,7 @@ import numpy as np
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.many import Many
 from torsionnet.study.variations.grid_axis import GridAxis
@@ -37,8 +38,8 @@ class ValueRange(Variation):
     kind: ClassVar[str] = "range"
     is_random: ClassVar[bool] = False
 
-    low: Any = entry(LOWEST)
-    high: Any = entry(HIGHEST)
+    low: Number = entry(LOWEST)
+    high: Number = entry(HIGHEST)
     count: int = entry(Many("number of values", lower=2, upper=10**9))
     spacing: str = entry(OneOf("equal steps, or equal ratios of one value to the next", ("linear", LOG)), "linear")
 

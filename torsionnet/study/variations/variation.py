@@ -22,10 +22,10 @@ MOST_FREQUENT = "most frequent"
 V = TypeVar("V", bound="type[Variation]")
 
 
-class ParameterValue(Spec):
+class ParameterValue(Spec[Number]):
     """A value of a parameter: with unit, in SI, or in percent of the value in the model."""
 
-    def coerce(self, raw: Any) -> Number:
+    def coerce(self, raw: object) -> Number:
         value = raw if isinstance(raw, Number) else read_value(raw)
         if not isinstance(value, Number):
             raise EntryError(f'expected a number with unit or in percent; "{value}" is an expression of parameters')

@@ -47,8 +47,8 @@ class PolynomialInS:
     __slots__ = ("coefficients", "limit")
 
     def __init__(self, coefficients: tuple[Any, ...], limit: int | None = None) -> None:
-        self.coefficients = coefficients[:limit]
-        self.limit = limit
+        self.coefficients: tuple[Any, ...] = coefficients[:limit]
+        self.limit: int | None = limit
 
     def __add__(self, other: PolynomialInS) -> PolynomialInS:
         longer, shorter = self.coefficients, other.coefficients
@@ -120,7 +120,7 @@ class Length:
     __slots__ = ("leaves",)
 
     def __init__(self, leaves: int) -> None:
-        self.leaves = leaves
+        self.leaves: int = leaves
 
     def __add__(self, other: Length) -> Length:
         return Length(self.leaves + other.leaves)

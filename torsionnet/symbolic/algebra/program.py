@@ -154,8 +154,8 @@ class ProgramNode:
     __slots__ = ("index", "program")
 
     def __init__(self, program: Program, index: int) -> None:
-        self.program = program
-        self.index = index
+        self.program: Program = program
+        self.index: int = index
 
     def __add__(self, other: Any) -> ProgramNode:
         return self.program.add(self, self.program.node(other))

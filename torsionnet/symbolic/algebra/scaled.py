@@ -38,7 +38,8 @@ class Scaled:
     def __init__(self, mantissa: ComplexArray, exponent: NDArray[np.int64], error: FloatArray) -> None:
         shift = np.frexp(np.abs(mantissa))[1].astype(np.int64)
         nothing, down = mantissa == 0, np.exp2(-shift)
-        self.mantissa, self.error = mantissa * down, error * down
+        self.mantissa: NDArray[np.complex128] = mantissa * down
+        self.error: NDArray[np.float64] = error * down
         # A zero of which something may be left by rounding keeps its exponent.
         self.exponent = np.where(nothing & (error == 0), NOTHING, exponent + shift)
 

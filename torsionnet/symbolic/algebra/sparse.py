@@ -29,7 +29,9 @@ class Sparse:
     __slots__ = ("depth", "scale", "terms")
 
     def __init__(self, terms: dict[int, int], depth: int, scale: int) -> None:
-        self.terms, self.depth, self.scale = terms, depth, scale
+        self.terms: dict[int, int] = terms
+        self.depth: int = depth
+        self.scale: int = scale
 
     def __add__(self, other: Sparse) -> Sparse:
         depth = max(self.depth, other.depth)

@@ -1,0 +1,183 @@
+"""What type checkers and editors see of the package: names that are imported on demand, signatures of element types.
+
+``python docs/generate.py`` writes the stubs into the package, beside what they describe.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
+from inspect import Parameter, getdoc, signature
+from pathlib import Path
+from textwrap import fill, indent
+
+import torsionnet as tn
+import torsionnet.core.entries.accepted as accepted
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import QuantityKind
+from torsionnet.core.entries.spec import Spec
+from torsionnet.core.lazy import TABLES
+from torsionnet.core.units import expected_unit
+from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.elements import Element, element_classes
+
+ROOT = Path(tn.__file__).parents[1]
+ELEMENT_TYPES = "torsionnet.model.elements.element_types"
+ENTRY_CLASSES = "torsionnet.entry_classes"
+HEAD = "# Written by `make generate`.\n"
+WIDTH = 110
+_PROTOCOLS = (accepted.QuantityWithUnit, accepted.GivenTransferFunction, accepted.GivenStateSpace)
+_ACCEPTED = {*accepted.__annotations__, *(one.__name__ for one in _PROTOCOLS)}
+
+
+def stubs() -> dict[Path, str]:
+    """The text of every stub by its path."""
+    for name in tn.__all__:
+        getattr(tn, name)
+    found = {_path(f"{package}.__init__"): package_stub(package) for package in TABLES}
+    return found | {_path(ELEMENT_TYPES): element_types_stub(), _path(ENTRY_CLASSES): entry_classes_stub()}
+
+
+def _path(module: str) -> Path:
+    return ROOT / f"{module.replace('.', '/')}.pyi"
+
+
+# Names of packages
+
+
+def package_stub(package: str) -> str:
+    """The names of a package, each where it comes from."""
+    table = dict(TABLES[package])
+    if package == "torsionnet":
+        table |= {name: f"{ELEMENT_TYPES}:{name}" for name in element_classes()}
+    others = public_entry_classes()
+    table |= {name: f"{ENTRY_CLASSES}:{name}" for name in table if name in others}
+    lines = [f"{_imported(home, name)} as {name}" for name, home in table.items()]
+    names = sorted(table)
+    if package == "torsionnet":
+        lines.append("from torsionnet.core.version import __version__ as __version__")
+        names = ["__version__", *names]
+    listed = "".join(f'    "{name}",\n' for name in names)
+    return f"{HEAD}{_lines(sorted(lines))}\n__all__ = [\n{listed}]\n"
+
+
+def _imported(home: str, name: str) -> str:
+    module, _, inside = home.partition(":")
+    return f"from {module if inside else module.rpartition('.')[0]} import {inside or name}"
+
+
+# Element types
+
+
+def element_types_stub() -> str:
+    """Every element type with the signature it has when the program runs, and what its entries may be given as."""
+    return _classes_stub(element_classes())
+
+
+def public_entry_classes() -> dict[str, type[Declared]]:
+    """Classes of entries that packages offer, but for element types, by name."""
+    offered = {name: getattr(import_module(package), name) for package, table in TABLES.items() for name in table}
+    return {
+        name: one
+        for name, one in offered.items()
+        if isinstance(one, type) and issubclass(one, Declared) and not issubclass(one, Element) and one.specs()
+    }
+
+
+def entry_classes_stub() -> str:
+    """The signatures of other classes with entries that packages offer, such as an acquisition or a distribution."""
+    return _classes_stub(public_entry_classes())
+
+
+def _classes_stub(classes: Mapping[str, type[Declared]]) -> str:
+    body = "\n".join(_class_stub(name, cls) for name, cls in sorted(classes.items()))
+    imports: dict[str, set[str]] = defaultdict(set)
+
+    def short(found: re.Match[str]) -> str:
+        module, _, name = found[0].rpartition(".")
+        if name not in classes:
+            imports[module].add(name)
+        return name
+
+    body = re.sub(r"(?<![\w.])(?:torsionnet|collections|pathlib|typing)(?:\.\w+)+", short, body)
+    imports[accepted.__name__] |= {name for name in _ACCEPTED if re.search(rf"\b{name}\b", body)}
+    lines = [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(imports.items())]
+    lines += [f"from {cls.__module__} import {name} as _{name}" for name, cls in sorted(classes.items())]
+    return f"{HEAD}{_lines(lines)}\n{body}"
+
+
+def _class_stub(name: str, cls: type[Declared]) -> str:
+    return "\n".join(
+        [
+            f"class {name}(_{name}):",
+            indent(f'r"""{_description(cls)}\n"""', "    ", lambda line: bool(line.strip())),
+            *_signatures(cls),
+            "",
+        ]
+    )
+
+
+def _description(cls: type[Declared]) -> str:
+    text = (getdoc(cls) or "").partition("\nExamples\n")[0].strip()
+    specs = dict(cls.specs())
+    entries = "\n".join(
+        fill(f"{name}: {_told(specs[name])}", WIDTH, subsequent_indent="    ")
+        for name in signature(cls).parameters
+        if name in specs
+    )
+    return f"{text}\n\nParameters\n----------\n{entries}".replace(f"{ELEMENT_TYPES}.", "").replace(
+        f"{ENTRY_CLASSES}.", ""
+    )
+
+
+def _told(spec: Spec) -> str:
+    unit = f" [{expected_unit(spec.dimension)}]" if isinstance(spec, QuantityKind) and spec.dimension != "1" else ""
+    return f"{spec.description}{unit}"
+
+
+def _signatures(cls: type[Declared]) -> Iterator[str]:
+    """As it is called; and with a catalogue, which may give what else is required, and is None then."""
+    from_row = (
+        []
+        if not issubclass(cls, Element)
+        else [name for name in cls.required() if not isinstance(dict(cls.specs())[name], NodeName | NodePair)]
+    )
+    if not from_row:
+        yield _signature(cls, ())
+        return
+    yield "    @typing.overload"
+    yield _signature(cls, ())
+    yield "    @typing.overload"
+    yield _signature(cls, from_row)
+
+
+def _signature(cls: type[Declared], from_row: Iterable[str]) -> str:
+    """The constructor, in which a catalogue gives those of ``from_row``, if there are any."""
+    specs = dict(cls.specs())
+    given = ["self"]
+    parameters = list(signature(cls).parameters.values())
+    for before, parameter in zip([None, *parameters], parameters, strict=False):
+        if parameter.kind is Parameter.KEYWORD_ONLY and (before is None or before.kind is not Parameter.KEYWORD_ONLY):
+            given.append("*")
+        name, default = parameter.name, parameter.default
+        annotation = specs[name].accepted if name in specs else "str"
+        must = default is Parameter.empty
+        if default is None or name in from_row:
+            annotation += " | None"
+        if name == "catalogue" and from_row:
+            annotation, must = specs[name].accepted, True
+        given.append(f"{name}: {annotation}{'' if must else f' = {default!r}'}")
+    lines = "".join(f"        {one},\n" for one in given)
+    return f"    def __init__(\n{lines}    ) -> None: ..."
+
+
+def _lines(lines: Iterable[str]) -> str:
+    return "".join(f"{line}\n" for line in lines)
+
+
+def write_stubs() -> None:
+    """All stubs, into the package."""
+    for path, text in stubs().items():
+        path.write_text(text, encoding="utf-8")

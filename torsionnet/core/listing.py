@@ -1,0 +1,29 @@
+"""Names in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def listed(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:
+    """Names with commas, of many the first.
+
+    Parameters
+    ----------
+    names : iterable
+        What is named.
+    most : int, optional
+        How many are named; by default all.
+    more : str, optional
+        What follows them where there are more, and how many more where it has braces.
+    none : str, optional
+        What is said where there is nothing to name.
+
+    Examples
+    --------
+    >>> listed("abcd"), listed("abcd", 2), listed("abcd", 2, ", ..."), listed("", none="none")
+    ('a, b, c, d', 'a, b and 2 more', 'a, b, ...', 'none')
+    """
+    words = [str(name) for name in names]
+    rest = 0 if most is None else len(words) - most
+    return (", ".join(words[:most]) or none) + (more.format(rest) if rest > 0 else "")

@@ -1,0 +1,471 @@
+# Written by `make generate`.
+from collections.abc import Mapping
+from torsionnet.core.entries.accepted import Entries, NumberByNumber, Scalar, WholeNumber
+from typing import Literal
+from torsionnet.model.bench.parts import Acquisition as _Acquisition
+from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
+from torsionnet.study.sampling.correlation import Correlation as _Correlation
+from torsionnet.model.bench.parts import Encoder as _Encoder
+from torsionnet.model.bench.parts import Exciter as _Exciter
+from torsionnet.signals.excitation.sweeps import LinearChirp as _LinearChirp
+from torsionnet.study.variations.value_list import ListOfValues as _ListOfValues
+from torsionnet.signals.excitation.sweeps import LogarithmicSweep as _LogarithmicSweep
+from torsionnet.study.variations.lognormal import Lognormal as _Lognormal
+from torsionnet.signals.excitation.broadband import Multisine as _Multisine
+from torsionnet.study.variations.normal import Normal as _Normal
+from torsionnet.model.operating_point import OperatingPoint as _OperatingPoint
+from torsionnet.model.parameters import Parameter as _Parameter
+from torsionnet.model.bench.plan import Plan as _Plan
+from torsionnet.study.sampling.samples import Samples as _Samples
+from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
+from torsionnet.model.bench.parts import Transducer as _Transducer
+from torsionnet.study.variations.triangle import Triangular as _Triangular
+from torsionnet.study.variations.uniform import Uniform as _Uniform
+from torsionnet.study.variations.value_range import ValueRange as _ValueRange
+
+class Acquisition(_Acquisition):
+    r"""Sampling of all channels at once.
+
+    Parameters
+    ----------
+    rate: sampling rate
+    bits: resolution of the analog inputs over the range of each transducer
+    anti_alias: cut-off (-3 dB) of a Butterworth filter of order 4 in the analog channels
+    """
+    def __init__(
+        self,
+        *,
+        rate: Scalar,
+        bits: WholeNumber | None = None,
+        anti_alias: Scalar | None = None,
+    ) -> None: ...
+
+class BurstRandom(_BurstRandom):
+    r"""Noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+
+    Every period has noise of its own. ``amplitude`` is the peak.
+
+    Attributes
+    ----------
+    share : float
+        Of a period with noise, 0 to 1.
+
+    Parameters
+    ----------
+    amplitude: peak of the alternating torque
+    mean: torque added throughout; the test begins in its equilibrium
+    start: lower end of the band
+    stop: upper end of the band
+    period: length of a period; lines are 1/period apart
+    periods: how many periods
+    seed: the same seed gives the same signal
+    share: share of a period with noise
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar = 1.0,
+        mean: Scalar = 0.0,
+        start: Scalar,
+        stop: Scalar,
+        period: Scalar,
+        periods: WholeNumber = 1,
+        seed: WholeNumber = 0,
+        share: Scalar = 0.5,
+    ) -> None: ...
+
+class Correlation(_Correlation):
+    r"""Linear correlation of the values of parameters, of every two where more are named.
+
+    The distributions are those of the parameters all the same; they are joined as functions of correlated normal
+    variables (a Gaussian copula, in structural reliability Nataf's model).
+
+    Parameters
+    ----------
+    between: parameters
+    coefficient: linear correlation of the values, above -1 and below 1
+    """
+    def __init__(
+        self,
+        *,
+        between: tuple[str, ...] | list[str],
+        coefficient: Scalar,
+    ) -> None: ...
+
+class Encoder(_Encoder):
+    r"""An incremental encoder: the angle in whole steps, from wherever the shaft stands when counting begins.
+
+    Parameters
+    ----------
+    sensor: what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox,
+        output_shaft)"
+    lines: lines per revolution
+    quadrature: whether all four edges of the two tracks are counted
+    delay: time by which the channel lags behind the others
+    """
+    def __init__(
+        self,
+        *,
+        sensor: str | None = None,
+        lines: WholeNumber,
+        quadrature: bool = False,
+        delay: Scalar = 0.0,
+    ) -> None: ...
+
+class Exciter(_Exciter):
+    r"""A torque-controlled motor that shakes the drivetrain; without entries it delivers its set-point exactly.
+
+    The set-point is clipped at the rated torque, rounded by the analog output, and followed with a first-order lag.
+    The harmonics bend the torque so delivered: a sine of the excitation's full amplitude A gets the shares of A.
+
+    Parameters
+    ----------
+    bandwidth: frequency at which the torque is 3 dB below its set-point
+    compensated: whether the set-point is raised beforehand so that the delivered torque is flat (feed-forward)
+    harmonics: share of the amplitude that a sine gets at its multiples
+    limit: rated torque, at which the set-point is clipped
+    bits: resolution of the analog output of the set-point
+    full_scale: torque at the end of the analog output's range, -full_scale to +full_scale
+    """
+    def __init__(
+        self,
+        *,
+        bandwidth: Scalar | None = None,
+        compensated: bool = False,
+        harmonics: object | None = None,
+        limit: Scalar | None = None,
+        bits: WholeNumber | None = None,
+        full_scale: Scalar | None = None,
+    ) -> None: ...
+
+class LinearChirp(_LinearChirp):
+    r"""A sine whose frequency changes by the same number of Hz every second.
+
+    f(t) = f_0 + (f_1 - f_0) t / T, and its phase is the integral 2 pi (f_0 t + (f_1 - f_0) t^2 / (2 T)). Equations (1)
+    and (2) of Galvagno et al. (2015) print sin(2 pi f(t) t) and f_0 - f_1, which would run the wrong way and twice as
+    fast.
+
+    Parameters
+    ----------
+    amplitude: peak of the alternating torque
+    mean: torque added throughout; the test begins in its equilibrium
+    start: first frequency
+    stop: last frequency
+    duration: length of the sweep
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar = 1.0,
+        mean: Scalar = 0.0,
+        start: Scalar,
+        stop: Scalar,
+        duration: Scalar,
+    ) -> None: ...
+
+class ListOfValues(_ListOfValues):
+    r"""Values in a list, each crossed with whatever else varies.
+
+    Parameters
+    ----------
+    values: the values
+    """
+    def __init__(
+        self,
+        *,
+        values: tuple[object, ...] | list[object],
+    ) -> None: ...
+
+class LogarithmicSweep(_LogarithmicSweep):
+    r"""A sine whose frequency changes by the same factor every second: f(t) = f_0 (f_1/f_0)^(t/T).
+
+    It stays longer at low frequencies, where the resonances of drivetrains with soft springs lie close together.
+
+    Parameters
+    ----------
+    amplitude: peak of the alternating torque
+    mean: torque added throughout; the test begins in its equilibrium
+    start: first frequency
+    stop: last frequency
+    duration: length of the sweep
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar = 1.0,
+        mean: Scalar = 0.0,
+        start: Scalar,
+        stop: Scalar,
+        duration: Scalar,
+    ) -> None: ...
+
+class Lognormal(_Lognormal):
+    r"""Lognormal distribution; mean and deviation are those of the values themselves, not of their logarithms.
+
+    With limits, values beyond them are left out and the rest keeps its proportions.
+
+    Parameters
+    ----------
+    mean: mean; by default the value in the model
+    deviation: standard deviation; in percent it is a share of the mean
+    low: no value is below; by default there is no such limit
+    high: no value is above; by default there is no such limit
+    """
+    def __init__(
+        self,
+        *,
+        mean: object | None = None,
+        deviation: object,
+        low: object | None = None,
+        high: object | None = None,
+    ) -> None: ...
+
+class Multisine(_Multisine):
+    r"""Equal amplitudes at all lines of a band, with phases that keep the peak low for its power.
+
+    From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
+    Schoukens and Renneboog 1988).
+
+    Parameters
+    ----------
+    amplitude: peak of the alternating torque
+    mean: torque added throughout; the test begins in its equilibrium
+    start: lower end of the band
+    stop: upper end of the band
+    period: length of a period; lines are 1/period apart
+    periods: how many periods
+    seed: the same seed gives the same signal
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar = 1.0,
+        mean: Scalar = 0.0,
+        start: Scalar,
+        stop: Scalar,
+        period: Scalar,
+        periods: WholeNumber = 1,
+        seed: WholeNumber = 0,
+    ) -> None: ...
+
+class Normal(_Normal):
+    r"""Normal distribution; with limits, values beyond them are left out and the rest keeps its proportions.
+
+    Mean and deviation are those before anything is left out.
+
+    Parameters
+    ----------
+    mean: mean; by default the value in the model
+    deviation: standard deviation; in percent it is a share of the mean
+    low: no value is below; by default there is no such limit
+    high: no value is above; by default there is no such limit
+    """
+    def __init__(
+        self,
+        *,
+        mean: object | None = None,
+        deviation: object,
+        low: object | None = None,
+        high: object | None = None,
+    ) -> None: ...
+
+class OperatingPoint(_OperatingPoint):
+    r"""Mean speeds (rad/s) and mean external torques (N m) by node, as given in the model.
+
+    A torque between two nodes, ``pulley-block``, acts on the first and as much the other way on the second.
+
+    Parameters
+    ----------
+    speed: mean speed by node, as 1500 rpm
+    torque: mean external torque by node, as 80 N*m, or between two as pulley-block
+    """
+    def __init__(
+        self,
+        speed: Mapping[str, Scalar] | None = None,
+        torque: Mapping[str, Scalar] | None = None,
+    ) -> None: ...
+
+class Parameter(_Parameter):
+    r"""A named value.
+
+    ``value`` is a number, a quantity or an expression of other parameters; ``bounds`` (lower, upper) in SI say what is
+    plausible and limit fits.
+
+    Parameters
+    ----------
+    value: a number in SI units, a value with unit, or an expression of parameters
+    description: what the parameter is
+    bounds: [lower, upper]: what is plausible; limits of a fit
+    by: instead of a value: the part of the operating point it follows
+    of: the node or element of the operating point it follows
+    table: values over that, without sign; default: the speed or torque itself
+    """
+    def __init__(
+        self,
+        value: Scalar | None = None,
+        description: str = '',
+        bounds: object | None = None,
+        by: Literal['speed', 'load', 'mean_torque', 'vibratory_torque'] | None = None,
+        of: str = '',
+        table: NumberByNumber | None = None,
+    ) -> None: ...
+
+class Plan(_Plan):
+    r"""A test: what drives the drivetrain, what is measured, and how it is recorded.
+
+    Attributes
+    ----------
+    excitation : Excitation
+        Set-point of the torque.
+    channels : mapping of str to Transducer or Encoder
+        By the name of a sensor of the model, or of any other name with a ``sensor`` of its own.
+    acquisition : Acquisition
+    exciter : Exciter, optional
+        By default delivers its set-point exactly.
+    drive : str, optional
+        Input of the model on which the torque acts; by default the only one there is.
+    seed : int, optional
+        Of noise and of the encoders' starting positions; the same seed gives the same record.
+
+    Parameters
+    ----------
+    drive: input on which the torque acts, if there are several
+    excitation: what the torque is to be
+    exciter: the motor that shakes
+    channels: what is recorded, by the name of a sensor
+    acquisition: sampling of all channels
+    seed: the same seed gives the same record
+    """
+    def __init__(
+        self,
+        *,
+        drive: str = '',
+        excitation: LinearChirp | LogarithmicSweep | SteppedSine | Multisine | BurstRandom | Entries,
+        exciter: Exciter | Entries = Exciter(bandwidth=None, compensated=False, harmonics=None, limit=None, bits=None, full_scale=None),
+        channels: Mapping[str, Transducer | Encoder | Entries],
+        acquisition: Acquisition | Entries,
+        seed: WholeNumber = 0,
+    ) -> None: ...
+
+class Samples(_Samples):
+    r"""How values of parameters with a distribution are drawn.
+
+    Random draws are independent of each other, which confidence intervals rest on. A Latin hypercube has one draw in
+    each of ``count`` equally likely ranges of every parameter; a Sobol sequence fills the space evenly, best where
+    ``count`` is a power of two. Of parameters that are correlated only the first has one draw in each of these ranges;
+    the others follow it as their correlation says.
+
+    Parameters
+    ----------
+    method: how values are drawn
+    count: number of draws
+    seed: another seed draws other values
+    """
+    def __init__(
+        self,
+        *,
+        method: Literal['random', 'latin_hypercube', 'sobol'] = 'random',
+        count: WholeNumber,
+        seed: WholeNumber = 1,
+    ) -> None: ...
+
+class SteppedSine(_SteppedSine):
+    r"""One frequency after the other, each held for whole periods; the phase never jumps.
+
+    Attributes
+    ----------
+    frequencies : tuple of float
+        Hz.
+    hold : float
+        Time for each in s, rounded up to whole periods.
+
+    Parameters
+    ----------
+    amplitude: peak of the alternating torque
+    mean: torque added throughout; the test begins in its equilibrium
+    frequencies: frequencies, one after the other
+    hold: time for each frequency, rounded up to whole periods
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar = 1.0,
+        mean: Scalar = 0.0,
+        frequencies: object,
+        hold: Scalar,
+    ) -> None: ...
+
+class Transducer(_Transducer):
+    r"""An analog sensor: torque transducer, tachometer, accelerometer. It reads gain * value + offset + noise.
+
+    Parameters
+    ----------
+    sensor: what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox,
+        output_shaft)"
+    range: largest value, plus or minus; beyond it the reading is clipped
+    noise: standard deviation of white noise at the sampling rate
+    offset: added to every value
+    gain: what it reads over what is there
+    delay: time by which the channel lags behind the others
+    """
+    def __init__(
+        self,
+        *,
+        sensor: str | None = None,
+        range: Scalar | None = None,
+        noise: Scalar | None = None,
+        offset: Scalar | None = None,
+        gain: Scalar = 1.0,
+        delay: Scalar = 0.0,
+    ) -> None: ...
+
+class Triangular(_Triangular):
+    r"""Triangular distribution.
+
+    Parameters
+    ----------
+    low: lowest value; -10 % is relative to the value in the model
+    mode: most frequent value; by default the value in the model
+    high: highest value; +10 % is relative to the value in the model
+    """
+    def __init__(
+        self,
+        *,
+        low: object,
+        mode: object | None = None,
+        high: object,
+    ) -> None: ...
+
+class Uniform(_Uniform):
+    r"""Uniform distribution.
+
+    Parameters
+    ----------
+    low: lowest value; -10 % is relative to the value in the model
+    high: highest value; +10 % is relative to the value in the model
+    """
+    def __init__(
+        self,
+        *,
+        low: object,
+        high: object,
+    ) -> None: ...
+
+class ValueRange(_ValueRange):
+    r"""Values from the lowest to the highest, both included, each crossed with whatever else varies.
+
+    Parameters
+    ----------
+    low: lowest value; -10 % is relative to the value in the model
+    high: highest value; +10 % is relative to the value in the model
+    count: number of values
+    spacing: equal steps, or equal ratios of one value to the next
+    """
+    def __init__(
+        self,
+        *,
+        low: object,
+        high: object,
+        count: WholeNumber,
+        spacing: Literal['linear', 'log'] = 'linear',
+    ) -> None: ...

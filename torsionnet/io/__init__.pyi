@@ -1,0 +1,42 @@
+# Written by `make generate`.
+from torsionnet.io.fmu import write_fmu as write_fmu
+from torsionnet.io.mass_elastic_reading import mass_elastic_report as mass_elastic_report
+from torsionnet.io.mass_elastic_reading import read_mass_elastic as read_mass_elastic
+from torsionnet.io.mass_elastic_writing import to_mass_elastic as to_mass_elastic
+from torsionnet.io.mass_elastic_writing import write_mass_elastic as write_mass_elastic
+from torsionnet.io.matlab import to_matlab as to_matlab
+from torsionnet.io.matlab import write_matlab as write_matlab
+from torsionnet.io.modelica import to_modelica as to_modelica
+from torsionnet.io.modelica import write_modelica as write_modelica
+from torsionnet.io.recording_files import iter_blocks as iter_blocks
+from torsionnet.io.recording_files import read_recording as read_recording
+from torsionnet.io.recording_files import write_recording as write_recording
+from torsionnet.io.response_files import read_frequency_response as read_frequency_response
+from torsionnet.io.response_files import write_frequency_response as write_frequency_response
+from torsionnet.io.tors_reading import from_tors as from_tors
+from torsionnet.io.tors_reading import read_tors as read_tors
+from torsionnet.io.tors_writing import to_tors as to_tors
+from torsionnet.io.tors_writing import write_tors as write_tors
+from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read_catalogue
+
+__all__ = [
+    "from_tors",
+    "iter_blocks",
+    "mass_elastic_report",
+    "read_catalogue",
+    "read_frequency_response",
+    "read_mass_elastic",
+    "read_recording",
+    "read_tors",
+    "to_mass_elastic",
+    "to_matlab",
+    "to_modelica",
+    "to_tors",
+    "write_fmu",
+    "write_frequency_response",
+    "write_mass_elastic",
+    "write_matlab",
+    "write_modelica",
+    "write_recording",
+    "write_tors",
+]

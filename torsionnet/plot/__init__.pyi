@@ -1,0 +1,84 @@
+# Written by `make generate`.
+from torsionnet.plot.bode import bode as bode
+from torsionnet.plot.circle import circle as circle
+from torsionnet.plot.coherence import coherence as coherence
+from torsionnet.plot.comparison import comparison as comparison
+from torsionnet.plot.damper_curves import damper_design as damper_design
+from torsionnet.plot.drawing.save import save as save
+from torsionnet.plot.drawing.style import STYLE as STYLE
+from torsionnet.plot.fits import correlation as correlation
+from torsionnet.plot.fits import fit as fit
+from torsionnet.plot.histories import time_histories as time_histories
+from torsionnet.plot.interference_diagram import interference_diagram as interference_diagram
+from torsionnet.plot.limit_check import limit_check as limit_check
+from torsionnet.plot.mac import mac_matrix as mac_matrix
+from torsionnet.plot.nyquist import nyquist as nyquist
+from torsionnet.plot.order_overlay import order_overlay as order_overlay
+from torsionnet.plot.order_response import half_ranges as half_ranges
+from torsionnet.plot.order_response import order_response as order_response
+from torsionnet.plot.order_response import waveform as waveform
+from torsionnet.plot.schematic.schematic import schematic as schematic
+from torsionnet.plot.shapes import mode_shapes as mode_shapes
+from torsionnet.plot.stabilisation import stabilisation as stabilisation
+from torsionnet.plot.star_diagrams import star_diagrams as star_diagrams
+from torsionnet.plot.study.contour_map import contour_map as contour_map
+from torsionnet.plot.study.designs import damper_over_conditions as damper_over_conditions
+from torsionnet.plot.study.designs import design_optimum as design_optimum
+from torsionnet.plot.study.designs import pareto_front as pareto_front
+from torsionnet.plot.study.designs import robust_optimum as robust_optimum
+from torsionnet.plot.study.failure_probabilities import failure_probabilities as failure_probabilities
+from torsionnet.plot.study.limit_shares import limit_shares as limit_shares
+from torsionnet.plot.study.parallel_coordinates import parallel_coordinates as parallel_coordinates
+from torsionnet.plot.study.percentile_bands import percentile_bands as percentile_bands
+from torsionnet.plot.study.scatter_matrix import scatter_matrix as scatter_matrix
+from torsionnet.plot.study.sobol_bars import sobol_indices as sobol_indices
+from torsionnet.plot.study.study_tornado import study_tornado as study_tornado
+from torsionnet.plot.study.worst_variants import worst_variants as worst_variants
+from torsionnet.plot.time_frequency import order_map as order_map
+from torsionnet.plot.time_frequency import spectrogram as spectrogram
+from torsionnet.plot.time_frequency import sweep_harmonics as sweep_harmonics
+from torsionnet.plot.tornado import tornado as tornado
+from torsionnet.plot.waterfall import waterfall as waterfall
+
+__all__ = [
+    "STYLE",
+    "bode",
+    "circle",
+    "coherence",
+    "comparison",
+    "contour_map",
+    "correlation",
+    "damper_design",
+    "damper_over_conditions",
+    "design_optimum",
+    "failure_probabilities",
+    "fit",
+    "half_ranges",
+    "interference_diagram",
+    "limit_check",
+    "limit_shares",
+    "mac_matrix",
+    "mode_shapes",
+    "nyquist",
+    "order_map",
+    "order_overlay",
+    "order_response",
+    "parallel_coordinates",
+    "pareto_front",
+    "percentile_bands",
+    "robust_optimum",
+    "save",
+    "scatter_matrix",
+    "schematic",
+    "sobol_indices",
+    "spectrogram",
+    "stabilisation",
+    "star_diagrams",
+    "study_tornado",
+    "sweep_harmonics",
+    "time_histories",
+    "tornado",
+    "waterfall",
+    "waveform",
+    "worst_variants",
+]

@@ -1,0 +1,20 @@
+# Written by `make generate`.
+from torsionnet.response.conventions import Conventions as Conventions
+from torsionnet.response.conventions import SI as SI
+from torsionnet.response.family import FrequencyResponses as FrequencyResponses
+from torsionnet.response.frequency_response import Channel as Channel
+from torsionnet.response.frequency_response import FrequencyResponse as FrequencyResponse
+from torsionnet.response.modes import Modes as Modes
+from torsionnet.response.table import Column as Column
+from torsionnet.response.table import Table as Table
+
+__all__ = [
+    "Channel",
+    "Column",
+    "Conventions",
+    "FrequencyResponse",
+    "FrequencyResponses",
+    "Modes",
+    "SI",
+    "Table",
+]

@@ -1,0 +1,38 @@
+# Written by `make generate`.
+from torsionnet.entry_classes import Correlation as Correlation
+from torsionnet.entry_classes import ListOfValues as ListOfValues
+from torsionnet.entry_classes import Lognormal as Lognormal
+from torsionnet.entry_classes import Normal as Normal
+from torsionnet.entry_classes import Samples as Samples
+from torsionnet.entry_classes import Triangular as Triangular
+from torsionnet.entry_classes import Uniform as Uniform
+from torsionnet.entry_classes import ValueRange as ValueRange
+from torsionnet.study.loading_study import load_study as load_study
+from torsionnet.study.optimum.conditions_damper import damper_over_conditions as damper_over_conditions
+from torsionnet.study.run.answering import answer_study as answer_study
+from torsionnet.study.run.run_chunks import run_study as run_study
+from torsionnet.study.run.workers import Workers as Workers
+from torsionnet.study.space import Space as Space
+from torsionnet.study.study import Study as Study
+from torsionnet.study.study import define as define
+from torsionnet.study.study_result import StudyResult as StudyResult
+
+__all__ = [
+    "Correlation",
+    "ListOfValues",
+    "Lognormal",
+    "Normal",
+    "Samples",
+    "Space",
+    "Study",
+    "StudyResult",
+    "Triangular",
+    "Uniform",
+    "ValueRange",
+    "Workers",
+    "answer_study",
+    "damper_over_conditions",
+    "define",
+    "load_study",
+    "run_study",
+]
