@@ -29,10 +29,10 @@ from torsionnet.study.run.calculating import ChunkWork, chunk_file
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
-from torsionnet.study.sampling.samples import Samples
-from torsionnet.study.space import Space
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
-from torsionnet.study.variations.normal import Normal
+from torsionnet.study.space.variations.normal import Normal
 
 CHUNKS, SIZE = sized((90, 10_000), (4, 100))
 CASES = ("serial", "2 processes", "local:1", "local:2", "local:2, memory as dask has it")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import torsionnet as tn
-from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run import shared_blocks, workload
 from torsionnet.study.run.answering import answer_study
 from torsionnet.study.run.run_chunks import run_study

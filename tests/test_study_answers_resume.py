@@ -15,7 +15,7 @@ from study_runs import answers_as_text, processes_of_session, small_study, start
 
 from torsionnet.cli.app import app
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run import evaluation_log, evaluation_memory, shared_blocks
 from torsionnet.study.run.answering import answer_study
 from torsionnet.study.run.evaluation_log import EvaluationLog, record_at, records

@@ -472,7 +472,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     """Workers write what they calculate, this process reads it; the answer is that of one process."""
     from study_runs import answers_as_text, study_of_answers
 
-    from torsionnet.study.evaluator import Evaluator
+    from torsionnet.study.quantities.evaluator import Evaluator
     from torsionnet.study.run import shared_blocks
     from torsionnet.study.run.workers import Workers
 

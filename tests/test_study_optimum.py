@@ -8,11 +8,11 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.optimum import final_check
-from torsionnet.study.optimum.design_goals import DesignGoals, DesignObjective, DesignTarget
-from torsionnet.study.optimum.design_problem import DesignProblem
-from torsionnet.study.optimum.optimise import optimise
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.design import final_check
+from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.optimise import optimise
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 J_END = 0.5
 

@@ -12,7 +12,7 @@ from torsionnet.cli.app import app
 from torsionnet.core.errors import MissingExtraError, SolveError
 from torsionnet.study.run import study_folder
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.user_function import function
+from torsionnet.study.quantities.user_function import function
 
 PLAN = """\
 torsionnet: 1

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from torsionnet.core.errors import Fault
-from torsionnet.study.answer import ANSWERS, AskedStudy, StudyAnswer
-from torsionnet.study.answer_names import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
+from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer
+from torsionnet.study.answers.answer_names import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
 from torsionnet.study.examined_study import ExaminedStudy
 
 

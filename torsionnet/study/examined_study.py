@@ -8,15 +8,15 @@ from typing import Any
 
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.quantity import StudyQuantity
-from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.sampling.correlation import Correlation, name_faults
-from torsionnet.study.space import Space
-from torsionnet.study.space_entries import SpaceEntries
+from torsionnet.study.quantities.quantity import StudyQuantity
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.space.correlation import Correlation, name_faults
+from torsionnet.study.space.space import Space
+from torsionnet.study.space.space_entries import SpaceEntries
 from torsionnet.study.space_in_configurations import faults_in
 from torsionnet.study.study_file import StudyEntries, chosen_configurations
 from torsionnet.study.study_fit import lacking, taken_names, unknown_limits, wrong_units
-from torsionnet.study.variations.variation import Variation
+from torsionnet.study.space.variations.variation import Variation
 
 
 @dataclass(frozen=True, eq=False)

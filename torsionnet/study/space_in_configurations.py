@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.core.errors import Fault
 from torsionnet.model.model import Model
-from torsionnet.study.space import Space
+from torsionnet.study.space.space import Space
 
 
 def faults_in(space: Space, models: Mapping[str, Model]) -> list[Fault]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from torsionnet.response import Table
-    from torsionnet.study.answer import Conclusion, Conclusions
+    from torsionnet.study.answers.answer import Conclusion, Conclusions
     from torsionnet.study.run.answering import AnsweredStudy
     from torsionnet.study.run.workload import Workload
     from torsionnet.study.study import Study

@@ -9,11 +9,11 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.asking import case_label
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.space import Space
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.space.space import Space
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from torsionnet.core.errors import Fault
 from torsionnet.model.checks.units_in_use import parameter_units
-from torsionnet.study.answer import AskedStudy
-from torsionnet.study.quantity import QuantityForm
-from torsionnet.study.quantity_value import as_written
+from torsionnet.study.answers.answer import AskedStudy
+from torsionnet.study.quantities.quantity import QuantityForm
+from torsionnet.study.quantities.quantity_value import as_written
 
 
 def case_label(configuration: str) -> str:

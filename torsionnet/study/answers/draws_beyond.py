@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.study.limit_totals import LimitTotals
+from torsionnet.study.reductions.limit_totals import LimitTotals
 
 Weights = Mapping[str, float]
 """Shares of configurations."""

@@ -7,7 +7,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import AnswerCase
 from torsionnet.study.answers.point_functions import OfPoints
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 
 def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoints:

@@ -13,8 +13,8 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import LIMIT
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_names import LIMIT
 from torsionnet.study.answers.answer_case import answer_cases
 from torsionnet.study.answers.asking import distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion

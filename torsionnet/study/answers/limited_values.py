@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.asking import measure_of
 from torsionnet.study.answers.conclusion_data import IN_WORDS
 

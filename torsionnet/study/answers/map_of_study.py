@@ -14,13 +14,13 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import QUANTITY, VARIED
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_names import QUANTITY, VARIED
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import measure_of, quantity_faults, units_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.answers.parameter_map import AGGREGATES, ParameterMap, parameter_map
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

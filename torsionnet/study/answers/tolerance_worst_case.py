@@ -13,13 +13,13 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import QUANTITY
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_names import QUANTITY
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import measure_of, quantity_faults, units_of
 from torsionnet.study.answers.worst_case_found import WorstCaseFound, WorstVariant
 from torsionnet.study.answers.worst_case_search import largest
-from torsionnet.study.space import COVERAGE
+from torsionnet.study.space.space import COVERAGE
 
 BOTH = "both"
 SIGNS = {"largest": (1,), "smallest": (-1,), BOTH: (1, -1)}

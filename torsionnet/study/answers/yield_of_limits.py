@@ -14,8 +14,8 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import CONFIGURATION, LIMIT
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_names import CONFIGURATION, LIMIT
 from torsionnet.study.answers.asking import case_label, limit_faults, limit_words
 from torsionnet.study.answers.draws_beyond import CountedBeyond, DrawsBeyond, KeptBeyond
 from torsionnet.study.answers.limited_values import limited_values

@@ -9,9 +9,9 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.mode_quantity import ModeQuantity
-from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.mode_quantity import ModeQuantity
+from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @register_quantity

@@ -14,9 +14,9 @@ from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.modes.mode_pairs import undamped_place
-from torsionnet.study.measuring.mode_quantity import ASCENDING, ModeQuantity
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.mode_quantity import ASCENDING, ModeQuantity
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 UNDAMPED = "undamped"
 WORDS = {"natural": "natural frequency", "damped": "frequency of the damped vibration"}

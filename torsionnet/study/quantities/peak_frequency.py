@@ -7,9 +7,9 @@ from typing import ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.peak_quantity import PeakQuantity
-from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.peak_quantity import PeakQuantity
+from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @register_quantity

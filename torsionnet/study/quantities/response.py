@@ -14,10 +14,10 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.frequency_list import FrequencyList
-from torsionnet.study.measuring.transfer_quantity import TransferQuantity
-from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.frequency_list import FrequencyList
+from torsionnet.study.quantities.transfer_quantity import TransferQuantity
+from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 DEFAULT_POINTS = 200
 

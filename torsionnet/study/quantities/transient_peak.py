@@ -16,10 +16,10 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
 from torsionnet.solve.modes.modes import natural_modes
-from torsionnet.study.measuring.torque_history import TorqueHistory, TorqueHistoryEntry
-from torsionnet.study.measuring.transfer_quantity import refusal
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.torque_history import TorqueHistory, TorqueHistoryEntry
+from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 PER_PERIOD = 40
 """Samples for each period of the highest vibration of the nominal model, unless a rate is given."""

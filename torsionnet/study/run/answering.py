@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import cast
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.study.answer import Conclusion, Conclusions, VariantValues
+from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValues
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.evaluation_memory import EvaluationMemory

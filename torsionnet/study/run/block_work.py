@@ -14,7 +14,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.study.evaluator import Evaluator, Values
+from torsionnet.study.quantities.evaluator import Evaluator, Values
 from torsionnet.study.run.evaluation_log import EvaluationLog, LogPlace
 from torsionnet.study.run.evaluation_memory import array_bytes
 

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError
-from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run.chunk_values import ChunkValues
 from torsionnet.study.run.chunks import Chunk, Chunks
 from torsionnet.study.run.joined_blocks import JoinedBlocks
 from torsionnet.study.run.kept_part import counted_limits
-from torsionnet.study.space import Space
+from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
 
 AT_ONCE = 500

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.counted_remarks import remark
-from torsionnet.study.kept_values import extremes, kept_indices
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.reductions.counted_remarks import remark
+from torsionnet.study.reductions.kept_values import extremes, kept_indices
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram
 from torsionnet.study.reductions.limit_counts import LimitBits
 from torsionnet.study.reductions.moments import Moments
 from torsionnet.study.run.chunk_values import ChunkValues
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @dataclass

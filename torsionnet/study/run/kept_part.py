@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import ceil, gcd
 
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.study import Study
 
 KEPT_VALUES = 10_000_000

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from torsionnet.study.space import Space
+from torsionnet.study.space.space import Space
 
 SAMPLING = "sampling: {count: 1000}"
 
@@ -13,8 +13,8 @@ def no_variants(space: Space) -> str:
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.study.variations.normal import Normal
-    >>> from torsionnet.study.variations.value_list import ListOfValues
+    >>> from torsionnet.study.space.variations.normal import Normal
+    >>> from torsionnet.study.space.variations.value_list import ListOfValues
     >>> rig, drawn = tn.load("amt_rig"), {"k_2": Normal(deviation="5 %")}
     >>> no_variants(Space(rig, drawn))
     'the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values'

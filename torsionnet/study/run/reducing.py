@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.counted_remarks import remark
-from torsionnet.study.kept_values import KeptValues
-from torsionnet.study.limit_totals import LimitTotals
-from torsionnet.study.quantity_summary import Summary
+from torsionnet.study.reductions.counted_remarks import remark
+from torsionnet.study.reductions.kept_values import KeptValues
+from torsionnet.study.reductions.limit_totals import LimitTotals
+from torsionnet.study.reductions.quantity_summary import Summary
 from torsionnet.study.reductions.histogram import GrowingHistogram
 from torsionnet.study.reductions.limit_counts import LimitBits, LimitCounts
 from torsionnet.study.reductions.moments import Moments

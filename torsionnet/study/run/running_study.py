@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
-from torsionnet.study.evaluator import BlockDesk, Evaluator
+from torsionnet.study.quantities.evaluator import BlockDesk, Evaluator
 from torsionnet.study.study import Study
 
 

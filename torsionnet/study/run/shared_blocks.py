@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.evaluator import Evaluator, Values
+from torsionnet.study.quantities.evaluator import Evaluator, Values
 from torsionnet.study.run.block_work import AskedBlock, BlockWork, key_of
 from torsionnet.study.run.evaluation_memory import EvaluationMemory
 from torsionnet.study.run.executor import Executor

@@ -1,0 +1,86 @@
+"""The design that is best under the tolerances of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.errors import Fault
+from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
+from torsionnet.study.design.optimum import SingleDesign
+from torsionnet.study.design.robust_design import RobustOptimum
+from torsionnet.study.design.robust_measures import MeanAndDeviation, Rejects, RobustMeasure, SamplePercentile
+
+DEVIATION, PERCENTILE, REJECTS = "mean and deviation", "percentile", "rejects"
+K, SHARE = 3.0, 0.95
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class RobustDesign(SingleDesign):
+    """Values of parameters that are best when all that varies in the study scatters around them.
+
+    The tolerance of a parameter that is chosen moves with it in proportion. Made small is the mean and ``k`` standard
+    deviations of a quantity, its percentile, or the share of rejects, which exceed a limit.
+    """
+
+    kind: ClassVar[str] = "robust_optimum"
+
+    measure: str = entry(OneOf("what is made small over samples", (DEVIATION, PERCENTILE, REJECTS)), DEVIATION)
+    k: float | None = entry(Value("standard deviations that are added to the mean; default: 3", "1"), None)
+    percentile: float | None = entry(
+        Value("share of samples that must not be worse; default: 95 %", "1", exclusive=True), None
+    )
+    samples: int = entry(Count("of the tolerances around every design", lower=2, upper=1_000_000), 256)
+    compared: int = entry(Count("samples by which designs are compared in the end", lower=2, upper=10_000_000), 4096)
+
+    @property
+    def needs_goal(self) -> bool:
+        return self.measure != REJECTS
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        for name, owner in (("k", DEVIATION), ("percentile", PERCENTILE)):
+            if getattr(self, name) is not None and self.measure != owner:
+                faults.append(Fault(f"{name} belongs to measure: {owner}", (name,), on_key=True))
+        if self.percentile is not None and not self.percentile < 1:
+            faults.append(Fault("a percentile lies between 0 and 100 %", ("percentile",)))
+        return faults
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from super().unfit(study)
+        if not self.design:
+            yield Fault("say which parameters are chosen, as design: {k_1: [low, high]}", on_key=True)
+        if not study.space.random_names:
+            yield Fault("a robust design needs a parameter with a distribution under vary", on_key=True)
+        if self.measure == REJECTS and not (self.limits or study.limits):
+            yield Fault("rejects are what exceeds limits: give limits", ("measure",))
+        for name in self.design:
+            if name in study.space.random_names and not study.space.nominal[name] > 0:
+                yield Fault(f"{name} is not above 0 in the model: its tolerance has no proportion", ("design", name))
+
+    def found(self, study: AskedStudy, result: VariantValues) -> RobustOptimum:
+        del result
+        from torsionnet.study.design.robust_design import robust_optimum
+        from torsionnet.study.design.space_tolerances import SpaceTolerances
+
+        problem, quantities = self.problem(study, study.space.names)
+        return robust_optimum(
+            problem,
+            SpaceTolerances(study.space, problem.names),
+            self._measure(),
+            samples=self.samples,
+            compared=self.compared,
+            single=quantities.singly,
+            seed=self.seed,
+            title=study.title,
+        )
+
+    def _measure(self) -> RobustMeasure:
+        if self.measure == DEVIATION:
+            return MeanAndDeviation(K if self.k is None else self.k)
+        return SamplePercentile(100 * (self.percentile or SHARE)) if self.measure == PERCENTILE else Rejects()
