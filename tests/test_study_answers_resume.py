@@ -18,8 +18,7 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run import evaluation_log, evaluation_memory, shared_blocks
 from torsionnet.study.run.answering import answer_study
-from torsionnet.study.run.evaluation_log import EvaluationLog, record_at, records
-from torsionnet.study.run.evaluation_memory import EvaluationMemory
+from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.folder_lock import LOCK
 from torsionnet.study.run.thread_pool import ThreadExecutor
 from torsionnet.study.run.workers import Workers

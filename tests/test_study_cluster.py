@@ -19,10 +19,9 @@ from cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.study.cluster import awaiting_workers, dask_executor, shared_folder, task_size, worker_versions
-from torsionnet.study.cluster.cluster_error import ClusterError
+from torsionnet.study.cluster.cluster_losses import ClusterError
 from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import TASKS_AHEAD, DaskExecutor
-from torsionnet.study.cluster.shared_folder import check_folder, trouble_with
+from torsionnet.study.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, trouble_with
 
 pytest.importorskip("distributed")
 

@@ -215,5 +215,5 @@ def test_missing_extras_are_told_before_anything_is_calculated(plan, tmp_path, m
     assert "torsionnet[parquet]" in run(str(plan), "--variants", str(tmp_path / "all.parquet"), code=4).stderr
     two = "  g: {type: pareto, minimise: [f_1, z_1], population: 8}\n"
     plan.write_text(PLAN + "  z_1: {type: damping_ratio, mode: 1}\nanswers:\n" + two)
-    monkeypatch.setattr("torsionnet.study.design.non_dominated.find_spec", lambda _: None)
+    monkeypatch.setattr("torsionnet.study.design.pareto.find_spec", lambda _: None)
     assert "torsionnet[pareto]" in run(str(plan), code=4).stderr

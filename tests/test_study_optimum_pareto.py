@@ -10,7 +10,7 @@ import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective
 from torsionnet.study.design.design_problem import DesignProblem
-from torsionnet.study.design.non_dominated import pareto_front
+from torsionnet.study.design.pareto import pareto_front
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 

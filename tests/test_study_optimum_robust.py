@@ -13,8 +13,8 @@ from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, D
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_tolerances import DesignTolerance, DesignTolerances
 from torsionnet.study.design.robust_design import robust_optimum
-from torsionnet.study.design.robust_measures import MeanAndDeviation, Rejects, SamplePercentile
-from torsionnet.study.design.space_tolerances import SpaceTolerances
+from torsionnet.study.design.robust_optimum import SpaceTolerances
+from torsionnet.study.design.robust_problem import MeanAndDeviation, Rejects, SamplePercentile
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.space import Space

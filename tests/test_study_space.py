@@ -15,13 +15,12 @@ from scipy.stats import qmc
 import torsionnet as tn
 import torsionnet.study.space.sampling_points as sampling_points
 from torsionnet.core.errors import ModelError
+from torsionnet.study.examined_study import faults_in
 from torsionnet.study.space.correlation import Correlation
-from torsionnet.study.space.keyed_permutation import permuted
-from torsionnet.study.space.nataf import CorrelationOfPair, HermiteSeries
+from torsionnet.study.space.correlation_matrix import CorrelationOfPair, HermiteSeries
 from torsionnet.study.space.samples import Samples
-from torsionnet.study.space.sampling_points import LatinHypercubePoints
+from torsionnet.study.space.sampling_points import LatinHypercubePoints, permuted
 from torsionnet.study.space.space import Space
-from torsionnet.study.space_in_configurations import faults_in
 from torsionnet.study.space.variations.lognormal import Lognormal, LognormalMarginal
 from torsionnet.study.space.variations.normal import Normal, NormalMarginal
 from torsionnet.study.space.variations.triangle import Triangular

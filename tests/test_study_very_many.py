@@ -16,7 +16,7 @@ from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.study import define, run_study, study_result
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitBits, LimitCounts
 from torsionnet.study.run import kept_part, workload
-from torsionnet.study.run.kept_part import kept_every
+from torsionnet.study.run.chunks import kept_every
 from torsionnet.study.run.process_pool import ProcessExecutor
 from torsionnet.study.run.thread_pool import ThreadExecutor
 

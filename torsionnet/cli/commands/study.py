@@ -202,7 +202,7 @@ def _as_data(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
 def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:
     from torsionnet.core.errors import UsageError
-    from torsionnet.study.run.no_variants import no_variants
+    from torsionnet.study.run.run_chunks import no_variants
 
     if result is None:
         raise UsageError(no_variants(study.space))

@@ -38,7 +38,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.study.answers.map_of_study import MapFound
-    from torsionnet.study.answers.parameter_map import ParameterMap
+    from torsionnet.study.answers.map_of_study import ParameterMap
 
 LINES = 9
 COLOURS = 64

@@ -16,10 +16,10 @@ from torsionnet.core.type_register import TypeRegister
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Table
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.reductions.kept_values import KeptValues
-from torsionnet.study.reductions.limit_totals import LimitTotals
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.reductions.kept_values import KeptValues
+from torsionnet.study.reductions.limit_counts import LimitTotals
 from torsionnet.study.space.space import Space
 
 if TYPE_CHECKING:

@@ -5,22 +5,96 @@ from __future__ import annotations
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from math import ceil
 from pathlib import Path
+from statistics import median
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.core.errors import UsageError
-from torsionnet.study.cluster.awaiting_workers import Absence, Told, await_workers
-from torsionnet.study.cluster.chunk_task import DoneChunk, done_chunks
-from torsionnet.study.cluster.cluster_losses import let_go, scheduler_expected, workers_expected
-from torsionnet.study.cluster.shared_folder import check_folder
-from torsionnet.study.cluster.task_size import TaskSize
-from torsionnet.study.cluster.worker_versions import Versions, check_versions
+from torsionnet.study.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
+from torsionnet.study.cluster.cluster_losses import (
+    Absence,
+    Told,
+    await_workers,
+    let_go,
+    scheduler_expected,
+    workers_expected,
+)
 
 if TYPE_CHECKING:
     from distributed import Client, Future
+
+
+def check_folder(client: Client, folder: Path) -> None:
+    """Every worker there is must read in ``folder`` what was just written there, and write there."""
+    word = uuid.uuid4().hex
+    token = folder.resolve() / f".seen_by_workers_{word}"
+    token.write_text(word)
+    try:
+        said = client.run(trouble_with, str(token), word, on_error="return")
+    finally:
+        token.unlink()
+    refuse_faults(
+        [f"worker {address}: {trouble}" for address, trouble in said.items() if trouble],
+        f"All workers need {token.parent} under this path, as a folder of a file system that they share",
+    )
+
+
+def trouble_with(token: str, word: str) -> str:
+    """What keeps this process from using the folder in which another wrote ``word``; empty if nothing does."""
+    file = Path(token)
+    try:
+        if file.read_text() != word:
+            return f"{file.parent} is another folder there"
+        beside = file.with_name(f"{file.name}_{uuid.uuid4().hex}")
+        beside.touch()
+        beside.unlink()
+    except FileNotFoundError:
+        return f"{file.parent} is not there, or is another folder"
+    except OSError as error:
+        return f"{file.parent} cannot be used: {error.strerror}"
+    return ""
+
+
+TASK_SECONDS = 2.0
+"""Of a task, at least; what is done for each takes some milliseconds of a worker."""
+
+TASKS_A_SECOND = 50.0
+"""Of all workers together; a scheduler and a client manage some hundred."""
+
+
+@dataclass
+class TaskSize:
+    """Chunks of a task by the time that the last ones took.
+
+    Examples
+    --------
+    >>> size = TaskSize()
+    >>> size.chunks(left=1000, workers=2)
+    1
+    >>> size.learn([0.5, 0.5, 0.5])
+    >>> size.chunks(left=1000, workers=2), size.chunks(left=4, workers=2)
+    (4, 2)
+    >>> size.chunks(left=10**6, workers=1000)
+    40
+    """
+
+    seconds: deque[float] = field(default_factory=lambda: deque(maxlen=50))
+
+    def learn(self, seconds: Iterable[float]) -> None:
+        """Wall clock of finished chunks."""
+        self.seconds.extend(seconds)
+
+    def chunks(self, left: int, workers: int) -> int:
+        """Of the next task; towards the end fewer, so that no worker is idle while another has a pile."""
+        if not self.seconds:
+            return 1
+        wanted = ceil(max(TASK_SECONDS, workers / TASKS_A_SECOND) / max(median(self.seconds), 1e-6))
+        return max(1, min(wanted, ceil(left / max(workers, 1))))
+
 
 S = TypeVar("S")
 T = TypeVar("T")

@@ -14,15 +14,13 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
-from torsionnet.study.answers.answer_names import PARAMETER, QUANTITY
-from torsionnet.study.answers.asking import measure_of
+from torsionnet.study.answers.asking import PARAMETER, QUANTITY, measure_of
 from torsionnet.study.design.design_entries import DESIGN, DesignBounds, bounded
 from torsionnet.study.design.design_goals import DesignGoals
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_quantities import DesignQuantities
 from torsionnet.study.design.peak_curves import peak_curves
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
-from torsionnet.study.quantities.quantity_value import wrong_unit
+from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.quantities.quantity_value import QuantityValue
+from torsionnet.study.quantities.quantity_limit import QuantityValue
 from torsionnet.study.space.variations.nominal import NominalReader, nominals
 from torsionnet.study.space.variations.variation import ParameterValue
 

@@ -17,8 +17,7 @@ from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_tolerances import Tolerances
 from torsionnet.study.design.optimise import Single, optimise
-from torsionnet.study.design.robust_measures import RobustMeasure
-from torsionnet.study.design.robust_problem import EXCESS, Robustly, robust_problem
+from torsionnet.study.design.robust_problem import EXCESS, Robustly, RobustMeasure, robust_problem
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -179,7 +178,7 @@ def robust_optimum(
     ----------
     problem : DesignProblem
         With one objective, with targets (whose mean squared deviation is made small), or with limits alone for
-        :class:`~torsionnet.study.design.robust_measures.Rejects`.
+        :class:`~torsionnet.study.design.robust_problem.Rejects`.
     tolerances : DesignTolerances or SpaceTolerances
     measure : RobustMeasure
     samples : int

@@ -12,8 +12,8 @@ from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.quantities.transfer_quantity import TransferQuantity
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.transfer_quantity import TransferQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 

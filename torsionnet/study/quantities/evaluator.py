@@ -14,9 +14,8 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.modes import Modes
 from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
 from torsionnet.solve.modes.modes import natural_modes
-from torsionnet.study.quantities.single_responses import GRAPH
 from torsionnet.study.quantities.quantity import StudyQuantity
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.variant_block import GRAPH, VariantBlock
 
 SINGLY = 4
 """Variants of a block that are solved one by one."""

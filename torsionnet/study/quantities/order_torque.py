@@ -17,11 +17,10 @@ from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
-from torsionnet.study.quantities.largest_orders import largest_orders
-from torsionnet.study.quantities.order_responses import order_responses
+from torsionnet.study.quantities.largest_orders import largest_orders, order_responses
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import SpeedQuantity
 from torsionnet.study.quantities.transfer_quantity import refusal
-from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 SIZES: Mapping[str, Callable[[OrderResponse], FloatArray]] = {

@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.collected_warnings import collected_warnings
 from torsionnet.core.errors import TorsionnetError
@@ -24,8 +25,22 @@ from torsionnet.solve.batch.batched_responses import batched_responses
 from torsionnet.solve.batch.mode_tracking import TrackedModes, tracked
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.responses.transfer import responses, warn_infinite
 from torsionnet.study.reductions.counted_remarks import remark
-from torsionnet.study.quantities.single_responses import GRAPH, single_response
+
+GRAPH = "graph"
+"""The method of responses, unless another is asked for."""
+
+
+def single_response(
+    model: AssembledModel, outputs: Any, inputs: Any, frequencies: FloatArray, excitation: str | None = None
+) -> ComplexArray:
+    """Transfer functions (n_f, n_out, n_in) at frequencies >= 0 in Hz."""
+    request = remembered(model, outputs, inputs, excitation)
+    found = responses([model], request, frequencies, GRAPH)
+    warn_infinite(found.values, found.conditioning, frequencies)
+    return np.asarray(found.values[0])
+
 
 Channels = str | Sensor | tuple[str | Sensor, ...]
 Driving = str | Sensor | tuple[str | Sensor | Input, ...]

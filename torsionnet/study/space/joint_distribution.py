@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.space.variations.marginal import Marginal
+from torsionnet.study.space.variations.variation import Marginal
 
 
 @dataclass(frozen=True, eq=False)

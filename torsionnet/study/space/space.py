@@ -17,9 +17,7 @@ from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.space_entries import SpaceEntries
 from torsionnet.study.space.space_reading import BoundSpace, bound_space
-from torsionnet.study.space.variations.grid_axis import GridAxis
-from torsionnet.study.space.variations.marginal import Marginal
-from torsionnet.study.space.variations.variation import Variation
+from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
 COVERAGE = 0.9973
 """Share of the values of a parameter within its tolerance where the distribution has no limits: three standard

@@ -12,7 +12,6 @@ from scipy.special import ndtr, ndtri
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.space.variations.marginal import Marginal
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.normal import DEVIATION, HIGH, LOW, MEAN
 from torsionnet.study.space.variations.truncated import truncated
@@ -21,6 +20,7 @@ from torsionnet.study.space.variations.variation import (
     LOWEST_VALUE,
     MIDDLE,
     SPREAD,
+    Marginal,
     Variation,
     register_variation,
 )

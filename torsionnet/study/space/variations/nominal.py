@@ -6,12 +6,32 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import nan
 
+from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Name, Number
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import dimensions
-from torsionnet.study.space.parameter_uses import ParameterUse, parameter_uses
+
+
+@dataclass(frozen=True)
+class ParameterUse:
+    """An entry of an element: what it is, and the name of its dimension."""
+
+    quantity: PhysicalQuantity
+    dimension: str
+
+
+def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
+    """Uses of every parameter that stands alone somewhere; those of the same kind once."""
+    found: dict[str, dict[object, ParameterUse]] = {}
+    for element in model.definition.elements.values():
+        for _, spec, expression, dimension in element.expressions():
+            if isinstance(expression, Name) and isinstance(spec, PhysicalQuantity):
+                kind = dimension, spec.lower, spec.exclusive, spec.nonzero
+                found.setdefault(expression.name, {}).setdefault(kind, ParameterUse(spec, dimension))
+    return {name: list(uses.values()) for name, uses in found.items()}
+
 
 SLIP = 1e-3
 """Share of a mean below which a deviation without unit is taken for a slip of the pen."""

@@ -12,7 +12,6 @@ from scipy.special import ndtr, ndtri
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.space.variations.marginal import Marginal
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.truncated import truncated
 from torsionnet.study.space.variations.variation import (
@@ -20,6 +19,7 @@ from torsionnet.study.space.variations.variation import (
     LOWEST_VALUE,
     MIDDLE,
     SPREAD,
+    Marginal,
     ParameterValue,
     Variation,
     register_variation,

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.space.variations.marginal import Marginal
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.uniform import HIGHEST, LOWEST
 from torsionnet.study.space.variations.variation import (
     HIGHEST_VALUE,
     LOWEST_VALUE,
     MOST_FREQUENT,
+    Marginal,
     ParameterValue,
     Variation,
     register_variation,

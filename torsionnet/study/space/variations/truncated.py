@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.space.variations.marginal import Marginal
 from torsionnet.study.space.variations.nominal import NominalReader
+from torsionnet.study.space.variations.variation import Marginal
 
 LEAST_SHARE = 1e-9
 """Of the variants that must be left: less is a slip of the pen."""

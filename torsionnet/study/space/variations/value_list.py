@@ -11,11 +11,11 @@ from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.space.variations.grid_axis import GridAxis
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.variation import (
     HIGHEST_VALUE,
     LOWEST_VALUE,
+    GridAxis,
     ParameterValue,
     Variation,
     register_variation,

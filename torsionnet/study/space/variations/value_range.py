@@ -13,10 +13,15 @@ from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.many import Many
-from torsionnet.study.space.variations.grid_axis import GridAxis
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.uniform import HIGHEST, LOWEST
-from torsionnet.study.space.variations.variation import HIGHEST_VALUE, LOWEST_VALUE, Variation, register_variation
+from torsionnet.study.space.variations.variation import (
+    HIGHEST_VALUE,
+    LOWEST_VALUE,
+    GridAxis,
+    Variation,
+    register_variation,
+)
 
 LOG = "log"
 OTHER_ENDS = ("from", "to", "start", "stop")

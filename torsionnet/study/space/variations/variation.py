@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr, ndtri
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
@@ -11,9 +16,82 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.expressions import Number
 from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.type_register import TypeRegister
-from torsionnet.study.space.variations.grid_axis import GridAxis
-from torsionnet.study.space.variations.marginal import Marginal
+from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
+
+
+class Marginal:
+    """Base of the distributions of one parameter.
+
+    Both tails are exact: what is close to the upper end is asked for by the share above it.
+
+    Attributes
+    ----------
+    low, high : float
+        Where the values end; infinite where they tail off.
+    """
+
+    low: float
+    high: float
+
+    def cdf(self, values: ArrayLike) -> FloatArray:
+        """Share of the variants below."""
+        raise NotImplementedError
+
+    def sf(self, values: ArrayLike) -> FloatArray:
+        """Share of the variants above."""
+        raise NotImplementedError
+
+    def ppf(self, shares: ArrayLike) -> FloatArray:
+        """Value with a share of the variants below it."""
+        raise NotImplementedError
+
+    def isf(self, shares: ArrayLike) -> FloatArray:
+        """Value with a share of the variants above it."""
+        raise NotImplementedError
+
+    def log_density(self, values: ArrayLike) -> FloatArray:
+        """Logarithm of the probability density; minus infinity where no value is possible."""
+        raise NotImplementedError
+
+    def from_normal(self, normal: ArrayLike) -> FloatArray:
+        """Values at the same shares as those of a standard normal variable."""
+        u = np.asarray(normal, dtype=float)
+        tail = ndtr(-np.abs(u))
+        return np.where(u < 0, self.ppf(tail), self.isf(tail))
+
+    def to_normal(self, values: ArrayLike) -> FloatArray:
+        """Inverse of :meth:`from_normal`."""
+        below, above = self.cdf(values), self.sf(values)
+        return np.asarray(np.where(below < above, ndtri(below), -ndtri(above)))
+
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class GridAxis:
+    """Values by index, of which only those that are asked for exist.
+
+    Attributes
+    ----------
+    count : int
+    at : callable
+        Indices (n,) -> values (n,) in SI.
+    low, high : float
+        Lowest and highest value.
+    """
+
+    count: int
+    at: Callable[[Indices], FloatArray]
+    low: float
+    high: float
+
+    @property
+    def values(self) -> FloatArray:
+        """All, (count,)."""
+        return self.at(np.arange(self.count))
+
 
 MIDDLE, SPREAD, LOWEST_VALUE, HIGHEST_VALUE = "mean", "standard deviation", "lowest", "highest"
 MOST_FREQUENT = "most frequent"
