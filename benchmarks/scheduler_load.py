@@ -25,8 +25,7 @@ import psutil
 
 from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import DaskExecutor
-from torsionnet.study.cluster.dask_executor import TaskSize
+from torsionnet.study.cluster.dask_executor import DaskExecutor, TaskSize
 
 SECONDS = sized(20.0, 1.0)
 

@@ -11,8 +11,8 @@ from schema_pages import entries_table, with_entries
 from torsionnet.model.files.model_schema import file_schema
 from torsionnet.study.answers.answer import ANSWERS
 from torsionnet.study.quantities.quantity import QUANTITIES
-from torsionnet.study.study_file import StudyEntries
 from torsionnet.study.space.variations.variation import VARIATIONS
+from torsionnet.study.study_file import StudyEntries
 
 KINDS = {"variation": VARIATIONS, "quantity": QUANTITIES, "answer": ANSWERS}
 

@@ -20,7 +20,7 @@ from torsionnet.study.run import evaluation_log, evaluation_memory, shared_block
 from torsionnet.study.run.answering import answer_study
 from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.folder_lock import LOCK
-from torsionnet.study.run.thread_pool import ThreadExecutor
+from torsionnet.study.run.process_pool import ProcessExecutor
 from torsionnet.study.run.workers import Workers
 
 FEW = ("shares", "worst", "map")
@@ -140,12 +140,6 @@ class TestSameResult:
         assert answers_as_text(study_of_answers(answers), tmp_path / "study") == expected
         assert (counted, kept_bytes(tmp_path / "study")) == ([], size)
         assert not (tmp_path / "study" / LOCK).exists()
-
-    @pytest.mark.usefixtures("all_shared")
-    def test_threads(self, few, tmp_path):
-        assert answers_as_text(study_of_answers(FEW), None, Workers(threads=2)) == few
-        assert answers_as_text(study_of_answers(FEW), tmp_path / "study", Workers(threads=2)) == few
-        assert len(logs(tmp_path / "study")) == 1
 
     @pytest.mark.slow
     @pytest.mark.usefixtures("all_shared")
@@ -322,12 +316,12 @@ def test_progress_counts_every_variant_once_and_knows_the_end_where_it_can(tmp_p
 def test_small_calls_stay_here(monkeypatch):
     """Starting processes for what is done in a moment would only cost."""
 
-    class Refusing(ThreadExecutor):
+    class Refusing(ProcessExecutor):
         def map(self, *_):
             pytest.fail("handed out")
 
-    monkeypatch.setattr("torsionnet.study.run.workers.ThreadExecutor", Refusing)
-    answers_as_text(study_of_answers(("map",)), None, Workers(threads=2))
+    monkeypatch.setattr("torsionnet.study.run.workers.ProcessExecutor", Refusing)
+    answers_as_text(study_of_answers(("map",)), None, Workers(2))
 
 
 def test_stopped_says_what_is_kept(tmp_path, monkeypatch):

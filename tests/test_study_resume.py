@@ -19,7 +19,6 @@ from torsionnet.study.run import calculating, folder_lock, study_record, workloa
 from torsionnet.study.run.folder_lock import LOCK, locked
 from torsionnet.study.run.process_pool import DEATHS, ProcessExecutor
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.thread_pool import ThreadExecutor
 
 CHUNKS = 2 * VARIANTS // CHUNK
 
@@ -62,11 +61,6 @@ def kill(program):
 
 
 class TestSameBytes:
-    def test_threads(self, whole, tmp_path):
-        run_study(small_study(), tmp_path / "study", executor=ThreadExecutor(2))
-        assert contents(tmp_path / "study") == contents(whole)
-
-    @pytest.mark.slow
     def test_processes(self, whole, tmp_path):
         run_study(small_study(), tmp_path / "study", executor=ProcessExecutor(2))
         assert contents(tmp_path / "study") == contents(whole)

@@ -52,7 +52,6 @@ class StudyCommand(Command):
         "-o", "--output-folder", type=OutputFolder(), help="Keep every part of the result as soon as it is done."
     )
     processes: int = option("--workers", type=click.IntRange(1), default=1, help="Processes; default: 1.")
-    threads: int = option("--threads", type=click.IntRange(1), default=1, help="Threads instead of processes.")
     cluster: str = option(
         "--cluster",
         metavar="WHERE",
@@ -95,7 +94,6 @@ class StudyCommand(Command):
 
         workers = Workers(
             self.processes,
-            self.threads,
             self.cluster,
             announce=lambda link: message("dashboard", link),
             waiting=lambda text: message("note", text),
@@ -109,7 +107,7 @@ class StudyCommand(Command):
                     progress=lambda done, total: show("calculating", done, total),
                     answering=lambda name, done, total: show(name, done, total, _counted(name, done)),
                     announce=_announce,
-                    longest=float("inf") if self.anyway else LONGEST * workers.count,
+                    longest=float("inf") if self.anyway else LONGEST * workers.processes,
                 )
             except KeyboardInterrupt:
                 message("note", _kept(self._place))

@@ -113,7 +113,7 @@ class StudyAnswer(Declared):
         raise NotImplementedError
 
 
-ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister("torsionnet.study.answers")
+ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister(("torsionnet.study.answers", "torsionnet.study.design"))
 """By the word in ``type:``."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
@@ -18,6 +19,8 @@ PER_PARAMETER, FEWEST = 12, 24
 """Members of a population."""
 APART = 0.05
 """Of the unit cube: beginnings that are nearer to a better one are left out."""
+BEYOND = 1e30
+"""Merit of a design that violates limits, times one more than by how much: behind all that keep them."""
 SPREAD = 1e-3
 """Relative spread of a population that has converged; what is left is for a local search."""
 
@@ -46,28 +49,26 @@ def apart(places: FloatArray, count: int) -> list[FloatArray]:
 def evolved(
     problem: DesignProblem, places: FloatArray, seed: int, each: Callable[[float], None], generations: int
 ) -> FloatArray:
-    """The best place after some generations of differential evolution; ``each`` is told their merit.
+    """Best place (n_p,) after some generations of differential evolution; ``each`` is told their merit.
 
     A generation is calculated as a whole. Of two designs the one that violates limits less is the better one. Mutants
     start from the best design (R. Storn and K. Price, J. Global Optim. 11 (1997) 341, best/1/bin).
     """
-    size, draw = len(problem.parameters), np.random.default_rng(seed)
-    crowd = places[: max(FEWEST, PER_PARAMETER * size)].copy()
-    count, rank = len(crowd), np.array(problem.ranks(problem.at(crowd)))
-    for _ in range(generations):
-        best = int(np.lexsort(rank.T[::-1])[0])
-        each(float(rank[best, 1]))
-        spread = np.ptp(rank, axis=0)
-        if spread[0] == 0 and spread[1] <= SPREAD * abs(rank[best, 1]):
-            break
-        first, second = ((np.arange(count) + draw.integers(1, count, count)) % count for _ in range(2))
-        mutants = crowd[best] + draw.uniform(*SCALE) * (crowd[first] - crowd[second])
-        outside = (mutants < 0) | (mutants > 1)
-        mutants = np.where(outside, draw.random(mutants.shape), mutants)
-        kept = draw.random(mutants.shape) >= CROSSOVER
-        kept[np.arange(count), draw.integers(0, size, count)] = False
-        mutants = np.where(kept, crowd, mutants)
-        found = np.array(problem.ranks(problem.at(mutants)))
-        better = (found[:, 0] < rank[:, 0]) | ((found[:, 0] == rank[:, 0]) & (found[:, 1] <= rank[:, 1]))
-        crowd[better], rank[better] = mutants[better], found[better]
-    return np.asarray(crowd[int(np.lexsort(rank.T[::-1])[0])])
+    from scipy.optimize import Bounds, OptimizeResult, differential_evolution
+
+    size = len(problem.parameters)
+    crowd = places[: max(FEWEST, PER_PARAMETER * size)]
+
+    def merits(columns: FloatArray) -> Any:
+        over, merit = np.array(problem.ranks(problem.at(columns.T))).T
+        return np.where(over > 0, BEYOND * (1 + over), merit)
+
+    def told(intermediate_result: OptimizeResult) -> None:
+        each(float(intermediate_result.fun))
+
+    found = differential_evolution(
+        merits, Bounds(np.zeros(size), np.ones(size)), strategy="best1bin", mutation=SCALE, recombination=CROSSOVER,
+        init=crowd, maxiter=generations, tol=SPREAD, atol=0, polish=False, vectorized=True, updating="deferred",
+        rng=seed, callback=told,
+    )  # fmt: skip
+    return np.asarray(found.x)

@@ -85,7 +85,9 @@ class StudyQuantity(Declared):
         raise NotImplementedError
 
 
-QUANTITIES: TypeRegister[type[StudyQuantity]] = TypeRegister("torsionnet.study.quantities")
+QUANTITIES: TypeRegister[type[StudyQuantity]] = TypeRegister(
+    "torsionnet.study.quantities", ("natural_frequency", "peak")
+)
 """By the word in ``type:``."""
 
 
