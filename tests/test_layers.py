@@ -35,7 +35,7 @@ FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in no
     "plot": ("drawing", "schematic", "", "study"),
     "identification": ("residuals", ""),
     "symbolic": ("algebra", ""),
-    "study": ("space", "quantities", "reductions", "answers", "design", "", "run", "cluster"),
+    "study": ("space", "quantities", "reductions", "answers", "design", "", "run"),
     "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
     "model": ("element_base", "elements"),
 }

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from study_runs import small_chunks, small_study
 
-from torsionnet.study.quantities import variant_block
+from torsionnet.study.quantities import counted_remarks, variant_block
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
-from torsionnet.study.reductions import counted_remarks, histogram
+from torsionnet.study.reductions import histogram
 from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram
 from torsionnet.study.run import reducing, workload
 from torsionnet.study.run.chunk_values import ChunkValues

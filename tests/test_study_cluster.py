@@ -18,10 +18,10 @@ from cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, proce
 from cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.study.cluster import chunk_task, cluster_losses, dask_executor
-from torsionnet.study.cluster.cluster_losses import ClusterError
-from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, trouble_with
+from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
+from torsionnet.study.run.cluster.cluster_losses import ClusterError
+from torsionnet.study.run.cluster.connecting import connected
+from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, trouble_with
 
 pytest.importorskip("distributed")
 
@@ -479,7 +479,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     def these(_):
         yield local
 
-    monkeypatch.setattr("torsionnet.study.cluster.connecting.connected", these)
+    monkeypatch.setattr("torsionnet.study.run.cluster.connecting.connected", these)
     monkeypatch.setattr(shared_blocks, "BEGIN", 0.0)
     monkeypatch.setattr(shared_blocks, "WORTH", 0.0)
     study = study_of_answers(("shares", "worst"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +11,8 @@ import numpy as np
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.model import Model
+from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer
+from torsionnet.study.answers.asking import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.correlation import Correlation, name_faults
@@ -165,3 +167,47 @@ def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
 
 def _errors(faults: list[Fault]) -> bool:
     return any(fault.severity == "error" for fault in faults)
+
+
+def misnamed_in_answers(read: ExaminedStudy) -> list[Fault]:
+    """Names that the study does not have, in answers with other faults too; what is named may have faults itself."""
+    known = {
+        QUANTITY: read.named("quantities"),
+        LIMIT: read.named("limits"),
+        VARIED: read.named("vary"),
+        PARAMETER: list(read.model.parameters),
+        CONFIGURATION: list(read.configurations),
+    }
+    faults = []
+    for name, raw in _answers(read.given):
+        kind, entries = _kind_and_entries(raw)
+        if kind is not None:
+            faults += [fault.under("answers", name) for fault in misnamed(kind.naming, entries, known)]
+    return faults
+
+
+def _answers(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    answers = given.get("answers")
+    if isinstance(answers, Mapping):
+        yield from answers.items()
+
+
+def _kind_and_entries(raw: Any) -> tuple[type[StudyAnswer] | None, Mapping[str, Any]]:
+    """The class of an answer and its entries, as they are written or as Python made them."""
+    if isinstance(raw, StudyAnswer):
+        return type(raw), {key: getattr(raw, key, None) for key in raw.naming}
+    kind = raw.get("type") if isinstance(raw, Mapping) else None
+    return (ANSWERS[kind], raw) if isinstance(kind, str) and kind in ANSWERS else (None, {})
+
+
+def unfit_answers(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_whole: bool) -> list[Fault]:
+    """What does not fit in answers that could be read.
+
+    Of a study that is not whole they are told what is wrong with single entries only: what an answer lacks altogether
+    may be what has a fault.
+    """
+    faults = [fault.under("answers", name) for name, one in answers.items() for fault in one.unfit(study)]
+    return faults if is_whole else [fault for fault in faults if len(fault.path) > 2]
+
+
+RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}

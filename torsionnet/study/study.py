@@ -12,13 +12,12 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import StudyAnswer
-from torsionnet.study.examined_study import examined
+from torsionnet.study.examined_study import examined, misnamed_in_answers, unfit_answers
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
-from torsionnet.study.study_fit import misnamed_in_answers, unfit_answers
 
 COMPILED = 2000
 """Variants from which on the compiled solver is worth its start."""

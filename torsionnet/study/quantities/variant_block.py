@@ -26,7 +26,7 @@ from torsionnet.solve.batch.mode_tracking import TrackedModes, tracked
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
 from torsionnet.solve.responses.transfer import responses, warn_infinite
-from torsionnet.study.reductions.counted_remarks import remark
+from torsionnet.study.quantities.counted_remarks import remark
 
 GRAPH = "graph"
 """The method of responses, unless another is asked for."""

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError
+from torsionnet.study.quantities.counted_remarks import remark
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.quantities.variant_block import VariantBlock
-from torsionnet.study.reductions.counted_remarks import remark
 from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram
 from torsionnet.study.reductions.kept_values import extremes, kept_indices
 from torsionnet.study.reductions.limit_counts import LimitBits

@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.core.threads import one_thread
-from torsionnet.study.cluster.cluster_losses import ClusterError
+from torsionnet.study.run.cluster.cluster_losses import ClusterError
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -14,8 +14,8 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.core.errors import UsageError
-from torsionnet.study.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
-from torsionnet.study.cluster.cluster_losses import (
+from torsionnet.study.run.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
+from torsionnet.study.run.cluster.cluster_losses import (
     Absence,
     Told,
     await_workers,
@@ -119,7 +119,7 @@ class DaskExecutor:
     Attributes
     ----------
     client : Client
-        Of :func:`torsionnet.study.cluster.connecting.connected`.
+        Of :func:`torsionnet.study.run.cluster.connecting.connected`.
     folder : Path
         Of the study.
     told : callable
