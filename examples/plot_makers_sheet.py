@@ -32,4 +32,4 @@ print(tn.io.mass_elastic_report(file).report())
 # Where the speed ratio changes there is a gear; all else are inertias, springs and dampers with the names of the sheet.
 engine = tn.io.read_mass_elastic(file)
 print(engine.modes())
-figure = plot.mode_shapes(engine.modes())
+figure = plot.mode_shapes(engine.modes(), engine)

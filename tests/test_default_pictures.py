@@ -1,12 +1,17 @@
 """Pictures and tables at their default call: what says nothing sets no limits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import torsionnet as tn
 from torsionnet import plot
+from torsionnet.cli.commands.estimate import peak_table
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.signals import Recording, Signal, spectrogram
+from torsionnet.signals.advice import remarks
 from torsionnet.solve.responses.peaks import _standing_out
 
 RATE = 4000.0
@@ -76,3 +81,82 @@ def test_rounding_makes_no_peaks():
     slope = np.linspace(1, 2, 500) * ripple  # a ripple on a slope rises above nothing
     assert _standing_out(slope) == []
     assert _standing_out(np.array([1.0, np.inf, 1.0])) == [1]
+
+
+def test_a_coherent_part_is_shown_where_no_sensor_limits_it():
+    """As of torque over torque: no steps of an encoder say where it ends, and beyond the sweep is noise."""
+    seen = replace(estimate(60.0), usable_up_to=None)
+    magnitude, phase, _ = plot.bode(seen).axes
+    assert 60 < magnitude.get_xlim()[1] < 100
+    assert phase.get_ylim()[0] >= -200
+    assert np.nanmin(np.concatenate([line.get_ydata() for line in phase.lines])) > -181
+    shares = FrequencyResponse(
+        seen.frequencies, np.repeat(seen.values, 2, axis=2), seen.outputs,
+        (Channel("T", "N*m"), Channel("T_2", "N*m")), "rig", coherence=np.repeat(seen.coherence / 2, 2, axis=2),
+    )  # fmt: skip
+    assert 60 < plot.bode(shares).axes[0].get_xlim()[1] < 100  # each of two inputs has half of it
+
+
+@pytest.mark.parametrize("usable_up_to", [None, 10.0])
+def test_a_comparison_ends_where_the_test_does(usable_up_to):
+    seen = replace(estimate(60.0), usable_up_to=usable_up_to)
+    model = replace(seen, coherence=None, usable_up_to=None)
+    assert 60 < plot.comparison(seen, model).axes[0].get_xlim()[1] < 100
+    nowhere = replace(estimate(0.1), usable_up_to=None)
+    assert plot.comparison(nowhere, model).axes[0].get_xlim()[1] == pytest.approx(2000)
+
+
+def test_peaks_of_noise_are_no_peaks():
+    """Higher than what is coherent, they would hide its peak, and be listed by the thousand."""
+    seen = replace(estimate(60.0), usable_up_to=None)
+    noisy = replace(seen, values=np.where(seen.frequencies[:, None, None] > 60, 1e6 * seen.values, seen.values))
+    rows = peak_table(noisy, tn.Conventions()).rows
+    assert [(row[2], round(row[3])) for row in rows] == [("first line", 0), ("peak 1", 8)]
+    assert remarks(noisy, 0.5) == remarks(noisy.between(0, 60), 0.5)
+
+
+@pytest.mark.parametrize("decibels", [False, True])
+def test_rounding_is_not_enlarged(decibels):
+    f = np.linspace(1, 50, 200)
+    values = 1 + 1e-16 * np.random.default_rng(2).integers(-1, 2, len(f)) + 0j
+    flat = FrequencyResponse(f, values[:, None, None], (Channel("T", "N*m"),), (Channel("T_2", "N*m"),))
+    low, high = plot.bode(flat, decibels=decibels).axes[0].get_ylim()
+    assert (low, high) == pytest.approx((-4.437, 4.609) if decibels else (0.6, 1.7), rel=1e-3)
+
+
+LARGE = """torsionnet: 1
+name: large fan
+parameters: {c: {value: 20 kN*m*s/rad, bounds: [2 kN*m*s/rad, 200 kN*m*s/rad]}}
+elements:
+  motor: {type: inertia, node: m, inertia: 500 kg*m^2}
+  shaft: {type: spring, nodes: [m, f], stiffness: 40 MN*m/rad, damping: c}
+  fan: {type: inertia, node: f, inertia: 2000 kg*m^2}
+speeds: {of: m, range: 300..900 rpm, step: 20 rpm}
+excitations: {motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 kN*m}}}}
+sensors: {T_s: {torque: shaft}}
+"""
+
+
+def test_large_torques_are_drawn_in_kilonewtonmetres():
+    """In every picture with an axis of torque; up to 9.9 kN m in N m."""
+    model = tn.loads(LARGE)
+    run = model.order_response("T_s")
+    largest = float(abs(run.values).max())
+    assert largest > 2e4
+    test = {"T_s": [MeasuredOrder(6, np.array([40.0, 60.0]), np.array([2e4, 3e4]))]}
+    record = Recording((Signal("T_s", "torque", np.array([0, -3e5, 1e5])),), RATE)
+    design = model.damper_design("T_s", "c")
+    for axes in (
+        plot.order_response(run).axes[0], plot.order_overlay(run, test).axes[0],
+        plot.time_histories(record).axes[0], *plot.damper_design(design).axes,
+    ):  # fmt: skip
+        assert axes.get_ylabel().endswith("[kN·m]")
+    assert plot.time_histories(record).axes[0].lines[0].get_ydata().tolist() == [0, -300, 100]
+    assert plot.order_overlay(run, test).axes[0].lines[1].get_ydata().tolist() == [20, 30]
+    levels, effect = plot.damper_design(design).axes
+    assert levels.lines[0].get_ydata().max() == pytest.approx(design.before.level / 1e3, rel=1e-3)
+    assert effect.lines[1].get_ydata()[0] == pytest.approx(design.after.level / 1e3)
+    (bar,) = [text.get_text() for text in plot.waterfall(run).axes[0].texts if "N" in text.get_text()]
+    assert bar == f"{float(f'{largest:.1g}') / 1e3:g} kN·m"
+    small = Recording((Signal("T_s", "torque", np.array([0, -9.9e3])),), RATE)
+    assert plot.time_histories(small).axes[0].get_ylabel() == "T_s [N·m]"

@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+import time
 import warnings
 from collections import Counter
 from fractions import Fraction
@@ -133,6 +134,21 @@ class TestCar:
         assert modes.kinds[0] == "rigid body"
         assert modes.natural_frequencies[1] == pytest.approx(8.0009904, rel=1e-6)
 
+    def test_whole_turns_of_several_long_delays_are_counted(self):
+        """Between 64 points of the circle the phase turned by up to 9 rad: the count fell short of what was found."""
+        inertias, stiffnesses = (233.0, 0.0731, 0.0147, 228.0), (2e4, 3e5, 5e3)
+        elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=J) for i, J in enumerate(inertias)]
+        elements += [tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=k) for i, k in enumerate(stiffnesses)]
+        first = {"numerator": [0.00308, -0.0628], "denominator": [0.0559, 1.0]}
+        elements += [
+            tn.Controller("one", sense={"velocity": ["n3", "n1"]}, act="n1", law=first, delay="36.6 ms"),
+            tn.Controller("two", sense={"velocity": ["n1", "n0"]}, act=["n1", "n2"], law=0.00648, delay="22.7 ms"),
+        ]
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            tn.Drivetrain("two delays", elements).modes()
+        assert not [one for one in caught if "poles lie below" in str(one.message)]
+
 
 class TestZero:
     """How often zero is a root, and the chains that it is taken out by."""
@@ -256,8 +272,15 @@ class TestMany:
         assert done.returncode == 0, done.stderr[-2000:]
 
     @pytest.mark.slow
-    def test_160_masses_are_solved_and_counted(self):
-        require_one_rigid_body(chain(160))
+    @pytest.mark.parametrize(("masses", "seconds"), [(45, 2), (160, 20)])
+    def test_many_masses_are_solved_and_counted_soon(self, masses, seconds):
+        """In processor time, of three tries the shortest: a busy machine makes each of them longer."""
+        taken = []
+        while len(taken) < 3 and min(taken, default=math.inf) > seconds:
+            began = time.process_time()
+            require_one_rigid_body(chain(masses))
+            taken.append(time.process_time() - began)
+        assert min(taken) <= seconds
 
 
 def main():

@@ -4,7 +4,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.io.recording_files import read_recording
 from torsionnet.response.recording import Recording, Signal
@@ -98,6 +100,16 @@ class TestFiles:
         in_us = tmp_path / "us.npz"
         np.savez(in_us, n1=TICKS[:9] / 80)
         assert read_recording(in_us, pulses={"n1": 60}, units={"n1": "us"}).notes == ()
+
+    @pytest.mark.parametrize("command", [("estimate", "--output", "w", "--input", "T"), ("spectrogram",)])
+    def test_ticks_for_seconds_leave_no_segment(self, tmp_path, command):
+        """Of an 80 MHz clock, at 1 kHz: as seconds they are samples a day apart, which ended in a division by zero."""
+        path = tmp_path / "ticks.csv"
+        rows = [f"{80_000 * place},{np.sin(place / 9):.5f},{np.cos(place / 9):.5f}" for place in range(500)]
+        path.write_text("\n".join(["t [s],T [N*m],w [rad/s]", *rows, ""]), encoding="utf-8")
+        found = CliRunner().invoke(app, [command[0], str(path), *command[1:]])
+        assert found.exit_code == 2
+        assert "a segment of 2 s holds no two samples at 1.25e-05 Hz; take longer ones, or say" in found.output
 
     def test_pulses_of_two_shafts_at_other_times(self, tmp_path):
         np.savez(tmp_path / "two.npz", n1=np.arange(100) / 1500, n2=9 + np.arange(90) / 1500)

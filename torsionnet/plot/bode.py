@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,13 +18,16 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import SI, Conventions, FrequencyResponse
 from torsionnet.response.phase import HALF_TURN, unwrapped
-from torsionnet.signals.advice import LEAST_COHERENCE
+from torsionnet.signals.advice import is_coherent, meant_up_to
 
 POOR = 1e-10
 """Conditioning of a measured input below which a response cannot be trusted."""
 
 BEYOND = 1.5
 """Times the highest frequency that is coherent: the end of the frequency axis of an estimate."""
+ROUNDING = 1e-9
+"""Share of a magnitude that is none of its changes."""
+TOO_SMALL, NOT_COHERENT = "motion too small for its sensor, or beyond decimation", "not coherent with the input"
 SHORT_LABEL = 14
 LONGEST_LABEL = 32
 """Letters beside the magnitude that fit at full size."""
@@ -42,20 +44,15 @@ class Curve:
     phase: FloatArray
     coherence: FloatArray | None
     poor: NDArray[np.bool_]
-    usable_up_to: float = math.inf
+    is_usable: NDArray[np.bool_]
+    is_meant: NDArray[np.bool_]
+    """Where it can be used, or is coherent at least: the picture makes room for that."""
+    why_faint: str = ""
+    """Why it cannot be used where it is faint."""
     pair: str = ""
     """The transfer function, as ``theta_1/T_T``."""
     name: str = ""
     """The response it is of, where there are several."""
-
-    @property
-    def is_meant(self) -> NDArray[np.bool_]:
-        """Where it can be used, or is coherent at least: the picture makes room for that."""
-        return _is_meant(self.is_usable, self.coherence)
-
-    @property
-    def is_usable(self) -> NDArray[np.bool_]:
-        return np.asarray(self.frequency <= self.usable_up_to)
 
 
 def bode(
@@ -166,22 +163,24 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
     several = len(response.outputs) * len(response.inputs) > 1
     curves = []
     for o, out in enumerate(response.outputs):
+        is_usable, is_meant = (where[shown] for where in _where_meant(response, o))
         for i, into in enumerate(response.inputs):
             values = response.values[shown, o, i]
             size = np.abs(values) * response.scale(conventions, o, i)
             pair = f"{out.name}/{into.name}" if several or not label else ""
             coherence = None if response.coherence is None else response.coherence[shown, o, i]
-            is_usable = response.frequencies[shown] <= _limit(response)
             curves.append(
                 Curve(
                     ", ".join(text for text in (label, pair) if text),
                     response.frequencies[shown] * conventions.frequency_scale,
                     np.where(np.isfinite(size) & (size > 0), size, np.nan),
                     # The phase of what is not coherent is any, and its turns would be counted into all that follows.
-                    unwrapped(np.where(_is_meant(is_usable, coherence), values, np.nan)),
+                    unwrapped(np.where(is_meant, values, np.nan)),
                     coherence,
                     poor[shown],
-                    _limit(response) * conventions.frequency_scale,
+                    is_usable,
+                    is_meant,
+                    NOT_COHERENT if response.usable_up_to is None else TOO_SMALL,
                     f"{out.name}/{into.name}",
                     label,
                 )
@@ -189,14 +188,11 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
     return curves
 
 
-def _is_meant(is_usable: NDArray[np.bool_], coherence: FloatArray | None) -> NDArray[np.bool_]:
-    """Where a response is usable or coherent; everywhere if it is so nowhere."""
-    found = is_usable if coherence is None else is_usable | (coherence >= LEAST_COHERENCE)
-    return found if found.any() else np.ones_like(is_usable)
-
-
-def _limit(response: FrequencyResponse) -> float:
-    return math.inf if response.usable_up_to is None else response.usable_up_to
+def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Where the curves of an output can be used, and where they can or are coherent; everywhere if nowhere."""
+    is_usable = np.asarray(response.frequencies <= meant_up_to(response, output))
+    found = is_usable | is_coherent(response, output)
+    return is_usable, found if found.any() else np.ones_like(found)
 
 
 def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
@@ -233,14 +229,20 @@ def _draw(
     # Noise beyond the resolution of a sensor may run off the picture; it sets no limits.
     phases = [curve.phase[np.isfinite(curve.phase) & curve.is_meant] for curve in curves]
     every = np.concatenate(phases)
-    if not all(curve.is_meant.all() for curve in curves):
-        sizes = np.concatenate([curve.magnitude[curve.is_meant] for curve in curves])
-        _make_room(axes[0], sizes[np.isfinite(sizes)], decibels=decibels, conventions=conventions)
+    sizes = np.concatenate([curve.magnitude[curve.is_meant] for curve in curves])
+    sizes = sizes[np.isfinite(sizes)]
+    if not all(curve.is_meant.all() for curve in curves) or _is_constant(sizes):
+        _make_room(axes[0], sizes, decibels=decibels, conventions=conventions)
     axes[1].set_ylabel("phase [deg]")
     style.phase_ticks(axes[1], *((every.min(), every.max()) if every.size else (-HALF_TURN, 0.0)))
     if "coherence" in panels:
         axes[2].set_ylabel("coherence [-]")
         axes[2].set_ylim(0, 1.05)
+
+
+def _is_constant(sizes: FloatArray) -> bool:
+    """But for rounding, which is not to be enlarged."""
+    return bool(sizes.size) and float(np.ptp(sizes)) < ROUNDING * float(sizes.max())
 
 
 def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
@@ -330,9 +332,9 @@ def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
     if any(curve.poor.any() for curve in curves):
         handles.append(Patch(color=style.FAINT))
         names.append("measured input nearly zero: not to be trusted")
-    if not all(curve.is_usable.all() for curve in curves):
+    for reason in dict.fromkeys(curve.why_faint for curve in curves if not curve.is_usable.all()):
         handles.append(Line2D([], [], color=style.MUTED, linewidth=0.8, alpha=0.5))
-        names.append("faint: motion too small for its sensor, or beyond decimation")
+        names.append(f"faint: {reason}")
     if handles:
         is_short = all(len(curve.label) < SHORT_LABEL for curve in curves)
         columns = min(len(names), 5 if is_short else 2)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.bode import BEYOND
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
@@ -34,7 +35,7 @@ def comparison(
     """One transfer function of a test over that of a model: magnitude, phase, coherence, and the differences.
 
     Points at which the coherence is under 0.8 are hollow. Beyond the frequency up to which the test can be used, the
-    ground is grey.
+    ground is grey. Frequencies end a little beyond the last at which the test says anything.
 
     Parameters
     ----------
@@ -67,6 +68,8 @@ def comparison(
     test, model = (
         _nonzero(response.select(*first)) if x_log else response.select(*first) for response in (test, model)
     )
+    difference(test, model)  # refuses what cannot be compared
+    test, model = (response.between(0, _end(test)) for response in (test, model))
     apart = difference(test, model)
     rows = ["magnitude", "phase", *(["coherence"] if test.coherence is not None else []), "dB", "deg"]
     heights = {"magnitude": 3.0, "phase": 2.2, "coherence": 1.0, "dB": 1.2, "deg": 1.2}
@@ -97,6 +100,12 @@ def comparison(
 
 def _nonzero(response: FrequencyResponse) -> FrequencyResponse:
     return response.between(float(np.nextafter(0, 1)), np.inf)
+
+
+def _end(test: FrequencyResponse) -> float:
+    """Where the picture ends, Hz: all of a test that says nothing is shown."""
+    meant = _is_coherent(test) if test.usable_up_to is None else _is_coherent(test) | _is_usable(test)
+    return BEYOND * float(test.frequencies[meant].max()) if meant.any() else np.inf
 
 
 def _is_coherent(test: FrequencyResponse) -> NDArray[np.bool_]:

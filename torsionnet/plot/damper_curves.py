@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.damper_optimum import DamperOptimum
@@ -38,7 +39,8 @@ def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title:
     -------
     matplotlib.figure.Figure
     """
-    scale, unit = conventions.scale(found.channel.unit), typeset_unit(conventions.unit(found.channel.unit))
+    largest = max(found.before.level, found.after.level)
+    scale, unit = axis_unit(found.channel.unit, largest, conventions)
     count = len(found.parameters)
     figure = style.new_figure(style.WIDTH, 6.4)
     grid = figure.add_gridspec(2, count, height_ratios=(1.5, 1))

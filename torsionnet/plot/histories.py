@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray, Recording
@@ -57,10 +57,10 @@ def time_histories(
     panels = figure.subplots(len(chosen.signals), 1, sharex=True, squeeze=False)[:, 0]
     for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):
         style.dress(panel)
-        scale = conventions.scale(signal.unit) if signal.unit else 1.0
+        largest = float(np.nanmax(np.abs(signal.values), initial=0.0))
+        scale, unit = axis_unit(signal.unit, largest, conventions) if signal.unit else (1.0, "unit unknown")
         time, values = thinned(chosen.time, signal.values * scale)
         panel.plot(time, values, color=style.PALETTE[number % len(style.PALETTE)], linewidth=0.7)
-        unit = typeset_unit(conventions.unit(signal.unit)) if signal.unit else "unit unknown"
         panel.set_ylabel(f"{signal.name} [{unit}]")
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(chosen.time[0], chosen.time[-1])

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
 from torsionnet.core.units import RPM
+from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
@@ -49,15 +49,17 @@ def order_overlay(
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
     for panel, (name, orders) in zip(panels, measured.items(), strict=True):
         unit = response.outputs[response.output(name)].unit
-        scale = conventions.scale(unit)
+        pairs = compared_orders(response, name, orders)
+        largest = max(float(max(pair.curve.max(), pair.measured.amplitude.max())) for pair in pairs)
+        scale, shown = axis_unit(unit, largest, conventions)
         style.dress(panel)
-        for number, pair in enumerate(compared_orders(response, name, orders)):
+        for number, pair in enumerate(pairs):
             drawn = style.line_style(number)
             rpm, label = pair.measured.speeds * RPM, f"order {pair.measured.order:g}"
             panel.plot(response.rpm, pair.curve * scale, label=f"{label}, model", **drawn)
             dots = {"linestyle": "none", "marker": MARKERS[number % len(MARKERS)], "markersize": 3.5}
             panel.plot(rpm, pair.measured.amplitude * scale, color=drawn["color"], label=f"{label}, test", **dots)
-        panel.set_ylabel(f"{name} [{typeset_unit(conventions.unit(unit))}]")
+        panel.set_ylabel(f"{name} [{shown}]")
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
@@ -50,7 +50,9 @@ def waterfall(
     channel = response.outputs[place]
     count = len(response.speeds)
     chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_SPECTRA)).round().astype(int))
-    sizes = np.abs(response.values[chosen][:, :, place]) * conventions.scale(channel.unit)
+    sizes = np.abs(response.values[chosen][:, :, place])
+    scale, unit = axis_unit(channel.unit, float(sizes.max()), conventions)
+    sizes = sizes * scale
     hertz, rpm = np.abs(response.frequencies[chosen]), response.rpm[chosen]
     span = float(np.ptp(rpm)) or float(rpm[0])
     largest = float(sizes.max()) or 1.0
@@ -77,7 +79,6 @@ def waterfall(
     axes.plot(
         [edge, edge], [foot, foot + bar / largest * HEIGHT * span], color=style.PALETTE[1], linewidth=2.5, zorder=4
     )
-    unit = typeset_unit(conventions.unit(channel.unit))
     axes.annotate(f"{bar:g} {unit}", (edge, foot), xytext=(-6, 4), textcoords="offset points", ha="right",
                   fontsize=style.SMALL, color=style.PALETTE[1], zorder=5,
                   bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1})  # fmt: skip

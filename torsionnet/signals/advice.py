@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response import FrequencyResponse
@@ -12,6 +13,8 @@ from torsionnet.response.recording import FloatArray
 
 LEAST_BINS = 3
 LEAST_COHERENCE = 0.8
+COHERENT = 0.5
+"""Share of an output's power that comes from the inputs, below which its phase is any."""
 PROMINENCE = 3.0
 RANGE = 20.0
 MOST_LISTED = 5
@@ -28,6 +31,24 @@ def peaks(magnitude: FloatArray) -> list[int]:
     level = np.maximum(level, level.max() - 200)
     found, _ = find_peaks(level, height=level.max() - RANGE, prominence=PROMINENCE)
     return [int(place) for place in found]
+
+
+def is_coherent(response: FrequencyResponse, output: int, least: float = LEAST_COHERENCE) -> NDArray[np.bool_]:
+    """Whether so much of an output's power comes from the inputs, each of which has its share, (n_f,)."""
+    if response.coherence is None:
+        return np.zeros(len(response.frequencies), dtype=bool)
+    return np.asarray(response.coherence[:, output].sum(axis=1) >= least)
+
+
+def meant_up_to(response: FrequencyResponse, output: int) -> float:
+    """Frequency in Hz up to which an output is more than noise: as the response says, or the last coherent line.
+
+    Infinite where neither is known: for one that is coherent nowhere, too.
+    """
+    if response.usable_up_to is not None:
+        return response.usable_up_to
+    lines = response.frequencies[is_coherent(response, output, COHERENT)]
+    return float(lines.max()) if lines.size else np.inf
 
 
 def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: int) -> float:
@@ -55,17 +76,16 @@ def remarks(response: FrequencyResponse, bin_width: float, *, judge_coherence: b
 
     A peak narrower than three bins is widened by the window, which reads as too much damping. Ordinary coherence is
     low for reasons other than noise where there are several inputs: then it is not to be judged. Nothing is said of
-    peaks above the frequency up to which the response can be used.
+    peaks above the frequency up to which the response can be used or is more than noise.
     """
     found: list[str] = []
-    if response.usable_up_to is not None:
-        response = response.between(0, response.usable_up_to)
     for o, output in enumerate(response.outputs):
+        meant = response.between(0, meant_up_to(response, o))
         for i, into in enumerate(response.inputs):
-            coherence = response.coherence[:, o, i] if response.coherence is not None and judge_coherence else None
+            coherence = meant.coherence[:, o, i] if meant.coherence is not None and judge_coherence else None
             about = f"warning: {output.name}/{into.name}"
-            magnitude = response.magnitude[:, o, i]
-            found += (f"{about} {t}" for t in _peak_remarks(response.frequencies, magnitude, coherence, bin_width))
+            magnitude = meant.magnitude[:, o, i]
+            found += (f"{about} {t}" for t in _peak_remarks(meant.frequencies, magnitude, coherence, bin_width))
     return tuple(found)
 
 

@@ -68,9 +68,9 @@ def swept(recording: Recording, output: str, input: str, seconds: float = 2.0) -
     Segments in which the input is no sine are left out.
     """
     count = round(seconds * recording.sampling_rate)
-    whole = len(recording) // count
-    if not whole or count < 8:
+    if count < 8 or len(recording) < count:
         return np.empty(0), np.empty(0)
+    whole = len(recording) // count
     drive = recording[input].values[: whole * count].reshape(whole, count)
     answer = recording[output].values[: whole * count].reshape(whole, count)
     power = np.abs(np.fft.rfft((drive - drive.mean(axis=1, keepdims=True)) * np.hanning(count), axis=1)) ** 2

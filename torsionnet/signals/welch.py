@@ -55,8 +55,12 @@ class Welch:
             raise UsageError(f"a segment must have a length from {SHORTEST:g} to {LONGEST:g} s, got {self.seconds:g}")
 
     def samples(self, sampling_rate: float) -> int:
-        """Length of a segment."""
-        return max(1, round(min(self.seconds * sampling_rate, MOST)))
+        """Length of a segment; it has two samples at least, or no frequency."""
+        count = round(min(self.seconds * sampling_rate, MOST))
+        if count < 2:
+            what = f"a segment of {self.seconds:g} s holds no two samples at {sampling_rate:g} Hz"
+            raise UsageError(f"{what}; take longer ones, or say what unit the times are in")
+        return count
 
     def step(self, sampling_rate: float) -> int:
         """Samples from the start of a segment to that of the next."""

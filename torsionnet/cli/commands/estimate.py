@@ -108,12 +108,11 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
 
 
 def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]]:
-    from torsionnet.signals.advice import peaks
+    from torsionnet.signals.advice import meant_up_to, peaks
 
-    usable = response.between(0, response.usable_up_to) if response.usable_up_to is not None else response
     if not len(response.frequencies):
         return []
-    found = peaks(usable.magnitude[:, o, i])
+    found = peaks(response.between(0, meant_up_to(response, o)).magnitude[:, o, i])
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
 
 

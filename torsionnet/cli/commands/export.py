@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,6 +13,7 @@ from torsionnet.cli.command import Answer, beside, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import file_option
 from torsionnet.cli.terminal import message, wrote
+from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -87,11 +88,22 @@ class ExportCommand(ModelCommand):
         }
         for case in cases:
             target = beside(self.output_file, case.configuration, len(cases))
-            platforms = writers[chosen](self._written(case.drivetrain), target, **more)
+            platforms = self._write(writers[chosen], case.drivetrain, target, more)
             if platforms:
                 message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONLY_HERE}")
             wrote(target)
         return Answer()
+
+    def _write(
+        self, writer: Callable[..., tuple[str, ...] | None], drivetrain: Drivetrain, target: str, more: dict[str, Any]
+    ) -> tuple[str, ...] | None:
+        written = self._written(drivetrain)
+        try:
+            return writer(written, target, **more)
+        except UsageError as error:
+            if not written.assembly.system.dynamic:
+                raise
+            raise UsageError(f"{error}; --viscous-at HZ makes springs and dampers of laws over frequency") from error
 
     def _written(self, drivetrain: Drivetrain) -> Drivetrain:
         if self.viscous_at is None:

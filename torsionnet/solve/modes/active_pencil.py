@@ -11,6 +11,7 @@ infinitely many, and those in a circle are counted by the argument principle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,6 +31,8 @@ SETTLED = 1e-9
 EPS = float(np.finfo(float).eps)
 ON_CIRCLE, PER_ROOT = 64, 8
 """Points on half a circle to begin with, along which the phase is followed: in all, and for each row."""
+PER_TURN = 4
+"""Besides, for each radian that the product of all delays turns by along the radius: fewer could miss whole turns."""
 FINEST = 1 << 16
 
 
@@ -297,7 +300,9 @@ class ActivePencil:
     @np.errstate(all="ignore")  # far to the left nothing comes back
     def within(self, radius: float) -> int | None:
         """How many roots lie within a circle around zero, those at zero too; None where one is on the circle."""
-        first, n = self._phase(radius, 0.0), max(ON_CIRCLE, PER_ROOT * self.size)
+        delays = sum(float(one.delay) for one in self.assembly.system.actions)
+        n = max(ON_CIRCLE, PER_ROOT * self.size, math.ceil(PER_TURN * radius * delays))
+        first = self._phase(radius, 0.0)
         angles = np.linspace(0, np.pi, n + 1)  # conjugate roots: the lower half turns alike
         phases = [first, *(self._phase(radius, angle) for angle in angles[1:])]
         turned, places = 0.0, list(zip(angles.tolist(), phases, strict=True))
