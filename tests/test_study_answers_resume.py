@@ -16,7 +16,7 @@ from study_runs import answers_as_text, processes_of_session, small_study, start
 from torsionnet.cli.app import app
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.run import evaluation_log, evaluation_memory, shared_blocks
+from torsionnet.study.run import evaluation_memory, shared_blocks
 from torsionnet.study.run.answering import answer_study
 from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.folder_lock import LOCK
@@ -229,12 +229,12 @@ class TestFolder:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             return append(*asked, **more)
 
-        monkeypatch.setattr(evaluation_log.EvaluationLog, "append", full)
+        monkeypatch.setattr(evaluation_memory.EvaluationLog, "append", full)
         with pytest.raises(SolveError, match="disk is full"):
             answers_as_text(study_of_answers(FEW), folder)
         assert not (folder / LOCK).exists()
         assert sum(1 for _ in records(logs(folder)[0])) == 5
-        monkeypatch.setattr(evaluation_log.EvaluationLog, "append", append)
+        monkeypatch.setattr(evaluation_memory.EvaluationLog, "append", append)
         assert answers_as_text(study_of_answers(FEW), folder) == few
 
     def test_variants_and_answers_in_one_folder(self, tmp_path, monkeypatch):
