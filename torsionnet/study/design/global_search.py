@@ -21,8 +21,8 @@ APART = 0.05
 """Of the unit cube: beginnings that are nearer to a better one are left out."""
 BEYOND = 1e30
 """Merit of a design that violates limits, times one more than by how much: behind all that keep them."""
-SPREAD = 1e-3
-"""Relative spread of a population that has converged; what is left is for a local search."""
+SPREAD = 1e-4
+"""Standard deviation of the merits in a population that has converged, relative to their mean; the rest is for a local search."""
 
 
 def samples(problem: DesignProblem) -> FloatArray:
