@@ -21,18 +21,18 @@ from pathlib import Path
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, SHORT, sized
-from torsionnet.study.cluster import local_workers
-from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import DaskExecutor
 from torsionnet.study.quantities.response import ResponseQuantity
 from torsionnet.study.run.calculating import ChunkWork, chunk_file
 from torsionnet.study.run.chunks import Chunks
+from torsionnet.study.run.cluster import connecting
+from torsionnet.study.run.cluster.connecting import connected
+from torsionnet.study.run.cluster.dask_executor import DaskExecutor
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
-from torsionnet.study.sampling.samples import Samples
-from torsionnet.study.space import Space
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.space import Space
+from torsionnet.study.space.variations.normal import Normal
 from torsionnet.study.study import Study
-from torsionnet.study.variations.normal import Normal
 
 CHUNKS, SIZE = sized((90, 10_000), (4, 100))
 CASES = ("serial", "2 processes", "local:1", "local:2", "local:2, memory as dask has it")
@@ -57,8 +57,8 @@ def executor(case: str, folder: Path) -> Iterator[Executor]:
     else:
         where, _, otherwise = case.partition(",")
         if otherwise:
-            local_workers.SURROUNDINGS["MALLOC_TRIM_THRESHOLD_"] = "65536"
-            local_workers.SURROUNDINGS.pop("MALLOC_MMAP_THRESHOLD_")
+            connecting.SURROUNDINGS["MALLOC_TRIM_THRESHOLD_"] = "65536"
+            connecting.SURROUNDINGS.pop("MALLOC_MMAP_THRESHOLD_")
         with connected(where) as client:
             yield DaskExecutor(client, folder)
 

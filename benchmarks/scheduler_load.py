@@ -24,9 +24,8 @@ from unittest import mock
 import psutil
 
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import DaskExecutor
-from torsionnet.study.cluster.task_size import TaskSize
+from torsionnet.study.run.cluster.connecting import connected
+from torsionnet.study.run.cluster.dask_executor import DaskExecutor, TaskSize
 
 SECONDS = sized(20.0, 1.0)
 

@@ -9,10 +9,10 @@ from page_parts import prose
 from schema_pages import entries_table, with_entries
 
 from torsionnet.model.files.model_schema import file_schema
-from torsionnet.study.answer import ANSWERS
-from torsionnet.study.quantity import QUANTITIES
+from torsionnet.study.answers.answer import ANSWERS
+from torsionnet.study.quantities.quantity import QUANTITIES
+from torsionnet.study.space.variations.variation import VARIATIONS
 from torsionnet.study.study_file import StudyEntries
-from torsionnet.study.variations.variation import VARIATIONS
 
 KINDS = {"variation": VARIATIONS, "quantity": QUANTITIES, "answer": ANSWERS}
 

@@ -16,8 +16,8 @@ CLIENT = """
 import sys
 from pathlib import Path
 from cluster_work import NoiseWork
-from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import DaskExecutor
+from torsionnet.study.run.cluster.connecting import connected
+from torsionnet.study.run.cluster.dask_executor import DaskExecutor
 
 if __name__ == "__main__":
     where, folder, count = sys.argv[1], sys.argv[2], int(sys.argv[3])

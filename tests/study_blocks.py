@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import torsionnet as tn
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 def spread(model: tn.Drivetrain, names: tuple[str, ...], count: int = 5, width: float = 0.2) -> dict[str, np.ndarray]:

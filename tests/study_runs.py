@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import torsionnet as tn
-from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run import shared_blocks, workload
 from torsionnet.study.run.answering import answer_study
 from torsionnet.study.run.run_chunks import run_study
@@ -93,13 +93,13 @@ def contents(folder: Path) -> dict[str, bytes]:
     }
 
 
-def started(folder: Path, processes: int = 1, threads: int = 1, *words: str) -> subprocess.Popen[bytes]:
+def started(folder: Path, processes: int = 1, *words: str) -> subprocess.Popen[bytes]:
     """A program of its own that runs the study, or with the word ``answers`` those named after it, by default all."""
     here = str(Path(__file__).parent)
     path = os.pathsep.join([here, str(Path(tn.__file__).parents[1])])
     environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
     return subprocess.Popen(
-        [sys.executable, "-m", "study_runs", str(folder), str(processes), str(threads), *words],
+        [sys.executable, "-m", "study_runs", str(folder), str(processes), *words],
         env=environment,
         start_new_session=True,
     )
@@ -133,7 +133,7 @@ def deadly(number: int) -> None:
 
 if __name__ == "__main__":
     small_chunks()
-    workers = Workers(int(sys.argv[2]), int(sys.argv[3]))
+    workers = Workers(int(sys.argv[2]))
     if "answers" in sys.argv:
         slow_and_shared()
         asked = study_of_answers(tuple(sys.argv[sys.argv.index("answers") + 1 :]))

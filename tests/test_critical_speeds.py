@@ -17,7 +17,7 @@ from torsionnet.solve.running.generalised_force import star_diagram
 from torsionnet.solve.running.speed_peaks import SAME
 from torsionnet.solve.sensitivity import mode_sensitivities
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 RPM = np.pi / 30
 RIGID = dict.fromkeys(("c1", "c2", "c3", "c4", "c5", "c6"), 1.0)

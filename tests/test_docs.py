@@ -21,9 +21,9 @@ from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.units import _BASE
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.model.files.located import compose
-from torsionnet.study.answer import ANSWERS
-from torsionnet.study.quantity import QUANTITIES
-from torsionnet.study.variations.variation import VARIATIONS
+from torsionnet.study.answers.answer import ANSWERS
+from torsionnet.study.quantities.quantity import QUANTITIES
+from torsionnet.study.space.variations.variation import VARIATIONS
 
 os.environ["MPLBACKEND"] = "Agg"
 DOCS = Path(__file__).parents[1] / "docs"

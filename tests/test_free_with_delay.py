@@ -22,7 +22,7 @@ from torsionnet.solve.modes.active_pencil import ActivePencil
 from torsionnet.solve.modes.deflated_columns import DelayedSum
 from torsionnet.solve.modes.exact_pencil import ExactPencil
 from torsionnet.solve.modes.zero_chains import zero_chains
-from torsionnet.study.quantity import QUANTITIES
+from torsionnet.study.quantities.quantity import QUANTITIES
 
 
 def jerk_control(*more, delay="12 ms", gain=-5, **entries):

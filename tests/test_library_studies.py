@@ -13,7 +13,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.files import library_studies
 from torsionnet.model.files.library import library_folder
 from torsionnet.study import load_study, run_study
-from torsionnet.study.space import Space
+from torsionnet.study.space.space import Space
 
 LONG = {"inline_six_damper", "marine_yield"}
 """Running speeds are calculated one variant after the other."""

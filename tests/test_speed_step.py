@@ -16,7 +16,7 @@ from torsionnet.model.configurations import combinations
 from torsionnet.model.limits.m68_stress import usual_range
 from torsionnet.response.speed_refinement import speeds_wanted
 from torsionnet.response.speed_spans import joined_spans
-from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.order_torque import OrderTorque
 from torsionnet.study.quantities.utilisation import Utilisation
 

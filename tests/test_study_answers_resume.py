@@ -15,13 +15,12 @@ from study_runs import answers_as_text, processes_of_session, small_study, start
 
 from torsionnet.cli.app import app
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.run import evaluation_log, evaluation_memory, shared_blocks
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.run import evaluation_memory, shared_blocks
 from torsionnet.study.run.answering import answer_study
-from torsionnet.study.run.evaluation_log import EvaluationLog, record_at, records
-from torsionnet.study.run.evaluation_memory import EvaluationMemory
+from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.folder_lock import LOCK
-from torsionnet.study.run.thread_pool import ThreadExecutor
+from torsionnet.study.run.process_pool import ProcessExecutor
 from torsionnet.study.run.workers import Workers
 
 FEW = ("shares", "worst", "map")
@@ -142,12 +141,6 @@ class TestSameResult:
         assert (counted, kept_bytes(tmp_path / "study")) == ([], size)
         assert not (tmp_path / "study" / LOCK).exists()
 
-    @pytest.mark.usefixtures("all_shared")
-    def test_threads(self, few, tmp_path):
-        assert answers_as_text(study_of_answers(FEW), None, Workers(threads=2)) == few
-        assert answers_as_text(study_of_answers(FEW), tmp_path / "study", Workers(threads=2)) == few
-        assert len(logs(tmp_path / "study")) == 1
-
     @pytest.mark.slow
     @pytest.mark.usefixtures("all_shared")
     @pytest.mark.parametrize("keep", [True, False])
@@ -236,12 +229,12 @@ class TestFolder:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             return append(*asked, **more)
 
-        monkeypatch.setattr(evaluation_log.EvaluationLog, "append", full)
+        monkeypatch.setattr(evaluation_memory.EvaluationLog, "append", full)
         with pytest.raises(SolveError, match="disk is full"):
             answers_as_text(study_of_answers(FEW), folder)
         assert not (folder / LOCK).exists()
         assert sum(1 for _ in records(logs(folder)[0])) == 5
-        monkeypatch.setattr(evaluation_log.EvaluationLog, "append", append)
+        monkeypatch.setattr(evaluation_memory.EvaluationLog, "append", append)
         assert answers_as_text(study_of_answers(FEW), folder) == few
 
     def test_variants_and_answers_in_one_folder(self, tmp_path, monkeypatch):
@@ -277,7 +270,7 @@ class TestKilled:
         answers_as_text(study_of_answers(FEW), tmp_path / "whole")
         whole, folder = kept_bytes(tmp_path / "whole"), tmp_path / "study"
         for share in (0.5,) if campaigns.quick else (0.02, 0.5, 0.9):
-            program = started(folder, processes, 1, "answers", *FEW)
+            program = started(folder, processes, "answers", *FEW)
             self.wait_for(folder, share * whole, program)
             assert program.poll() is None
             self.ended(program)
@@ -293,7 +286,7 @@ class TestKilled:
         while kills < 20:
             folder, study = tmp_path / f"study_{study}", study + 1
             for _ in range(50):
-                program = started(folder, chance.choice([1, 1, 2]), 1, "answers")
+                program = started(folder, chance.choice([1, 1, 2]), "answers")
                 self.wait_for(folder, kept_bytes(folder) + 1, program)
                 until = time.monotonic() + chance.uniform(0.0, 4.0)
                 while time.monotonic() < until and program.poll() is None:
@@ -323,12 +316,12 @@ def test_progress_counts_every_variant_once_and_knows_the_end_where_it_can(tmp_p
 def test_small_calls_stay_here(monkeypatch):
     """Starting processes for what is done in a moment would only cost."""
 
-    class Refusing(ThreadExecutor):
+    class Refusing(ProcessExecutor):
         def map(self, *_):
             pytest.fail("handed out")
 
-    monkeypatch.setattr("torsionnet.study.run.workers.ThreadExecutor", Refusing)
-    answers_as_text(study_of_answers(("map",)), None, Workers(threads=2))
+    monkeypatch.setattr("torsionnet.study.run.workers.ProcessExecutor", Refusing)
+    answers_as_text(study_of_answers(("map",)), None, Workers(2))
 
 
 def test_stopped_says_what_is_kept(tmp_path, monkeypatch):

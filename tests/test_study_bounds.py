@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from study_runs import small_chunks, small_study
 
-from torsionnet.study import counted_remarks, variant_block
-from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantities import counted_remarks, variant_block
+from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.reductions import histogram
 from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram

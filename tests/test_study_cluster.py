@@ -18,11 +18,10 @@ from cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, proce
 from cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.study.cluster import awaiting_workers, dask_executor, shared_folder, task_size, worker_versions
-from torsionnet.study.cluster.cluster_error import ClusterError
-from torsionnet.study.cluster.connecting import connected
-from torsionnet.study.cluster.dask_executor import TASKS_AHEAD, DaskExecutor
-from torsionnet.study.cluster.shared_folder import check_folder, trouble_with
+from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
+from torsionnet.study.run.cluster.cluster_losses import ClusterError
+from torsionnet.study.run.cluster.connecting import connected
+from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, trouble_with
 
 pytest.importorskip("distributed")
 
@@ -180,34 +179,34 @@ class TestExecutor:
 class TestWorkers:
     def test_other_versions(self, local, study_folder, monkeypatch):
         """As this process sees it the others differ."""
-        own, calls = worker_versions._of_process, []
+        own, calls = chunk_task._of_process, []
 
         def without_numba_at_first(said):
             calls.append(said)
             return {**own(said), "numba": ""} if len(calls) == 1 else own(said)
 
-        monkeypatch.setattr(worker_versions, "_of_process", without_numba_at_first)
+        monkeypatch.setattr(chunk_task, "_of_process", without_numba_at_first)
         with pytest.raises(ClusterError, match=r"worker tcp://.* has numba .*, this process has no numba"):
             list(DaskExecutor(local, study_folder).map(NoiseWork(str(study_folder)), range(3)))
         assert chunks_there(study_folder) == 0
 
     def test_many_faults(self):
         with pytest.raises(ClusterError, match=r"(?s)fault 9.*and 90 more"):
-            worker_versions.refuse_faults([f"fault {number}" for number in range(100)], "Mend them")
+            chunk_task.refuse_faults([f"fault {number}" for number in range(100)], "Mend them")
 
     def test_kinds_of_machines(self):
         def told(machine):
             return {
                 "host": {"python": "3.12.1.final.0", "machine": machine},
-                "packages": dict.fromkeys(worker_versions.PACKAGES, "1.0"),
+                "packages": dict.fromkeys(chunk_task.PACKAGES, "1.0"),
             }
 
         seen = {"client": told("arm64"), "workers": {"tcp://a:1": told("x86_64"), "tcp://b:1": told("aarch64")}}
         cluster = SimpleNamespace(get_versions=lambda **_: seen)
         with pytest.raises(ClusterError, match="tcp://a:1 is x86_64, tcp://b:1 is aarch64"):
-            worker_versions.check_versions(cluster)
+            chunk_task.check_versions(cluster)
         del seen["workers"]["tcp://b:1"]
-        worker_versions.check_versions(cluster)
+        chunk_task.check_versions(cluster)
 
     def test_folder_not_shared(self, study_folder, tmp_path):
         other = tmp_path / "other"
@@ -230,15 +229,15 @@ class TestWorkers:
         def full(_):
             raise OSError(30, "Read-only file system")
 
-        monkeypatch.setattr(shared_folder.Path, "touch", full)
+        monkeypatch.setattr(dask_executor.Path, "touch", full)
         assert "cannot be used: Read-only file system" in trouble_with(str(token), "word")
 
 
 @pytest.mark.slow
 def test_no_workers_yet_is_said_while_it_waits(tmp_path, monkeypatch):
     """A scheduler whose workers join at the third look, and what comes after their versions does not matter."""
-    monkeypatch.setattr(awaiting_workers, "LOOK_EVERY", 0.0)
-    monkeypatch.setattr(awaiting_workers, "SAID_FIRST", 0.0)
+    monkeypatch.setattr(cluster_losses, "LOOK_EVERY", 0.0)
+    monkeypatch.setattr(cluster_losses, "SAID_FIRST", 0.0)
 
     class JoinedError(Exception):
         pass
@@ -264,9 +263,9 @@ def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch):
     """All workers go while chunks are left; it is said as often as at the beginning, and others go on."""
     from distributed import Client, LocalCluster
 
-    monkeypatch.setattr(awaiting_workers, "SAID_FIRST", 0.2)
+    monkeypatch.setattr(cluster_losses, "SAID_FIRST", 0.2)
     monkeypatch.setattr(dask_executor, "LOOK_EVERY", 0.05)
-    monkeypatch.setattr(task_size, "TASK_SECONDS", 0.0)
+    monkeypatch.setattr(dask_executor, "TASK_SECONDS", 0.0)
     asked = {"processes": False, "threads_per_worker": 1, "dashboard_address": None}
     with LocalCluster(n_workers=1, **asked) as cluster, Client(cluster, set_as_default=False) as user:
         said = []
@@ -472,7 +471,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     """Workers write what they calculate, this process reads it; the answer is that of one process."""
     from study_runs import answers_as_text, study_of_answers
 
-    from torsionnet.study.evaluator import Evaluator
+    from torsionnet.study.quantities.evaluator import Evaluator
     from torsionnet.study.run import shared_blocks
     from torsionnet.study.run.workers import Workers
 
@@ -480,7 +479,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     def these(_):
         yield local
 
-    monkeypatch.setattr("torsionnet.study.cluster.connecting.connected", these)
+    monkeypatch.setattr("torsionnet.study.run.cluster.connecting.connected", these)
     monkeypatch.setattr(shared_blocks, "BEGIN", 0.0)
     monkeypatch.setattr(shared_blocks, "WORTH", 0.0)
     study = study_of_answers(("shares", "worst"))

@@ -74,13 +74,12 @@ def test_folder_is_gone_on_with(plan, tmp_path):
     assert "holds results of something else" in run(str(plan), "-o", str(folder), code=2).output
 
 
-@pytest.mark.parametrize("words", [["--threads", "2"], pytest.param(["--workers", "2"], marks=pytest.mark.slow)])
-def test_workers_change_nothing(plan, words):
-    assert run(str(plan), "--json", *words).stdout == run(str(plan), "--json").stdout
+def test_workers_change_nothing(plan):
+    assert run(str(plan), "--json", "--workers", "2").stdout == run(str(plan), "--json").stdout
 
 
 def test_workers_of_two_kinds(plan):
-    assert "give one of them" in run(str(plan), "--workers", "2", "--threads", "2", code=2).output
+    assert "give one of them" in run(str(plan), "--workers", "2", "--cluster", "local:2", code=2).output
 
 
 def test_cluster_needs_a_folder(plan):
@@ -215,5 +214,5 @@ def test_missing_extras_are_told_before_anything_is_calculated(plan, tmp_path, m
     assert "torsionnet[parquet]" in run(str(plan), "--variants", str(tmp_path / "all.parquet"), code=4).stderr
     two = "  g: {type: pareto, minimise: [f_1, z_1], population: 8}\n"
     plan.write_text(PLAN + "  z_1: {type: damping_ratio, mode: 1}\nanswers:\n" + two)
-    monkeypatch.setattr("torsionnet.study.optimum.non_dominated.find_spec", lambda _: None)
+    monkeypatch.setattr("torsionnet.study.design.pareto.find_spec", lambda _: None)
     assert "torsionnet[pareto]" in run(str(plan), code=4).stderr

@@ -8,11 +8,10 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.optimum import final_check
-from torsionnet.study.optimum.design_goals import DesignGoals, DesignObjective, DesignTarget
-from torsionnet.study.optimum.design_problem import DesignProblem
-from torsionnet.study.optimum.optimise import optimise
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.optimise import optimise
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 J_END = 0.5
 
@@ -248,18 +247,27 @@ class TestObjectives:
         said = "no design within the bounds was found that keeps all limits; this one exceeds product"
         assert said in found.sentences
 
-    def test_designs_without_a_value_are_avoided(self, monkeypatch):
-        """Nearer and nearer to where values begin, which is said where the steps do not suffice."""
+    def test_designs_without_a_value_are_avoided(self):
+        """Nearer and nearer to where values begin."""
 
         def partly(values):
             return {"z": np.where(values["x"] > 1, values["x"], np.nan)}
 
-        problem = DesignProblem((sought("x", 0.5, 0.1, 10),), smallest("z"), partly)
-        found = optimise(problem)
+        found = optimise(DesignProblem((sought("x", 0.5, 0.1, 10),), smallest("z"), partly))
         assert found.merit == pytest.approx(1, rel=2e-6)
         assert found.converged
-        monkeypatch.setattr(final_check, "ROUNDS", 1)
-        stopped = optimise(problem)
+
+    def test_a_search_that_ends_too_early_says_so(self, monkeypatch):
+        """Along the bottom of a bent gorge every step is short, and each finds a better design."""
+
+        def gorge(values):
+            x, y = np.log10(values["x"]), np.log10(values["y"])
+            return {"z": 1 + 3 * np.abs(y - x**2) + (1 - x) ** 2}
+
+        problem = DesignProblem((sought("x", 0.05, 0.01, 100), sought("y", 10, 0.01, 100)), smallest("z"), gorge)
+        assert optimise(problem).converged
+        monkeypatch.setattr("torsionnet.study.design.optimise.ROUNDS", 1)
+        stopped = optimise(problem, generations=1)
         assert not stopped.converged
         assert stopped.sentences[-1] == "the search did not settle: designs beside this one go on being better"
 

@@ -11,12 +11,11 @@ from torsionnet import plot
 from torsionnet.solve.design.levels import ReceptanceLevels
 from torsionnet.solve.design.worst_levels import WorstLevels
 from torsionnet.solve.sensitivity.parametric import parametric_response
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.optimum.conditions_damper import damper_over_conditions
-from torsionnet.study.optimum.exact_slopes import ExactSlopes
-from torsionnet.study.optimum.local_search import polished
-from torsionnet.study.quantities.damping_ratio import DampingRatio
-from torsionnet.study.quantities.natural_frequency import NaturalFrequency
+from torsionnet.study.design.conditions_damper import damper_over_conditions
+from torsionnet.study.design.design_quantities import ExactSlopes
+from torsionnet.study.design.local_search import polished
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.natural_frequency import DampingRatio, NaturalFrequency
 from torsionnet.study.quantities.response import ResponseQuantity
 from torsionnet.study.study import define
 

@@ -8,10 +8,10 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.optimum.design_goals import DesignGoals, DesignObjective
-from torsionnet.study.optimum.design_problem import DesignProblem
-from torsionnet.study.optimum.non_dominated import pareto_front
-from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.design.design_goals import DesignGoals, DesignObjective
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.pareto import pareto_front
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 
 def parameters(count, low=-1.0, high=4.0, start=3.5):

@@ -9,18 +9,18 @@ from scipy.stats import norm
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.optimum.design_goals import DesignGoals, DesignObjective, DesignTarget
-from torsionnet.study.optimum.design_problem import DesignProblem
-from torsionnet.study.optimum.design_tolerances import DesignTolerance, DesignTolerances
-from torsionnet.study.optimum.robust_design import robust_optimum
-from torsionnet.study.optimum.robust_measures import MeanAndDeviation, Rejects, SamplePercentile
-from torsionnet.study.optimum.space_tolerances import SpaceTolerances
-from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.sampling.correlation import Correlation
-from torsionnet.study.space import Space
-from torsionnet.study.variations.normal import Normal
-from torsionnet.study.variations.uniform import Uniform
-from torsionnet.study.variations.value_list import ListOfValues
+from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.design_tolerances import DesignTolerance, DesignTolerances
+from torsionnet.study.design.robust_design import robust_optimum
+from torsionnet.study.design.robust_optimum import SpaceTolerances
+from torsionnet.study.design.robust_problem import MeanAndDeviation, Rejects, SamplePercentile
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.space.correlation import Correlation
+from torsionnet.study.space.space import Space
+from torsionnet.study.space.variations.normal import Normal
+from torsionnet.study.space.variations.uniform import Uniform
+from torsionnet.study.space.variations.value_list import ListOfValues
 
 SIGMA = 0.1
 SCATTER = DesignTolerances((DesignTolerance("x", SIGMA, relative=False),))

@@ -15,9 +15,9 @@ import torsionnet as tn
 from torsionnet.core.collected_warnings import collected_warnings
 from torsionnet.core.errors import ModelError, TorsionnetWarning
 from torsionnet.model.excitations.speed_range import SpeedRange
-from torsionnet.study.measuring.peak_search import band_grid, largest
-from torsionnet.study.quantity import QUANTITIES
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.peak_search import band_grid, largest
+from torsionnet.study.quantities.quantity import QUANTITIES
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 AMT = tn.load("amt_rig").configured("II")
 DMF = tn.load("dmf_rig")

@@ -9,9 +9,9 @@ from study_blocks import columns, singly, spread, together
 
 import torsionnet as tn
 from torsionnet.response.modes import OSCILLATORY
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.measuring.mode_quantity import MIXED
-from torsionnet.study.quantity import QUANTITIES
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.natural_frequency import MIXED
+from torsionnet.study.quantities.quantity import QUANTITIES
 
 AMT = tn.load("amt_rig").configured("II")
 DMF = tn.load("dmf_rig")

@@ -12,11 +12,11 @@ import torsionnet as tn
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.excitations.speed_range import SpeedRange
-from torsionnet.study.counted_remarks import MOST_REMARKS, OTHERS
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.quantity import QUANTITIES, QuantityForm
-from torsionnet.study.user_function import function
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.counted_remarks import MOST_REMARKS, OTHERS
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.quantity import QUANTITIES, QuantityForm
+from torsionnet.study.quantities.user_function import function
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 PLANT = tn.load("marine_medium_speed")
 THREE = SpeedRange(of="fly", list=["400 rpm", "600 rpm", "750 rpm"], rated="750 rpm")

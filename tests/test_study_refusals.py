@@ -10,9 +10,9 @@ from study_runs import contents, small_study
 import torsionnet as tn
 from torsionnet.cli.app import app
 from torsionnet.core.errors import MissingExtraError, SolveError
+from torsionnet.study.quantities.user_function import function
 from torsionnet.study.run import study_folder
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.user_function import function
 
 PLAN = """\
 torsionnet: 1

@@ -19,7 +19,6 @@ from torsionnet.study.run import calculating, folder_lock, study_record, workloa
 from torsionnet.study.run.folder_lock import LOCK, locked
 from torsionnet.study.run.process_pool import DEATHS, ProcessExecutor
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.thread_pool import ThreadExecutor
 
 CHUNKS = 2 * VARIANTS // CHUNK
 
@@ -62,11 +61,6 @@ def kill(program):
 
 
 class TestSameBytes:
-    def test_threads(self, whole, tmp_path):
-        run_study(small_study(), tmp_path / "study", executor=ThreadExecutor(2))
-        assert contents(tmp_path / "study") == contents(whole)
-
-    @pytest.mark.slow
     def test_processes(self, whole, tmp_path):
         run_study(small_study(), tmp_path / "study", executor=ProcessExecutor(2))
         assert contents(tmp_path / "study") == contents(whole)
@@ -220,10 +214,10 @@ class TestLock:
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="asks the system for its processes")
 class TestKilled:
     @pytest.mark.slow
-    @pytest.mark.parametrize(("processes", "threads"), [(1, 1), pytest.param(2, 1, marks=pytest.mark.slow)])
-    def test_client(self, whole, tmp_path, processes, threads):
+    @pytest.mark.parametrize("processes", [1, 2])
+    def test_client(self, whole, tmp_path, processes):
         folder = tmp_path / "study"
-        program = started(folder, processes, threads)
+        program = started(folder, processes)
         wait_for_chunks(folder, 5)
         kill(program)
         assert (folder / LOCK).exists()
@@ -251,7 +245,7 @@ class TestKilled:
         while kills < 100:
             folder, study = tmp_path / f"study_{study}", study + 1
             for _ in range(50):
-                program = started(folder, 1, rng.choice([1, 2]))
+                program = started(folder, rng.choice([1, 2]))
                 wait_for_chunks(folder, 0)
                 wait = time.monotonic() + rng.uniform(0.0, 0.3)
                 while time.monotonic() < wait and program.poll() is None:

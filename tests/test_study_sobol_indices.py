@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import qmc, sobol_indices
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.study.answers.sobol_estimates import sobol_estimates
+from torsionnet.study.answers.sobol_indices import sobol_estimates
 
 FIRST, TOTAL = np.array([0.31390519, 0.44241114, 0.0]), np.array([0.55758886, 0.44241114, 0.24368366])
 

@@ -13,21 +13,20 @@ from scipy import stats
 from scipy.stats import qmc
 
 import torsionnet as tn
-import torsionnet.study.sampling.sampling_points as sampling_points
+import torsionnet.study.space.sampling_points as sampling_points
 from torsionnet.core.errors import ModelError
-from torsionnet.study.sampling.correlation import Correlation
-from torsionnet.study.sampling.keyed_permutation import permuted
-from torsionnet.study.sampling.nataf import CorrelationOfPair, HermiteSeries
-from torsionnet.study.sampling.samples import Samples
-from torsionnet.study.sampling.sampling_points import LatinHypercubePoints
-from torsionnet.study.space import Space
-from torsionnet.study.space_in_configurations import faults_in
-from torsionnet.study.variations.lognormal import Lognormal, LognormalMarginal
-from torsionnet.study.variations.normal import Normal, NormalMarginal
-from torsionnet.study.variations.triangle import Triangular
-from torsionnet.study.variations.uniform import Uniform, UniformMarginal
-from torsionnet.study.variations.value_list import ListOfValues
-from torsionnet.study.variations.value_range import ValueRange
+from torsionnet.study.examined_study import faults_in
+from torsionnet.study.space.correlation import Correlation
+from torsionnet.study.space.correlation_matrix import CorrelationOfPair, HermiteSeries
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.sampling_points import LatinHypercubePoints, permuted
+from torsionnet.study.space.space import Space
+from torsionnet.study.space.variations.lognormal import Lognormal, LognormalMarginal
+from torsionnet.study.space.variations.normal import Normal, NormalMarginal
+from torsionnet.study.space.variations.triangle import Triangular
+from torsionnet.study.space.variations.uniform import Uniform, UniformMarginal
+from torsionnet.study.space.variations.value_list import ListOfValues
+from torsionnet.study.space.variations.value_range import ValueRange
 
 RIG = tn.load("amt_rig")
 METHODS = ("random", "latin_hypercube", "sobol")
@@ -373,7 +372,7 @@ def test_round_trip():
 
 def test_schema_and_reader_agree():
     jsonschema = pytest.importorskip("jsonschema")
-    from torsionnet.study.space_entries import SpaceEntries
+    from torsionnet.study.space.space_entries import SpaceEntries
 
     schema = {**SpaceEntries.schema(), "$defs": SpaceEntries.definitions()}
     jsonschema.validate(RAW, schema)

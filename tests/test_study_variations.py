@@ -11,16 +11,15 @@ from scipy import stats
 import torsionnet as tn
 from torsionnet.core.errors import ModelError
 from torsionnet.core.units import DIMENSIONS
-from torsionnet.study.variations.grid_axis import GridAxis
-from torsionnet.study.variations.lognormal import Lognormal
-from torsionnet.study.variations.nominal import Nominal, NominalReader, nominals
-from torsionnet.study.variations.normal import Normal, NormalMarginal
-from torsionnet.study.variations.triangle import Triangular
-from torsionnet.study.variations.truncated import TruncatedMarginal
-from torsionnet.study.variations.uniform import Uniform
-from torsionnet.study.variations.value_list import ListOfValues
-from torsionnet.study.variations.value_range import ValueRange
-from torsionnet.study.variations.variation import VARIATIONS
+from torsionnet.study.space.variations.lognormal import Lognormal
+from torsionnet.study.space.variations.nominal import Nominal, NominalReader, nominals
+from torsionnet.study.space.variations.normal import Normal, NormalMarginal
+from torsionnet.study.space.variations.triangle import Triangular
+from torsionnet.study.space.variations.truncated import TruncatedMarginal
+from torsionnet.study.space.variations.uniform import Uniform
+from torsionnet.study.space.variations.value_list import ListOfValues
+from torsionnet.study.space.variations.value_range import ValueRange
+from torsionnet.study.space.variations.variation import VARIATIONS, GridAxis
 
 STIFFNESS = Nominal("k", 500.0, DIMENSIONS["stiffness"], "N*m/rad")
 SHARES = np.array([1e-12, 1e-6, 0.01, 0.2, 0.5, 0.7, 0.99, 1 - 1e-6])

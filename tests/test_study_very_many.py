@@ -15,10 +15,9 @@ from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.study import define, run_study, study_result
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitBits, LimitCounts
-from torsionnet.study.run import kept_part, workload
-from torsionnet.study.run.kept_part import kept_every
+from torsionnet.study.run import chunks, workload
+from torsionnet.study.run.chunks import kept_every
 from torsionnet.study.run.process_pool import ProcessExecutor
-from torsionnet.study.run.thread_pool import ThreadExecutor
 
 DRAWS, CHUNK = 301, 37
 J, K = 0.2, 8000.0
@@ -89,7 +88,7 @@ def many_chunks(monkeypatch):
 @pytest.fixture
 def few_kept(monkeypatch):
     """Of a study with more than 2000 values a part is kept."""
-    monkeypatch.setattr(kept_part, "KEPT_VALUES", 2000)
+    monkeypatch.setattr(chunks, "KEPT_VALUES", 2000)
 
 
 @pytest.fixture(scope="module")
@@ -208,11 +207,6 @@ class TestSameBytes:
         return tmp_path / "whole"
 
     @pytest.mark.slow
-    def test_threads(self, folder, tmp_path):
-        run_study(study(), tmp_path / "other", executor=ThreadExecutor(2))
-        assert contents(tmp_path / "other") == contents(folder)
-
-    @pytest.mark.slow
     def test_processes(self, folder, tmp_path):
         run_study(study(), tmp_path / "other", executor=ProcessExecutor(2))
         assert contents(tmp_path / "other") == contents(folder)
@@ -284,7 +278,7 @@ class TestPart:
     @pytest.mark.parametrize("limit", [*range(5_000_000, 11_000_000, 1_000_000)])
     def test_no_step_goes_along_with_an_axis_or_a_sobol_sequence(self, monkeypatch, limit):
         """Every value of a list, and both halves of every parameter, come about equally often in the part."""
-        monkeypatch.setattr(kept_part, "KEPT_VALUES", limit)
+        monkeypatch.setattr(chunks, "KEPT_VALUES", limit)
         values = [(0.9 + 0.01 * n) * J for n in range(15)]
         vary = {"k": VARY["k"], "J": {"type": "list", "values": values}, "c": VARY["c"]}
         one = study(vary=vary, sampling={"method": "sobol", "count": 2**20})
@@ -296,7 +290,7 @@ class TestPart:
         assert 0.4 < np.mean(np.array(first) < 27.5) < 0.6
 
     def test_a_list_that_changes_from_variant_to_variant(self, monkeypatch):
-        monkeypatch.setattr(kept_part, "KEPT_VALUES", 54)
+        monkeypatch.setattr(chunks, "KEPT_VALUES", 54)
         vary = {
             "J": {"type": "range", "low": 0.1, "high": 0.3, "count": 9},
             "c": {"type": "range", "low": 1, "high": 9, "count": 15},

@@ -8,7 +8,7 @@ import torsionnet as tn
 from torsionnet.core.errors import ModelError
 from torsionnet.io.fmu.motion import trace_motion
 from torsionnet.solve.sensitivity import mode_sensitivities
-from torsionnet.study.quantity import QUANTITIES
+from torsionnet.study.quantities.quantity import QUANTITIES
 
 SLIP = [["0 rad/s", "200 N*m"], ["10 rad/s", "190 N*m"], ["30 rad/s", "185 N*m"]]
 STAGES = [

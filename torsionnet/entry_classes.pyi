@@ -4,24 +4,24 @@ from torsionnet.core.entries.accepted import Entries, NumberByNumber, Scalar, Wh
 from typing import Literal
 from torsionnet.model.bench.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
-from torsionnet.study.sampling.correlation import Correlation as _Correlation
+from torsionnet.study.space.correlation import Correlation as _Correlation
 from torsionnet.model.bench.parts import Encoder as _Encoder
 from torsionnet.model.bench.parts import Exciter as _Exciter
 from torsionnet.signals.excitation.sweeps import LinearChirp as _LinearChirp
-from torsionnet.study.variations.value_list import ListOfValues as _ListOfValues
+from torsionnet.study.space.variations.value_list import ListOfValues as _ListOfValues
 from torsionnet.signals.excitation.sweeps import LogarithmicSweep as _LogarithmicSweep
-from torsionnet.study.variations.lognormal import Lognormal as _Lognormal
+from torsionnet.study.space.variations.lognormal import Lognormal as _Lognormal
 from torsionnet.signals.excitation.broadband import Multisine as _Multisine
-from torsionnet.study.variations.normal import Normal as _Normal
+from torsionnet.study.space.variations.normal import Normal as _Normal
 from torsionnet.model.operating_point import OperatingPoint as _OperatingPoint
 from torsionnet.model.parameters import Parameter as _Parameter
 from torsionnet.model.bench.plan import Plan as _Plan
-from torsionnet.study.sampling.samples import Samples as _Samples
+from torsionnet.study.space.samples import Samples as _Samples
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
 from torsionnet.model.bench.parts import Transducer as _Transducer
-from torsionnet.study.variations.triangle import Triangular as _Triangular
-from torsionnet.study.variations.uniform import Uniform as _Uniform
-from torsionnet.study.variations.value_range import ValueRange as _ValueRange
+from torsionnet.study.space.variations.triangle import Triangular as _Triangular
+from torsionnet.study.space.variations.uniform import Uniform as _Uniform
+from torsionnet.study.space.variations.value_range import ValueRange as _ValueRange
 
 class Acquisition(_Acquisition):
     r"""Sampling of all channels at once.

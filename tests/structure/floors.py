@@ -44,6 +44,7 @@ FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in no
     "cli": ("", "commands"),
     "plot": ("drawing", "schematic", "", "study"),
     "identification": ("residuals", ""),
+    "study": ("space", "quantities", "reductions", "answers", "design", "", "run"),
     "symbolic": ("algebra", ""),
     "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
     "model": ("element_base", "elements"),

@@ -14,26 +14,27 @@ T = TypeVar("T")
 class TypeRegister(MutableMapping[str, T], Generic[T]):
     """Kind -> type, in the order of the kinds, whatever the order in which files were imported.
 
-    A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name; where
-    there is none, out of the first family that has it. Only if no family has, and when all kinds are listed, every file
-    of the package is imported.
+    A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name, or of
+    the one whose name begins with the kind and ``_of_``; where there is none, out of the first family that has it. Only
+    if no family has, and when all kinds are listed, every file of the packages is imported.
 
     Parameters
     ----------
-    package : str
-        Full name of the package.
+    packages : str or sequence of str
+        Full names of the packages.
     families : sequence of str
         Files with several types, those first that are asked for most.
     """
 
-    def __init__(self, package: str, families: Sequence[str] = ()) -> None:
-        self.package = package
+    def __init__(self, packages: str | Sequence[str], families: Sequence[str] = ()) -> None:
+        self.packages = (packages,) if isinstance(packages, str) else tuple(packages)
         self.families = families
         self._types: dict[str, T] = {}
 
     def __getitem__(self, kind: str) -> T:
         if kind not in self._types:
-            for file in (kind,) if kind in self._files else self.families:
+            own = [file for file in self._files if file == kind or file.startswith(f"{kind}_of_")]
+            for file in own or self.families:
                 self._import(file)
                 if kind in self._types:
                     break
@@ -56,13 +57,17 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
         return len(self._types)
 
     @cached_property
-    def _files(self) -> tuple[str, ...]:
-        path = importlib.import_module(self.package).__path__
-        return tuple(sorted(module.name for module in pkgutil.iter_modules(path)))
+    def _files(self) -> dict[str, str]:
+        """File -> package that it is in."""
+        return {
+            module.name: package
+            for package in self.packages
+            for module in pkgutil.iter_modules(importlib.import_module(package).__path__)
+        }
 
     def _import(self, file: str) -> None:
-        importlib.import_module(f"{self.package}.{file}")
+        importlib.import_module(f"{self._files[file]}.{file}")
 
     def _import_all(self) -> None:
-        for file in self._files:
+        for file in sorted(self._files):
             self._import(file)

@@ -7,12 +7,12 @@ from torsionnet.entry_classes import Samples as Samples
 from torsionnet.entry_classes import Triangular as Triangular
 from torsionnet.entry_classes import Uniform as Uniform
 from torsionnet.entry_classes import ValueRange as ValueRange
+from torsionnet.study.design.conditions_damper import damper_over_conditions as damper_over_conditions
 from torsionnet.study.loading_study import load_study as load_study
-from torsionnet.study.optimum.conditions_damper import damper_over_conditions as damper_over_conditions
 from torsionnet.study.run.answering import answer_study as answer_study
 from torsionnet.study.run.run_chunks import run_study as run_study
 from torsionnet.study.run.workers import Workers as Workers
-from torsionnet.study.space import Space as Space
+from torsionnet.study.space.space import Space as Space
 from torsionnet.study.study import Study as Study
 from torsionnet.study.study import define as define
 from torsionnet.study.study_result import StudyResult as StudyResult

@@ -2,21 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.quantity import StudyQuantity
-from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.sampling.correlation import Correlation, name_faults
-from torsionnet.study.space import Space
-from torsionnet.study.space_entries import SpaceEntries
-from torsionnet.study.space_in_configurations import faults_in
+from torsionnet.model.model import Model
+from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer
+from torsionnet.study.answers.asking import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
+from torsionnet.study.quantities.quantity import StudyQuantity
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.space.correlation import Correlation, name_faults
+from torsionnet.study.space.space import Space
+from torsionnet.study.space.space_entries import SpaceEntries
+from torsionnet.study.space.variations.variation import Variation
 from torsionnet.study.study_file import StudyEntries, chosen_configurations
 from torsionnet.study.study_fit import lacking, taken_names, unknown_limits, wrong_units
-from torsionnet.study.variations.variation import Variation
+
+
+def faults_in(space: Space, models: Mapping[str, Model]) -> list[Fault]:
+    """What is found in configurations besides what the space knows, and where these have no effect.
+
+    Parameters
+    ----------
+    space : Space
+    models : mapping
+        The model in each configuration, by its name.
+    """
+    known = {(fault.path, fault.message) for fault in space.remarks}
+    faults: list[Fault] = []
+    spaces: dict[str, Space] = {}
+    for name, model in models.items():
+        there, found = Space.of(space.entries, model)
+        faults += [replace(one, configuration=name) for one in found if (one.path, one.message) not in known]
+        if there is not None:
+            spaces[name] = there
+    return faults + _overruled(spaces)
+
+
+def _overruled(spaces: Mapping[str, Space]) -> list[Fault]:
+    """Parameters to which configurations give values of their own, all of which a variation replaces by the same."""
+    names = next(iter(spaces.values())).names if spaces else ()
+    faults = []
+    for name in names:
+        own = {space.nominal[name] for space in spaces.values()}
+        taken = {_typical(space, name) for space in spaces.values()}
+        if len(own) > 1 and len(taken) == 1:
+            text = f"{name} has values of its own in {', '.join(spaces)}, and this variation gives it the same in all"
+            faults.append(
+                Fault(f"{text}; in percent, as -10 %, it is relative to each of them", ("vary", name), "warning")
+            )
+    return faults
+
+
+def _typical(space: Space, name: str) -> tuple[float, ...]:
+    if name in space.grid:
+        axis = space.grid[name]
+        return axis.low, axis.high
+    return tuple(space.marginals[name].ppf(np.array([0.1, 0.9])).tolist())
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,3 +167,49 @@ def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
 
 def _errors(faults: list[Fault]) -> bool:
     return any(fault.severity == "error" for fault in faults)
+
+
+def misnamed_in_answers(read: ExaminedStudy) -> list[Fault]:
+    """Names that the study does not have, in answers with other faults too; what is named may have faults itself."""
+    known = {
+        QUANTITY: read.named("quantities"),
+        LIMIT: read.named("limits"),
+        VARIED: read.named("vary"),
+        PARAMETER: list(read.model.parameters),
+        CONFIGURATION: list(read.configurations),
+    }
+    faults = []
+    for name, raw in _answers(read.given):
+        kind, entries = _kind_and_entries(raw)
+        if kind is not None:
+            faults += [fault.under("answers", name) for fault in misnamed(kind.naming, entries, known)]
+    return faults
+
+
+def _answers(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    answers = given.get("answers")
+    if isinstance(answers, Mapping):
+        yield from answers.items()
+
+
+def _kind_and_entries(raw: object) -> tuple[type[StudyAnswer] | None, Mapping[str, Any]]:
+    """The class of an answer and its entries, as they are written or as Python made them."""
+    if isinstance(raw, StudyAnswer):
+        return type(raw), {key: getattr(raw, key, None) for key in raw.naming}
+    if not isinstance(raw, Mapping):
+        return None, {}
+    kind = raw.get("type")
+    return (ANSWERS[kind], raw) if isinstance(kind, str) and kind in ANSWERS else (None, {})
+
+
+def unfit_answers(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_whole: bool) -> list[Fault]:
+    """What does not fit in answers that could be read.
+
+    Of a study that is not whole they are told what is wrong with single entries only: what an answer lacks altogether
+    may be what has a fault.
+    """
+    faults = [fault.under("answers", name) for name, one in answers.items() for fault in one.unfit(study)]
+    return faults if is_whole else [fault for fault in faults if len(fault.path) > 2]
+
+
+RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}

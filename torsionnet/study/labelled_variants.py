@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.study.quantity_summary import Summary
+from torsionnet.study.reductions.quantity_summary import Summary
 
 Cases = Mapping[tuple[str, str], FloatArray]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import CELSIUS, UnitError, parse_unit
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.asking import measure_of, units_of
-from torsionnet.study.quantity_value import ValueInUnit
-from torsionnet.study.variations.variation import Variation
+from torsionnet.study.quantities.quantity_limit import ValueInUnit
+from torsionnet.study.space.variations.variation import Variation
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,12 @@ from typing import Any
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
-from torsionnet.study.answer import StudyAnswer
-from torsionnet.study.answer_fit import misnamed_in_answers, unfit_answers
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.examined_study import examined
-from torsionnet.study.quantity import StudyQuantity
-from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.space import Space
+from torsionnet.study.answers.answer import StudyAnswer
+from torsionnet.study.examined_study import examined, misnamed_in_answers, unfit_answers
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.quantity import StudyQuantity
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
 
 COMPILED = 2000

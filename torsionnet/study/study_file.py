@@ -15,13 +15,13 @@ from torsionnet.core.entries.words import MODEL_NAME, Text
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.model import Model
 from torsionnet.model.report.report_plan import ConfigurationName
-from torsionnet.study.answer import ANSWERS, StudyAnswer
-from torsionnet.study.quantity import QUANTITIES, StudyQuantity
-from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.sampling.correlation import Correlation
-from torsionnet.study.sampling.samples import Samples
-from torsionnet.study.space_entries import CORRELATION, SAMPLING, VARY, SpaceEntries
-from torsionnet.study.variations.variation import Variation
+from torsionnet.study.answers.answer import ANSWERS, StudyAnswer
+from torsionnet.study.quantities.quantity import QUANTITIES, StudyQuantity
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.space.correlation import Correlation
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.space_entries import CORRELATION, SAMPLING, VARY, SpaceEntries
+from torsionnet.study.space.variations.variation import Variation
 
 ALL = "all"
 _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all, or a list of names")

@@ -8,9 +8,8 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.quantity import StudyQuantity
-from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.quantity_value import wrong_unit
+from torsionnet.study.quantities.quantity import StudyQuantity
+from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit
 
 RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}
 

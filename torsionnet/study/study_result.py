@@ -19,11 +19,11 @@ from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Column, Table
-from torsionnet.study.kept_values import KeptValues
 from torsionnet.study.labelled_variants import labelled_variants
-from torsionnet.study.limit_totals import LimitTotals
-from torsionnet.study.quantity_summary import Summary
 from torsionnet.study.reductions.histogram import ACCURACY
+from torsionnet.study.reductions.kept_values import KeptValues
+from torsionnet.study.reductions.limit_counts import LimitTotals
+from torsionnet.study.reductions.quantity_summary import Summary
 from torsionnet.study.study import Study
 
 SHOWN = (2.5, 50.0, 97.5)

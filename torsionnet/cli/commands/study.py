@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from torsionnet.response import Table
-    from torsionnet.study.answer import Conclusion, Conclusions
+    from torsionnet.study.answers.answer import Conclusion, Conclusions
     from torsionnet.study.run.answering import AnsweredStudy
     from torsionnet.study.run.workload import Workload
     from torsionnet.study.study import Study
@@ -52,7 +52,6 @@ class StudyCommand(Command):
         "-o", "--output-folder", type=OutputFolder(), help="Keep every part of the result as soon as it is done."
     )
     processes: int = option("--workers", type=click.IntRange(1), default=1, help="Processes; default: 1.")
-    threads: int = option("--threads", type=click.IntRange(1), default=1, help="Threads instead of processes.")
     cluster: str = option(
         "--cluster",
         metavar="WHERE",
@@ -95,7 +94,6 @@ class StudyCommand(Command):
 
         workers = Workers(
             self.processes,
-            self.threads,
             self.cluster,
             announce=lambda link: message("dashboard", link),
             waiting=lambda text: message("note", text),
@@ -109,7 +107,7 @@ class StudyCommand(Command):
                     progress=lambda done, total: show("calculating", done, total),
                     answering=lambda name, done, total: show(name, done, total, _counted(name, done)),
                     announce=_announce,
-                    longest=float("inf") if self.anyway else LONGEST * workers.count,
+                    longest=float("inf") if self.anyway else LONGEST * workers.processes,
                 )
             except KeyboardInterrupt:
                 message("note", _kept(self._place))
@@ -202,7 +200,7 @@ def _as_data(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
 def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:
     from torsionnet.core.errors import UsageError
-    from torsionnet.study.run.no_variants import no_variants
+    from torsionnet.study.run.run_chunks import no_variants
 
     if result is None:
         raise UsageError(no_variants(study.space))

@@ -36,8 +36,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.map_of_study import MapFound
-    from torsionnet.study.answers.parameter_map import ParameterMap
+    from torsionnet.study.answers.map_of_study import MapFound, ParameterMap
 
 LINES = 9
 COLOURS = 64

@@ -12,11 +12,11 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.plot.study.study_axes import axis_label, by_factors, is_wide, key_below, named_rows, told_rows
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.optimum.conditions_damper import DamperOverConditions
-from torsionnet.study.optimum.design_goals import DesignObjective
-from torsionnet.study.optimum.design_optimum import DesignOptimum
-from torsionnet.study.optimum.pareto_front import ParetoFront
-from torsionnet.study.optimum.robust_design import RobustOptimum
+from torsionnet.study.design.conditions_damper import DamperOverConditions
+from torsionnet.study.design.design_goals import DesignObjective
+from torsionnet.study.design.design_optimum import DesignOptimum
+from torsionnet.study.design.pareto_front import ParetoFront
+from torsionnet.study.design.robust_design import RobustOptimum
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 WIDE = 3.0

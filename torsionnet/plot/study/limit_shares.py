@@ -14,8 +14,8 @@ from torsionnet.plot.study.study_axes import BEYOND, axis_label, key, key_beside
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.limited_values import LimitedValues
-    from torsionnet.study.answers.yield_found import YieldFound
+    from torsionnet.study.answers.draws_beyond import LimitedValues
+    from torsionnet.study.answers.yield_of_limits import YieldFound
 
 ROOM = 0.05
 """Of the width of all values and of the limits that are no farther off than that width; others are only told of."""

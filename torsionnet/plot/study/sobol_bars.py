@@ -15,8 +15,7 @@ from torsionnet.plot.study.study_axes import bar_key, named_rows, say, study_bar
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.sobol_estimates import SobolEstimates
-    from torsionnet.study.answers.sobol_indices import SobolFound
+    from torsionnet.study.answers.sobol_indices import SobolEstimates, SobolFound
 
 HEIGHT = 0.36
 MOST_PARAMETERS = 12

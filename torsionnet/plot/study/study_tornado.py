@@ -24,8 +24,7 @@ from torsionnet.plot.study.study_axes import (
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.one_at_a_time import Swings
-    from torsionnet.study.answers.tornado_of_study import TornadoFound
+    from torsionnet.study.answers.tornado_of_study import Swings, TornadoFound
 
 MOST_PARAMETERS = 12
 

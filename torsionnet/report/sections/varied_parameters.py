@@ -11,7 +11,7 @@ from torsionnet.report.document_tree import Cell, Heading, NumberText, TableBloc
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import named, named_first, unit
 from torsionnet.study.shown_units import ShownUnits
-from torsionnet.study.variations.nominal import NominalReader, nominals
+from torsionnet.study.space.variations.nominal import NominalReader, nominals
 
 if TYPE_CHECKING:
     from torsionnet.study.study import Study

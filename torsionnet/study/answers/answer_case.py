@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.asking import case_label
-from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.space import Space
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.space.space import Space
+
+OfPoints = Callable[[FloatArray], FloatArray]
+"""Values (n,) at points (n, d): of the unit cube, or of standard normal space."""
+
+OfVariants = Callable[[Mapping[str, FloatArray]], FloatArray]
+"""Values (n,) of variants with parameters (n,) by name."""
 
 
 @dataclass(frozen=True, eq=False)

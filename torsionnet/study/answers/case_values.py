@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.answer import AskedStudy, VariantValues
+from torsionnet.study.answers.answer import AskedStudy, VariantValues
 from torsionnet.study.answers.asking import case_label
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.answers.point_functions import OfPoints
+from torsionnet.study.answers.answer_case import OfPoints
 
 STEP = 1e-3
 """Of numerical slopes, in standard deviations."""

@@ -7,26 +7,55 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import LIMIT
-from torsionnet.study.answers.answer_case import answer_cases
-from torsionnet.study.answers.asking import distribution_faults, limit_faults, limit_words
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
+from torsionnet.study.answers.asking import LIMIT, distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion
-from torsionnet.study.answers.failure_margin import failure_margin
 from torsionnet.study.answers.importance_sampling import FEWEST, importance_sampling
-from torsionnet.study.answers.point_functions import OfPoints
 from torsionnet.study.answers.rare_event import RareEvent
-from torsionnet.study.answers.subset_levels import LENGTH
-from torsionnet.study.answers.subset_sampling import subset_sampling
+from torsionnet.study.answers.subset_sampling import LENGTH, subset_sampling
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoints:
+    """The smallest distance to a limit, over the size of that limit: not above 0 where one of them is not kept."""
+    names = tuple(limits)
+
+    def margin(points: FloatArray) -> FloatArray:
+        found = case.calculated(case.space.from_standard_normal(points), names)
+        return np.asarray(np.min([distance(limits[name], found[name]) for name in names], axis=0))
+
+    return margin
+
+
+def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
+    """Of values (n,), or the worst of a curve (n, n_points), to the nearer side of their limit, over its size.
+
+    NaN where there is no value.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> distance(QuantityLimit(below=4.0, above=1.0), np.array([2.0, 5.0])).tolist()
+    [0.25, -0.25]
+    """
+    sides = [(1, limit.above), (-1, limit.below)]
+    size = max(abs(side) for _, side in sides if side is not None) or 1.0
+    found = np.min([sign * (values - side) / size for sign, side in sides if side is not None], axis=0)
+    return np.asarray(found if found.ndim == 1 else found.min(axis=1))
+
 
 IMPORTANCE, SUBSET = "importance", "subset"
 DEFAULT_COUNT = {IMPORTANCE: 100_000, SUBSET: 1000}

@@ -14,11 +14,10 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import QUANTITY
-from torsionnet.study.answers.asking import case_label, measure_of
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.asking import QUANTITY, case_label, measure_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
-from torsionnet.study.quantity import QuantityForm
+from torsionnet.study.quantities.quantity import QuantityForm
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

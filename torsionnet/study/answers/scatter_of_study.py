@@ -13,17 +13,63 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, SolveError
 from torsionnet.response.table import Column, Table
-from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answer_names import QUANTITY
-from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.asking import QUANTITY, chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
-from torsionnet.study.answers.rank_correlations import RankCorrelations, rank_correlations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+FEWEST = 10
+
+
+@dataclass(frozen=True, eq=False)
+class RankCorrelations:
+    """Spearman's coefficients (d,), the ends of their intervals, and the number of variants with a value.
+
+    A parameter that is the same in all variants has none (NaN).
+    """
+
+    coefficients: FloatArray
+    low: FloatArray
+    high: FloatArray
+    count: int
+
+
+def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: float = 0.95) -> RankCorrelations:
+    """Spearman's coefficients of parameters (n, d) and values (n,), with the intervals of Bonett and Wright.
+
+    These are Fisher's with a standard error of sqrt((1 + r^2/2)/(n - 3)).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = np.linspace(0, 1, 50)
+    >>> rank_correlations(np.column_stack([x, 1 - x]), np.exp(x)).coefficients.round(6).tolist()
+    [1.0, -1.0]
+    """
+    from scipy.special import ndtri
+    from scipy.stats import rankdata
+
+    known = np.isfinite(values)
+    count = int(known.sum())
+    if count < FEWEST:
+        raise SolveError(f"{count} variants have a value; rank correlations take {FEWEST} or more")
+    ranks = rankdata(np.column_stack([parameters[known], values[known]]), axis=0)
+    ranks -= ranks.mean(axis=0)
+    sizes = np.sqrt((ranks**2).sum(axis=0))
+    products = (ranks[:, :-1] * ranks[:, -1:]).sum(axis=0)
+    found = np.full(len(products), np.nan)
+    np.divide(products, sizes[:-1] * sizes[-1], out=found, where=sizes[:-1] * sizes[-1] > 0)
+    found = np.clip(found, -1, 1)
+    half = float(ndtri((1 + confidence) / 2)) * np.sqrt((1 + found**2 / 2) / (count - 3))
+    with np.errstate(divide="ignore"):
+        middle = np.arctanh(found)
+    return RankCorrelations(found, np.tanh(middle - half), np.tanh(middle + half), count)
+
 
 SHOWN = 100_000
 """Variants in a picture."""

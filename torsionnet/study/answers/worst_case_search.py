@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
-from torsionnet.study.answers.point_functions import OfPoints
+from torsionnet.study.answers.answer_case import OfPoints
 
 MOST_CORNERS = 10
 """Parameters up to which all corners are tried."""

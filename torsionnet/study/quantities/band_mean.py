@@ -12,9 +12,9 @@ from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.transfer_quantity import TransferQuantity
-from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.transfer_quantity import TransferQuantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @register_quantity

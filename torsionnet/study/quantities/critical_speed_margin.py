@@ -18,10 +18,10 @@ from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.excitations.speed_range import SpeedBand
 from torsionnet.solve.running.critical_speeds import excited_frequencies, excited_lines, order_margins
 from torsionnet.solve.running.order_response import with_motions_held
-from torsionnet.study.measuring.speed_quantity import speed_words
-from torsionnet.study.measuring.transfer_quantity import refusal
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.speed_quantity import speed_words
+from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @register_quantity

@@ -17,8 +17,8 @@ from torsionnet.core.expression_reading import parse_expression
 from torsionnet.core.expressions import Algebra, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
 

@@ -17,12 +17,11 @@ from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
-from torsionnet.study.measuring.largest_orders import largest_orders
-from torsionnet.study.measuring.order_responses import order_responses
-from torsionnet.study.measuring.speed_quantity import SpeedQuantity
-from torsionnet.study.measuring.transfer_quantity import refusal
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.largest_orders import largest_orders, order_responses
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.speed_quantity import SpeedQuantity
+from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 SIZES: Mapping[str, Callable[[OrderResponse], FloatArray]] = {
     "half_range": lambda run: run.half_range[:, 0],

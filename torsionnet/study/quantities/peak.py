@@ -3,13 +3,50 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.band import Band
+from torsionnet.core.entries.spec import entry
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.peak_quantity import PeakQuantity
-from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.peak_search import CANDIDATES, POINTS, FoundPeaks, band_grid, largest
+from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.transfer_quantity import TransferQuantity
+from torsionnet.study.quantities.variant_block import VariantBlock
+
+if TYPE_CHECKING:
+    from torsionnet.study.quantities.variant_block import VariantBlock
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeakQuantity(TransferQuantity):
+    """Base of the quantities of the largest magnitude in a band."""
+
+    kind: ClassVar[str] = "peak in a band"
+
+    band: tuple[float, float] = entry(Band("where it is looked for"))
+
+    @property
+    def where(self) -> str:
+        """The band, in words."""
+        return f"from {self.band[0]:g} to {self.band[1]:g} Hz"
+
+    def peaks(self, block: VariantBlock) -> FoundPeaks:
+        """Of every variant; searched once for all quantities of this band."""
+        return block.once(("peaks", self.output, self.input, self.excitation, self.band), lambda: self._searched(block))
+
+    def _searched(self, block: VariantBlock) -> FoundPeaks:
+        grid = band_grid(*self.band)
+        found = FoundPeaks(np.empty(len(block)), np.empty(len(block)))
+        for which, part in block.parts(max(len(grid), CANDIDATES * POINTS)):
+            found.magnitude[which], found.frequency[which] = largest(partial(self._magnitude, part), grid)
+        return found
+
+    def _magnitude(self, block: VariantBlock, frequencies: FloatArray) -> FloatArray:
+        return np.abs(self.values(block, frequencies))
 
 
 @register_quantity
@@ -45,3 +82,22 @@ class PeakMagnitude(PeakQuantity):
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         return self.peaks(block).magnitude[:, None]
+
+
+@register_quantity
+@dataclass(frozen=True, kw_only=True)
+class PeakFrequency(PeakQuantity):
+    """Frequency of the largest magnitude of a transfer function in a band."""
+
+    kind: ClassVar[str] = "peak_frequency"
+
+    @property
+    def asked(self) -> str:
+        return f"frequency of the largest magnitude of {self.quotient} {self.where}"
+
+    def measure(self, model: Drivetrain) -> QuantityForm:
+        del model
+        return QuantityForm("Hz")
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        return self.peaks(block).frequency[:, None]

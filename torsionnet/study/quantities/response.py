@@ -4,20 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from itertools import pairwise
+from typing import Any, ClassVar
 
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.entries.band import Band
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, present, under
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.frequency_list import FrequencyList
-from torsionnet.study.measuring.transfer_quantity import TransferQuantity
-from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.transfer_quantity import TransferQuantity
+from torsionnet.study.quantities.variant_block import VariantBlock
+
+_FREQUENCY = Value("a frequency", "frequency", below=1e9)
+
+
+class FrequencyList(Spec[tuple[float, ...]]):
+    """A frequency, or a list of them that rises; stored in Hz."""
+
+    def coerce(self, raw: object) -> tuple[float, ...]:
+        if not isinstance(raw, list | tuple):
+            return (_FREQUENCY.coerce(raw),)
+        found = tuple(under(place, _FREQUENCY, one) for place, one in enumerate(raw))
+        if not found or any(second <= first for first, second in pairwise(found)):
+            raise EntryError(f"expected a frequency or a list of frequencies that rises, got {raw!r}")
+        return found
+
+    def plain(self, value: Any) -> Any:
+        return [f"{one!r} Hz" for one in value] if len(value) > 1 else f"{value[0]!r} Hz"
+
+    def schema(self) -> Schema:
+        one_or_more: list[Json] = [SCALAR_SCHEMA, {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}]
+        return {"description": f"{self.description} [Hz]", "anyOf": one_or_more}
+
 
 DEFAULT_POINTS = 200
 

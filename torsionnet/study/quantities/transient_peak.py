@@ -4,22 +4,96 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.composite import Composite, Listed
+from torsionnet.core.entries.nearby import nearby_file
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
+from torsionnet.core.entries.spec import EntryError, Schema, entry, present
 from torsionnet.core.entries.words import OneOf, Text
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.recording_files import read_recording
 from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
 from torsionnet.solve.modes.modes import natural_modes
-from torsionnet.study.measuring.torque_history import TorqueHistory, TorqueHistoryEntry
-from torsionnet.study.measuring.transfer_quantity import refusal
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.variant_block import VariantBlock
+
+FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
+_RATE = Value("samples per second", "frequency", exclusive=True)
+_VALUES = Listed("torques", Value("a torque", "torque", lower=None), form="a list of torques")
+
+
+@dataclass(frozen=True)
+class TorqueHistory:
+    """Torques in N m, ``rate`` of them in a second."""
+
+    rate: float
+    values: tuple[float, ...]
+
+
+class TorqueHistoryEntry(Composite[TorqueHistory]):
+    """A channel of a recording beside the file of the study, or a list of torques with their rate."""
+
+    @property
+    def example(self) -> str:
+        return FORM
+
+    def read(self, raw: object) -> tuple[TorqueHistory | None, list[Fault]]:
+        if isinstance(raw, TorqueHistory):
+            return raw, []
+        if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
+            return self._listed(raw)
+        if not isinstance(raw, Mapping) or set(raw) != {"file", "channel"}:
+            return None, [Fault(f"expected {FORM}, got {raw!r}")]
+        try:
+            return _recorded(str(raw["file"]), str(raw["channel"])), []
+        except EntryError as error:
+            return None, [fault.under("file") for fault in error.faults]
+        except TorsionnetError as error:
+            return None, [Fault(str(error), ("channel",))]
+
+    def _listed(self, raw: Mapping[str, Any]) -> tuple[TorqueHistory | None, list[Fault]]:
+        (rate, wrong), (values, others) = _RATE.read(raw["rate"]), _VALUES.read(raw["values"])
+        faults = [fault.under("rate") for fault in wrong] + [fault.under("values") for fault in others]
+        if not faults and len(values) < 2:
+            faults = [Fault("a torque over time has two samples or more", ("values",))]
+        return (None if faults else TorqueHistory(present(rate), values)), faults
+
+    def plain(self, value: Any) -> Any:
+        """The numbers, so that a written study can be read anywhere."""
+        return {"rate": value.rate, "values": list(value.values)}
+
+    def schema(self) -> Schema:
+        samples: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2}
+        forms: tuple[Schema, ...] = (
+            {"file": {"type": "string"}, "channel": {"type": "string"}},
+            {"rate": SCALAR_SCHEMA, "values": samples},
+        )
+        return {
+            "description": self.description,
+            "anyOf": [
+                {"type": "object", "properties": form, "required": list(form), "additionalProperties": False}
+                for form in forms
+            ],
+        }
+
+
+def _recorded(file: str, channel: str) -> TorqueHistory:
+    record = read_recording(nearby_file(file), names=[channel])
+    signal = record[channel]
+    if signal.quantity != "torque":
+        raise EntryError(f'"{channel}" of {file} is no torque, but {signal.quantity or "of unknown quantity"}')
+    if record.times is not None:
+        raise EntryError(f"{file} was not sampled at even steps; resample it first")
+    if not np.isfinite(signal.values).all() or len(signal.values) < 2:
+        raise EntryError(f'"{channel}" of {file} has gaps, or less than two samples')
+    return TorqueHistory(record.sampling_rate, tuple(signal.values.tolist()))
+
 
 PER_PERIOD = 40
 """Samples for each period of the highest vibration of the nominal model, unless a rate is given."""

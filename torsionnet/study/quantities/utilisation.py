@@ -13,10 +13,10 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.measuring.speed_quantity import SpeedQuantity
-from torsionnet.study.measuring.transfer_quantity import refusal
-from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.speed_quantity import SpeedQuantity
+from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @register_quantity

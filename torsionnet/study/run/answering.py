@@ -5,19 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import cast
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.study.answer import Conclusion, Conclusions, VariantValues
+from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValues
+from torsionnet.study.quantities.evaluator import BlockDesk, Evaluator
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.evaluation_memory import EvaluationMemory
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
-from torsionnet.study.run.no_variants import no_variants
-from torsionnet.study.run.running_study import RunningStudy, running
+from torsionnet.study.run.run_chunks import no_variants
 from torsionnet.study.run.shared_blocks import SharedBlocks
 from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
@@ -25,6 +25,23 @@ from torsionnet.study.run.workers import Workers
 from torsionnet.study.run.workload import Workload
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
+
+
+@dataclass(frozen=True, eq=False)
+class RunningStudy(Study):
+    """A study whose evaluators leave their work to a desk."""
+
+    desk: BlockDesk | None = None
+
+    def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
+        """As that of the study, calculated by the desk."""
+        return replace(super().evaluator(configuration, names, method), desk=self.desk)
+
+
+def running(study: Study, desk: BlockDesk) -> RunningStudy:
+    """The same study, with a desk."""
+    return RunningStudy(**{one.name: getattr(study, one.name) for one in fields(study)}, desk=desk)
+
 
 Answering = Callable[[str, int, int | None], None]
 """Called with the name of an answer, the variants it has calculated, and how many it will if that is known."""

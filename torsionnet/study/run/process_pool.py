@@ -21,11 +21,12 @@ from typing import Any, TypeVar
 from torsionnet.core.errors import SolveError
 from torsionnet.core.threads import one_thread
 from torsionnet.study.run.executor import named
-from torsionnet.study.run.thread_pool import AHEAD
 
 S = TypeVar("S")
 T = TypeVar("T")
 
+AHEAD = 2
+"""Chunks that wait for each worker: enough that none is idle, few enough to be ended soon."""
 DEATHS = 3
 """Of processes that had a chunk in hand, after which it is not tried again."""
 ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_MMAP_THRESHOLD_": str(2**25)}

@@ -10,16 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.study.counted_remarks import remark
-from torsionnet.study.kept_values import KeptValues
-from torsionnet.study.limit_totals import LimitTotals
-from torsionnet.study.quantity_summary import Summary
+from torsionnet.study.quantities.counted_remarks import remark
 from torsionnet.study.reductions.histogram import GrowingHistogram
-from torsionnet.study.reductions.limit_counts import LimitBits, LimitCounts
+from torsionnet.study.reductions.kept_values import KeptValues
+from torsionnet.study.reductions.limit_counts import LimitBits, LimitCounts, LimitTotals
 from torsionnet.study.reductions.moments import Moments
+from torsionnet.study.reductions.quantity_summary import Summary
 from torsionnet.study.run.chunk_values import ChunkValues
-from torsionnet.study.run.chunks import Chunks
-from torsionnet.study.run.kept_part import counted_limits
+from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
 

@@ -11,17 +11,41 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS
 from torsionnet.study.run.calculating import ChunkWork
 from torsionnet.study.run.chunk_values import ChunkValues
-from torsionnet.study.run.chunks import Chunks
+from torsionnet.study.run.chunks import Chunks, kept_every
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
-from torsionnet.study.run.kept_part import kept_every
-from torsionnet.study.run.no_variants import no_variants
 from torsionnet.study.run.reducing import reduced
 from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
 from torsionnet.study.run.workload import Workload
+from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
+
+SAMPLING = "sampling: {count: 1000}"
+
+
+def no_variants(space: Space) -> str:
+    """What to give a study that has none.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.study.space.variations.normal import Normal
+    >>> from torsionnet.study.space.variations.value_list import ListOfValues
+    >>> rig, drawn = tn.load("amt_rig"), {"k_2": Normal(deviation="5 %")}
+    >>> no_variants(Space(rig, drawn))
+    'the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values'
+    >>> no_variants(Space(rig, {**drawn, "c_O": ListOfValues(values=[170, 360])}))
+    'k_2 has a distribution and is not drawn: give sampling: {count: 1000}, or a list or range of values like c_O'
+    """
+    if not space.grid:
+        return f"the study has no variants of its own: give {SAMPLING}, or lists or ranges of values"
+    drawn = space.random_names
+    has = "has a distribution and is" if len(drawn) == 1 else "have distributions and are"
+    like = "a list or range" if len(drawn) == 1 else "lists or ranges"
+    return f"{', '.join(drawn)} {has} not drawn: give {SAMPLING}, or {like} of values like {', '.join(space.grid)}"
+
 
 LONGEST = 7 * 86400.0
 """Seconds on one core beyond which a study has to be asked for with that limit."""

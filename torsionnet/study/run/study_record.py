@@ -9,8 +9,7 @@ from importlib import metadata
 from typing import Any
 
 from torsionnet.core.version import __version__
-from torsionnet.study.run.chunks import Chunks
-from torsionnet.study.run.kept_part import counted_limits
+from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 
 FORMAT = 2

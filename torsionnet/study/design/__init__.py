@@ -1,0 +1,1 @@
+"""Parameters that meet targets, make something smallest, or are the best compromise; under tolerances, too."""

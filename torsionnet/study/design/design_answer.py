@@ -1,0 +1,91 @@
+"""What all answers on designs have in common: parameters, limits, and the problem they make of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from torsionnet.core.entries.composite import Named, Nested
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault, ModelError, Path
+from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
+from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
+from torsionnet.study.answers.asking import PARAMETER, QUANTITY, measure_of
+from torsionnet.study.design.design_entries import DESIGN, DesignBounds, bounded
+from torsionnet.study.design.design_goals import DesignGoals
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.design_quantities import DesignQuantities
+from torsionnet.study.design.peak_curves import peak_curves
+from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignAnswer(StudyAnswer):
+    """Base of the answers on designs; every configuration of the study counts."""
+
+    of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {
+        "design": PARAMETER, "limits": QUANTITY, "targets": QUANTITY, "minimise": QUANTITY, "maximise": QUANTITY,
+    }  # fmt: skip
+
+    design: Mapping[str, DesignBounds | None] = entry(DESIGN, None)
+    limits: Mapping[str, QuantityLimit] = entry(
+        Named(
+            "limits of quantities, beside those of the study",
+            Nested("a limit", lambda: QuantityLimit, "quantity_limit"),
+        ),
+        None,
+    )
+    seed: int = entry(Count("of the search; the same seed gives the same answer", lower=0, upper=2**31 - 1), 0)
+
+    def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
+        """What is sought, within these limits."""
+        raise NotImplementedError
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        known = study.quantities
+        _, faults = bounded(study.model, self.design)
+        yield from (fault.under("design") for fault in faults)
+        for name, value, path in self.with_values():
+            if name in known:
+                unit = known[name].measured(study.model_in(study.configurations[0]), known).unit
+                yield from wrong_unit(value, name, unit, path)
+
+    def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
+        """Quantity, value it is compared with, and where that stands."""
+        for name, limit in self.limits.items():
+            yield name, limit.below, ("limits", name, "below")
+            yield name, limit.above, ("limits", name, "above")
+
+    def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
+        """What is chosen, with bounds in SI."""
+        if self.design:
+            found, faults = bounded(study.model, self.design)
+            if faults:
+                raise ModelError([fault.under("design") for fault in faults], "the design")
+            return tuple(found)
+        units, nominal = parameter_units(study.model.definition), study.space.nominal
+        return tuple(
+            DesignParameter(name, units[name], nominal[name], low, high, nominal[name])
+            for name, (low, high) in study.space.box().items()
+        )
+
+    def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
+        """The problem, and what calculates its quantities; ``names`` vary beside the parameters chosen."""
+        parameters = self.parameters(study)
+        goals = self.goals({**study.limits, **self.limits})
+        units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}
+        goals = replace(goals, units=units)
+        varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
+        method = "compiled" if compiled_works() else "graph"
+        evaluators = tuple(study.evaluator(one, varied, method) for one in study.configurations)
+        quantities = DesignQuantities(evaluators, goals.quantities)
+        acted_on = any(one.model.assembly.kinematics.actions for one in evaluators)
+        if names or acted_on:  # no derivatives, neither of samples nor where a torque follows another motion
+            return DesignProblem(parameters, goals, quantities), quantities
+        curves = peak_curves(goals.quantities, varied, evaluators)
+        return DesignProblem(parameters, goals, quantities, quantities.slopes, curves), quantities

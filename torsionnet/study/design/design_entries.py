@@ -1,0 +1,122 @@
+"""The entries of a study file that say what is designed, and for what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Listed, Named, Nested, PairOf
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
+from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.model import Model
+from torsionnet.model.parameters import Parameter
+from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.study.quantities.quantity_limit import QuantityValue
+from torsionnet.study.space.variations.nominal import NominalReader, nominals
+from torsionnet.study.space.variations.variation import ParameterValue
+
+DECADE = 10.0
+"""Bounds, where none are given: a tenth to ten times the value."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignBounds(Declared):
+    """Between which values a parameter is chosen."""
+
+    kind: ClassVar[str] = "design bounds"
+    article: ClassVar[str] = "the bounds of a designed parameter"
+    form: ClassVar[str] = "[lowest, highest]"
+
+    bounds: tuple[Number, Number] | None = entry(
+        PairOf(
+            "lowest and highest value; default: the bounds in the model, else a tenth and ten times",
+            ParameterValue("bound"),
+        ),
+        None,
+    )
+
+
+class DesignedNames(Named[DesignBounds | None]):
+    """Parameters with their bounds by name, or a list of their names alone."""
+
+    def read(self, raw: object) -> tuple[Mapping[str, DesignBounds | None], list[Fault]]:
+        return super().read(dict.fromkeys(map(str, raw)) if isinstance(raw, list) and raw else raw)
+
+    def schema(self) -> Schema:
+        names: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        return {"description": self.description, "anyOf": [super().schema(), names]}
+
+
+class OneOrSeveral(Listed[str]):
+    """One name, or a list of names."""
+
+    def read(self, raw: object) -> tuple[tuple[Any, ...], list[Fault]]:
+        return super().read([raw] if isinstance(raw, str) else raw)
+
+    def schema(self) -> Schema:
+        return {"description": self.description, "anyOf": [self.of.schema(), super().schema()]}
+
+
+@dataclass(frozen=True, kw_only=True)
+class TargetEntry(Declared):
+    """A value that a quantity should have."""
+
+    kind: ClassVar[str] = "target"
+    article: ClassVar[str] = "a target"
+    form: ClassVar[str] = "a value, or {value: ..., weight: ...}"
+
+    value: float = entry(QuantityValue("what the quantity should be"))
+    weight: float = entry(Value("how much its relative deviation counts", "1", exclusive=True), 1.0)
+
+
+DESIGN = DesignedNames(
+    "the parameters that are chosen, with their bounds; default: all that vary, within what the study has them vary",
+    Nested("bounds of a parameter", lambda: DesignBounds, "design_bounds", shorthand="bounds", optional=True),
+    form="parameters and their bounds, k_1: [10 kN*m/rad, 20 kN*m/rad]",
+    fewest=1,
+)
+TARGETS = Named(
+    "values that quantities should have, by quantity",
+    Nested("a target", lambda: TargetEntry, "design_target", shorthand="value"),
+    form="targets, f_1: 8 Hz",
+)
+NAMES = Text("a quantity of the study")
+
+
+def bounded(model: Model, design: Mapping[str, DesignBounds | None]) -> tuple[list[DesignParameter], list[Fault]]:
+    """Parameters of a model with their bounds in SI, and all that is wrong with them."""
+    found, faults = [], []
+    for name, nominal in nominals(model, [one for one in design if one in model.parameters]).items():
+        reader = NominalReader(nominal)
+        ends = _ends(design[name], reader, model.parameter_definitions[name])
+        start = reader.value(None, "start") if nominal.value is not None else sum(ends) / 2
+        faults += [fault.under(name) for fault in reader.faults]
+        if not reader.faults:
+            found.append(DesignParameter(name, _unit(model, name), start, *ends, start))
+    return found, faults
+
+
+def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Parameter) -> tuple[float, float]:
+    if bounds is None or bounds.bounds is None:
+        nominal = reader.nominal.value
+        if parameter.bounds is not None:
+            low, high = parameter.bounds
+        elif nominal is None or not nominal > 0:
+            return reader.fault(f"{reader.nominal.name} is not above 0: give its bounds"), float("nan")
+        else:
+            low, high = nominal / DECADE, nominal * DECADE
+    else:
+        low, high = (reader.value(one, "bounds", place) for place, one in enumerate(bounds.bounds))
+    if not low < high and not reader.faults:
+        reader.fault(f"bounds are a lower and a higher value, got {low:g} and {high:g}")
+    return low, high
+
+
+def _unit(model: Model, name: str) -> str:
+    return parameter_units(model.definition)[name]

@@ -1,0 +1,199 @@
+"""What an optimisation found: values, what they give, and what that is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.response.table import Column, Table
+from torsionnet.study.design.design_goals import DesignGoals, in_words
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+REACHED = 1e-8
+"""Relative deviation from a target that is met."""
+AGREES = 1e-8
+"""Relative difference of quantities calculated together and singly that is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class DesignOptimum:
+    """The best design found.
+
+    Attributes
+    ----------
+    parameters : tuple of DesignParameter
+        As given, bounds and best value, SI.
+    goals : DesignGoals
+    before, after : mapping
+        Quantity -> values (n_points,) as given and with the values found.
+    single : mapping
+        Quantity -> values recomputed by one model with the values found; empty where there is none to ask.
+    violation : float
+        Sum of relative excess over limits; 0 where all are kept.
+    alternatives : tuple of mapping
+        Other designs that are as good.
+    free_directions : int
+        Number of independent changes of parameters that leave every target met.
+    history : (n, 2) array
+        Designs calculated so far, and the best merit by then.
+    converged : bool
+        Several searches came to this design, or nothing beside it is better.
+    title : str
+    """
+
+    parameters: tuple[DesignParameter, ...]
+    goals: DesignGoals
+    before: Mapping[str, FloatArray]
+    after: Mapping[str, FloatArray]
+    single: Mapping[str, FloatArray]
+    violation: float
+    alternatives: tuple[Mapping[str, float], ...]
+    free_directions: int
+    history: FloatArray
+    converged: bool
+    title: str = ""
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Value by parameter, SI; :meth:`torsionnet.Drivetrain.configured` takes them."""
+        return {one.name: one.value for one in self.parameters}
+
+    @property
+    def active_bounds(self) -> dict[str, str]:
+        """Parameters at a bound: ``lower`` or ``upper``."""
+        return {one.name: one.bound for one in self.parameters if one.bound}
+
+    @property
+    def merit(self) -> float:
+        """What was made small: the sum of squared relative deviations, or the objective as its quantity has it."""
+        size = float(self.goals.merit(_rows(self.after))[0])
+        return size if self.goals.targets else self.goals.objectives[0].shown(size)
+
+    @property
+    def disagreement(self) -> float:
+        """Largest relative difference between quantities calculated together and singly."""
+        apart = [
+            float(np.max(np.abs(self.after[name] - one) / max(float(np.abs(one).max()), 1e-300)))
+            for name, one in self.single.items()
+        ]
+        return max(apart, default=0.0)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the result is worth."""
+        said = [*self._targets_said(), *self._objective_said(), *self._limits_said(), *self._bounds_said()]
+        return (*said, *self._uniqueness_said(), *self._verification_said())
+
+    def _targets_said(self) -> list[str]:
+        said = []
+        for one in self.goals.targets:
+            value, unit = self.after[one.quantity], self.goals.units.get(one.quantity, "")
+            wanted = in_words(one.value, unit)
+            worst = float(value[np.argmax(np.abs(value - one.value))])
+            if abs(worst - one.value) <= REACHED * (abs(one.value) or 1.0):
+                said.append(f"{one.quantity} has its target, {wanted}")
+            else:
+                said.append(
+                    f"{one.quantity} comes to {in_words(worst, unit)}: its target {wanted} is not reached within the "
+                    "bounds"
+                )
+        points = sum(self.after[one.quantity].size for one in self.goals.targets)
+        if points > len(self.parameters):
+            said.append(f"{points} targets and {len(self.parameters)} parameters: least squares of relative deviations")
+        return said
+
+    def _objective_said(self) -> list[str]:
+        if not self.goals.objectives:
+            return []
+        one = self.goals.objectives[0]
+        first = one.shown(float(one.columns(_rows(self.before)).max()))
+        return [f"{one.name} goes from {first:.6g} to {in_words(self.merit, self.goals.unit_of(one))} ({one.sense}d)"]
+
+    def _limits_said(self) -> list[str]:
+        if not self.goals.limits:
+            return []
+        if self.violation > 0:
+            over = [name for name, limit in self.goals.limits.items() if limit.exceeded(self.after[name]).any()]
+            return [f"no design within the bounds was found that keeps all limits; this one exceeds {', '.join(over)}"]
+        hold = [
+            name
+            for name, limit in self.goals.limits.items()
+            for bound in (limit.below, limit.above)
+            if bound is not None and np.abs(self.after[name] - bound).min() <= 1e-6 * (abs(bound) or 1.0)
+        ]
+        return [f"limits are kept; the optimum lies at the limit of {', '.join(hold)}" if hold else "limits are kept"]
+
+    def _bounds_said(self) -> list[str]:
+        return [f"{name} is at its {bound} bound" for name, bound in self.active_bounds.items()]
+
+    def _uniqueness_said(self) -> list[str]:
+        said = []
+        if self.free_directions:
+            many = "one combination" if self.free_directions == 1 else f"{self.free_directions} combinations"
+            said.append(f"not unique: {many} of the parameters may change without a change of the targeted quantities")
+        elif self.alternatives:
+            others = "; ".join(
+                ", ".join(f"{name} = {value:.6g}" for name, value in one.items()) for one in self.alternatives
+            )
+            said.append(f"not unique: equally good are {others}; this one is nearest to the values as given")
+        if not self.converged:
+            said.append("the search did not settle: designs beside this one go on being better")
+        return said
+
+    def _verification_said(self) -> list[str]:
+        if not self.single:
+            return []
+        apart = self.disagreement
+        if apart <= AGREES:
+            return ["recomputed by a model with these values: the same"]
+        return [f"recomputed by a model with these values: different by {apart:.2g} of themselves"]
+
+    def table(self) -> Table:
+        """Parameters, then quantities as given and at the optimum."""
+        rows: list[tuple[object, ...]] = [
+            (one.name, one.unit, one.start, one.value, one.lower, one.upper, None) for one in self.parameters
+        ]
+        wanted = {one.quantity: one.value for one in self.goals.targets}
+        for name, after in self.after.items():
+            limit = self.goals.limits.get(name)
+            low, high = (None, None) if limit is None else (limit.above, limit.below)
+            top = int(np.argmax(after))
+            unit = self.goals.units.get(name, "")
+            rows.append((name, unit, float(self.before[name].max()), float(after[top]), low, high, wanted.get(name)))
+        names = ("", "unit", "as given", "optimum", "lower", "upper", "target")
+        return Table(
+            f"{self.title}: optimum".removeprefix(": "), tuple(map(Column, names)), tuple(rows), self.sentences
+        )
+
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        """As a picture, by :mod:`torsionnet.plot`."""
+        return cast("Figure", plot.design_optimum(self, **look))
+
+    def to_data(self) -> dict[str, Any]:
+        """In full precision, for JSON."""
+        return {
+            "values": self.values,
+            "active_bounds": self.active_bounds,
+            "merit": self.merit,
+            "before": {name: one.tolist() for name, one in self.before.items()},
+            "after": {name: one.tolist() for name, one in self.after.items()},
+            "violation": self.violation,
+            "alternatives": [dict(one) for one in self.alternatives],
+            "free_directions": self.free_directions,
+            "disagreement": self.disagreement,
+            "evaluations": int(self.history[-1, 0]),
+            "converged": self.converged,
+            "sentences": list(self.sentences),
+        }
+
+
+def _rows(found: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {name: one[None, :] for name, one in found.items()}

@@ -1,0 +1,212 @@
+"""The best design: a search everywhere, several searches nearby, and a single model that verifies the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import SolveError
+from torsionnet.study.design.design_optimum import REACHED, DesignOptimum
+from torsionnet.study.design.design_problem import DesignProblem, Rank
+from torsionnet.study.design.global_search import GENERATIONS, apart, evolved, samples
+from torsionnet.study.design.local_search import polished
+
+EQUAL = 1e-6
+"""Relative difference of merits that are equally good."""
+DISTANCES = 1e-2 * 0.25 ** np.arange(9)
+"""Of the unit cube: of designs beside the best, down to where merits are equal."""
+ROUNDS = 10
+"""Of steps to better designs, after which a search that still finds some has not settled."""
+
+
+def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
+    """Whether a design is as good as the best one, but for rounding and what a search leaves."""
+    if one[0] > best[0] * (1 + EQUAL):
+        return False
+    if problem.goals.targets:
+        return one[1] <= max(REACHED**2, best[1] * (1 + EQUAL))
+    return one[1] - best[1] <= EQUAL * abs(best[1])
+
+
+def checked(problem: DesignProblem, place: FloatArray, seed: int) -> tuple[FloatArray, bool]:
+    """The best design beside ``place``, which it is itself as a rule, and whether no other there is better.
+
+    Designs are tried at several distances along every parameter and in as many directions between them, and one more
+    search begins beside the place.
+    """
+    draw = np.random.default_rng(seed)
+    rank = problem.ranks(problem.at(place))[0]
+    for _ in range(ROUNDS):
+        other, found = _best_beside(problem, place, draw)
+        if found >= rank:
+            return place, True
+        enough = as_good(problem, rank, found)
+        place, rank = other, found
+        if enough:
+            return place, True
+    return place, False
+
+
+def _best_beside(problem: DesignProblem, place: FloatArray, draw: np.random.Generator) -> tuple[FloatArray, Rank]:
+    size = len(place)
+    between = draw.standard_normal((size, size))
+    ways = np.concatenate([np.eye(size), between / np.linalg.norm(between, axis=1, keepdims=True)])
+    beside = np.clip(place + DISTANCES[:, None, None] * np.concatenate([ways, -ways]), 0.0, 1.0)
+    ranks = problem.ranks(problem.at(beside.reshape(-1, size)))
+    farthest = min(range(4 * size), key=ranks.__getitem__)
+    nearest = min(range(len(ranks)), key=ranks.__getitem__)
+    tried = np.array([beside.reshape(-1, size)[nearest], polished(problem, beside[0, farthest])])
+    found = problem.ranks(problem.at(tried))
+    best = min(range(2), key=found.__getitem__)
+    return tried[best], found[best]
+
+
+BEGINNINGS, BESIDE = 5, 2
+"""Places from which local searches begin for targets, and for an objective beside the best of a population."""
+DIFFERENT = 1e-3
+"""Of the unit cube: designs that are farther apart are two."""
+FLAT = 1e-9
+"""Of the largest singular value: a direction with less does not move the targets."""
+
+Single = Callable[[Mapping[str, float]], Mapping[str, ArrayLike]]
+"""Quantities of one design by a model of its own."""
+
+
+def optimise(
+    problem: DesignProblem,
+    *,
+    single: Single | None = None,
+    seed: int = 0,
+    generations: int = GENERATIONS,
+    title: str = "",
+) -> DesignOptimum:
+    """Search the best design of a problem with targets or one objective.
+
+    Parameters
+    ----------
+    problem : DesignProblem
+    single : callable, optional
+        Recomputes the answer by one model.
+    seed : int
+        Of the population; the same seed gives the same answer.
+    generations : int
+        Of the population, at most.
+    title : str
+
+    Raises
+    ------
+    SolveError
+        No design within the bounds has the quantities asked for.
+    UsageError
+        An unknown quantity.
+
+    Examples
+    --------
+    >>> from torsionnet.response.damper_optimum import DesignParameter
+    >>> from torsionnet.study.design.design_goals import DesignGoals, DesignTarget
+    >>> k = DesignParameter("k", "N*m/rad", 1e3, 1e2, 1e4, 1e3)
+    >>> frequency = lambda values: {"f": np.sqrt(values["k"] / 2.0) / (2 * np.pi)}
+    >>> found = optimise(DesignProblem((k,), DesignGoals((DesignTarget("f", 5.0),)), frequency))
+    >>> round(found.values["k"] / (2 * (10 * np.pi) ** 2), 9)
+    1.0
+    """
+    problem.goals.need_merit()
+    history: list[tuple[float, float]] = []
+
+    def note(merit: float) -> None:
+        history.append((float(problem.evaluations), min([merit, *(one for _, one in history[-1:])])))
+
+    ordered = samples(problem)
+    first = problem.ranks(problem.at(ordered[:1]))[0]
+    if not np.isfinite(first).all():
+        raise SolveError("no design within the bounds has all the quantities that are asked for")
+    note(first[1])
+    if problem.goals.objectives:
+        begin = [evolved(problem, ordered, seed, note, generations), *apart(ordered, BESIDE)]
+    else:
+        begin = apart(ordered, BEGINNINGS)
+    found = _each_polished(problem, begin)
+    if problem.goals.targets and found[0][0] > (0.0, REACHED**2):
+        found = sorted(
+            [*found, *_each_polished(problem, [evolved(problem, ordered, seed, note, generations)])], key=_by_rank
+        )
+    rank, best = found[0]
+    equal = [place for other, place in found if as_good(problem, other, rank)]
+    settled = len(equal) > 1
+    if not settled:
+        best, settled = checked(problem, best, seed)
+        rank, equal = problem.ranks(problem.at(best))[0], [best]
+    different = apart_by(equal, DIFFERENT)
+    best = min(different, key=lambda place: float(np.linalg.norm(place - problem.start)))
+    note(rank[1])
+    others = [one for one in different if one is not best]
+    return _result(problem, best, others, history, single, title, settled=settled)
+
+
+def _by_rank(found: tuple[Rank, FloatArray]) -> Rank:
+    return found[0]
+
+
+def _each_polished(problem: DesignProblem, places: list[FloatArray]) -> list[tuple[Rank, FloatArray]]:
+    polished_places = np.array([polished(problem, place) for place in places])
+    ranks = problem.ranks(problem.at(polished_places))
+    return sorted(zip(ranks, polished_places, strict=True), key=_by_rank)
+
+
+def apart_by(places: list[FloatArray], distance: float) -> list[FloatArray]:
+    """Those that are not near an earlier one."""
+    kept: list[FloatArray] = []
+    for place in places:
+        if all(np.abs(place - other).max() > distance for other in kept):
+            kept.append(place)
+    return kept
+
+
+def _result(
+    problem: DesignProblem,
+    best: FloatArray,
+    others: list[FloatArray],
+    history: list[tuple[float, float]],
+    single: Single | None,
+    title: str,
+    *,
+    settled: bool,
+) -> DesignOptimum:
+    given = problem.at(problem.start)
+    after = problem.at(best)
+    values = problem.values(best)
+    alone = {} if single is None else single(values)
+    return DesignOptimum(
+        tuple(replace(one, value=values[one.name]) for one in problem.parameters),
+        problem.goals,
+        {name: one[0] for name, one in given.items()},
+        {name: one[0] for name, one in after.items()},
+        {name: np.atleast_1d(np.asarray(alone[name], float)) for name in problem.goals.quantities if name in alone},
+        problem.ranks(after)[0][0],
+        tuple(problem.values(one) for one in others),
+        _free_directions(problem, best),
+        np.array(history),
+        settled,
+        title,
+    )
+
+
+def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
+    """Of parameters inside their bounds; at targets out of reach only parameters that move none of them.
+
+    What comes nearest to such targets lies where their slopes cancel, which says nothing about other designs.
+    """
+    if not problem.goals.targets:
+        return 0
+    inside = (best > DIFFERENT) & (best < 1 - DIFFERENT)
+    moved = problem.jacobian(best)
+    slopes = np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])[:, inside]
+    if np.abs(problem.goals.deviations(problem.at(best))).max() > REACHED:
+        lengths = np.linalg.norm(slopes, axis=0)
+        return int(np.sum(lengths <= FLAT * lengths.max(initial=0.0)))
+    sizes = np.linalg.svd(slopes, compute_uv=False) if slopes.size else np.zeros(0)
+    return int(inside.sum() - np.sum(sizes > FLAT * max(float(sizes.max(initial=0.0)), FLAT)))

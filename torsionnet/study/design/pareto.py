@@ -1,0 +1,212 @@
+"""The best compromises between several objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.stats import qmc
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault, MissingExtraError, SolveError, UsageError
+from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
+from torsionnet.study.design.design_answer import DesignAnswer
+from torsionnet.study.design.design_entries import NAMES, OneOrSeveral
+from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, Found
+from torsionnet.study.design.design_problem import FEASIBLE, LARGE, DesignProblem
+from torsionnet.study.design.optimise import Single, optimise
+from torsionnet.study.design.pareto_front import ParetoFront, nearest_to_best
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+
+NEEDED = 'fronts of compromises need pymoo: pip install "torsionnet[pareto]"'
+MANY = 3
+"""Objectives from which reference directions (NSGA-III) spread the front better than crowding."""
+WORST = LARGE**2
+"""Objective of a design that has none."""
+VERIFIED = 5
+"""Designs along the front that a single model recomputes."""
+
+
+def require_pymoo() -> None:
+    """Raise :class:`~torsionnet.core.errors.MissingExtraError` where it is not installed, without importing it."""
+    if find_spec("pymoo") is None:
+        raise MissingExtraError(NEEDED)
+
+
+def pareto_front(
+    problem: DesignProblem,
+    *,
+    population: int = 100,
+    generations: int = 100,
+    single: Single | None = None,
+    seed: int = 0,
+    title: str = "",
+) -> ParetoFront:
+    """Search the designs none of which is better in every objective than another.
+
+    Parameters
+    ----------
+    problem : DesignProblem
+        With two objectives or more.
+    population, generations : int
+        A generation is calculated as a whole.
+    single : callable, optional
+        Recomputes some designs by one model each.
+    seed : int
+        The same seed gives the same front.
+    title : str
+
+    Raises
+    ------
+    MissingExtraError
+        pymoo is not installed.
+    SolveError
+        No design keeps the limits.
+    UsageError
+        Fewer than two objectives, or an unknown quantity.
+    """
+    if len(problem.goals.objectives) < 2:
+        raise UsageError("a front of compromises needs two objectives or more; for one ask for the optimum")
+    if population < 4 or generations < 1:
+        raise UsageError(f"a population of 4 or more for a generation or more, got {population} and {generations}")
+    given = _sizes(problem, problem.at(problem.start))[0]
+    ends = [_best_in(problem, one, seed) for one in problem.goals.objectives]
+    method, places = _evolved(problem, ends, population, generations, seed)
+    places = _best_of(problem, np.unique(np.vstack([*ends, places]), axis=0))
+    places = places[np.lexsort(_sizes(problem, problem.at(places)).T[::-1])]
+    sizes = _sizes(problem, problem.at(places))
+    signs = np.array([one.sign for one in problem.goals.objectives])
+    designs = problem.box.inside(places)
+    middle = designs[nearest_to_best(sizes)]
+    return ParetoFront(
+        tuple(replace(one, value=float(value)) for one, value in zip(problem.parameters, middle, strict=True)),
+        problem.goals.objectives,
+        designs,
+        sizes * signs,
+        given * signs,
+        np.nan if single is None else _disagreement(problem, places, single),
+        problem.evaluations,
+        generations,
+        seed,
+        method,
+        title,
+        tuple(map(problem.goals.unit_of, problem.goals.objectives)),
+    )
+
+
+def _best_in(problem: DesignProblem, objective: DesignObjective, seed: int) -> FloatArray:
+    """Place of the design that is best in one objective: an end of the front."""
+    alone = replace(problem, goals=replace(problem.goals, objectives=(objective,)))
+    return problem.box.place(np.array(list(optimise(alone, seed=seed).values.values())))
+
+
+def _evolved(
+    problem: DesignProblem, ends: list[FloatArray], population: int, generations: int, seed: int
+) -> tuple[str, FloatArray]:
+    """Method, and the places (n, n_p) of its front; the first generation are its ends and samples."""
+    try:
+        from pymoo.algorithms.moo.nsga2 import NSGA2
+        from pymoo.algorithms.moo.nsga3 import NSGA3
+        from pymoo.core.problem import Problem
+        from pymoo.optimize import minimize
+        from pymoo.util.ref_dirs import get_reference_directions
+    except ImportError:
+        raise MissingExtraError(NEEDED) from None
+
+    count, limited = len(problem.goals.objectives), problem.goals.excess(problem.at(problem.start)).shape[1]
+
+    class Designs(Problem):  # type: ignore[misc]  # pymoo is not typed
+        def _evaluate(self, x: FloatArray, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
+            del args, kwargs
+            found = problem.at(x)
+            out["F"] = np.nan_to_num(_sizes(problem, found), nan=WORST, posinf=WORST)
+            if limited:
+                out["G"] = np.nan_to_num(problem.goals.excess(found), nan=WORST, posinf=WORST)
+
+    size = len(problem.parameters)
+    spread = qmc.Sobol(size, scramble=True, seed=seed).random(1 << population.bit_length())
+    first = np.vstack([*ends, problem.start, spread])[:population]
+    asked = Designs(n_var=size, n_obj=count, n_ieq_constr=limited, xl=np.zeros(size), xu=np.ones(size))
+    method = "NSGA-III" if count >= MANY else "NSGA-II"
+    if count >= MANY:
+        directions = get_reference_directions("energy", count, population, seed=seed)
+        algorithm = NSGA3(ref_dirs=directions, pop_size=population, sampling=first)
+    else:
+        algorithm = NSGA2(pop_size=population, sampling=first)
+    found = minimize(asked, algorithm, ("n_gen", generations), seed=seed, verbose=False)
+    if found.X is None or (np.atleast_2d(found.F) >= WORST).all():
+        raise SolveError("no design within the bounds was found that keeps all limits")
+    return method, np.atleast_2d(found.X)
+
+
+def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
+    """Those that keep limits and than which no other is better in every objective."""
+    found = problem.at(places)
+    kept = problem.goals.violation(found) <= FEASIBLE
+    places, sizes = places[kept], _sizes(problem, found)[kept]
+    no_worse = np.all(sizes[:, None] <= sizes[None], axis=2)
+    better = no_worse & np.any(sizes[:, None] < sizes[None], axis=2)
+    return np.asarray(places[~better.any(axis=0)])
+
+
+def _sizes(problem: DesignProblem, found: Found) -> FloatArray:
+    """What must all be small, (n, n_objectives)."""
+    return np.stack([one.columns(found).max(axis=1) for one in problem.goals.objectives], axis=1)
+
+
+def _disagreement(problem: DesignProblem, places: FloatArray, single: Single) -> float:
+    chosen = np.unique(np.linspace(0, len(places) - 1, VERIFIED).round().astype(int))
+    found = problem.at(places[chosen])
+    apart = 0.0
+    for row, place in enumerate(places[chosen]):
+        alone = single(problem.values(place))
+        for name in problem.goals.quantities:
+            own = np.atleast_1d(np.asarray(alone[name], float))
+            apart = max(apart, float(np.max(np.abs(found[name][row] - own) / max(float(np.abs(own).max()), 1e-300))))
+    return apart
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class Pareto(DesignAnswer):
+    """Designs none of which is better in every quantity than another, by non-dominated sorting (pymoo)."""
+
+    kind: ClassVar[str] = "pareto"
+
+    minimise: tuple[str, ...] = entry(OneOrSeveral("what is to be small, each for itself", NAMES), ())
+    maximise: tuple[str, ...] = entry(OneOrSeveral("what is to be large, each for itself", NAMES), ())
+    population: int = entry(Count("designs of a generation", lower=4, upper=100_000), 100)
+    generations: int = entry(Count("how often they evolve", lower=1, upper=100_000), 100)
+
+    def require_extras(self) -> None:
+
+        require_pymoo()
+
+    def contradictions(self) -> list[Fault]:
+        if len(self.minimise) + len(self.maximise) < 2:
+            text = "a front needs two quantities or more under minimise and maximise; for one there is type: optimum"
+            return [Fault(text, on_key=True)]
+        return []
+
+    def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
+        objectives = [DesignObjective((name,)) for name in self.minimise]
+        objectives += [DesignObjective((name,), "maximise") for name in self.maximise]
+        return DesignGoals(objectives=tuple(objectives), limits=limits)
+
+    def found(self, study: AskedStudy, result: VariantValues) -> ParetoFront:
+        del result
+
+        problem, quantities = self.problem(study)
+        return pareto_front(
+            problem,
+            population=self.population,
+            generations=self.generations,
+            single=quantities.singly,
+            seed=self.seed,
+            title=study.title,
+        )

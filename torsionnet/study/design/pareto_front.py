@@ -1,0 +1,143 @@
+"""Designs none of which is better in every objective than another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.response.table import Column, Table
+from torsionnet.study.design.design_goals import DesignObjective, in_words
+from torsionnet.study.design.design_optimum import AGREES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class ParetoFront:
+    """The best compromises between several objectives.
+
+    Attributes
+    ----------
+    parameters : tuple of DesignParameter
+        With bounds; ``value`` is that of the compromise nearest to the best of all objectives.
+    objectives : tuple of DesignObjective
+    designs : (n, n_p) array
+        SI, ordered by the first objective.
+    values : (n, n_objectives) array
+        Of the objectives, as their quantities have them.
+    given : (n_objectives,) array
+        Of the model as it stands.
+    disagreement : float
+        Largest relative difference to single models of the designs that were recomputed; nan where none was.
+    evaluations, generations, seed : int
+    method : str
+    title : str
+    units : tuple of str
+        Of the objectives, SI; empty where they are not known.
+    """
+
+    parameters: tuple[DesignParameter, ...]
+    objectives: tuple[DesignObjective, ...]
+    designs: FloatArray
+    values: FloatArray
+    given: FloatArray
+    disagreement: float
+    evaluations: int
+    generations: int
+    seed: int
+    method: str
+    title: str = ""
+    units: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.units:
+            object.__setattr__(self, "units", ("",) * len(self.objectives))
+
+    @property
+    def compromise(self) -> int:
+        """The design nearest to the best of all objectives, each over its range on the front."""
+        return nearest_to_best(self._sizes)
+
+    @property
+    def extremes(self) -> tuple[int, ...]:
+        """For each objective the design that is best in it."""
+        return tuple(int(best) for best in np.argmin(self._sizes, axis=0))
+
+    @property
+    def _sizes(self) -> FloatArray:
+        return np.asarray(self.values * np.array([one.sign for one in self.objectives]))
+
+    def design(self, index: int) -> Mapping[str, float]:
+        """Value of every parameter, SI; :meth:`torsionnet.Drivetrain.configured` takes them."""
+        return {one.name: float(value) for one, value in zip(self.parameters, self.designs[index], strict=True)}
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the front says."""
+        said = [f"{len(self.designs)} designs by {self.method}, {self.evaluations} calculated, seed {self.seed}"]
+        if len(self.designs) == 1:
+            return (*said, "one design is the best in every objective: they do not contradict each other")
+        for place, one in enumerate(self.objectives):
+            at = self.values[self.extremes[place]]
+            rest = ", ".join(text for other, text in enumerate(self._told(at)) if other != place)
+            said.append(f"the best {one.name} is {in_words(at[place], self.units[place])}, with {rest}")
+        said.append(f"a compromise near the best of all: {', '.join(self._told(self.values[self.compromise]))}")
+        if np.isfinite(self.disagreement):
+            same = self.disagreement <= AGREES
+            said.append(f"recomputed singly: {'the same' if same else f'different by {self.disagreement:.2g}'}")
+        return tuple(said)
+
+    def _told(self, values: FloatArray) -> list[str]:
+        """Values of the objectives in words."""
+        return [
+            f"{one.name} {in_words(value, unit)}"
+            for one, value, unit in zip(self.objectives, values, self.units, strict=True)
+        ]
+
+    def table(self) -> Table:
+        """A row for each design."""
+        columns = (
+            *(Column(one.name, one.unit) for one in self.parameters),
+            *(Column(one.name, unit) for one, unit in zip(self.objectives, self.units, strict=True)),
+        )
+        rows = tuple(
+            (*design, *values) for design, values in zip(self.designs.tolist(), self.values.tolist(), strict=True)
+        )
+        return Table(f"{self.title}: best compromises".removeprefix(": "), columns, rows, self.sentences)
+
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        """As a picture, by :mod:`torsionnet.plot`."""
+        return cast("Figure", plot.pareto_front(self, **look))
+
+    def to_data(self) -> dict[str, Any]:
+        """In full precision, for JSON."""
+        return {
+            "parameters": [one.name for one in self.parameters],
+            "objectives": [{"quantities": list(one.quantities), "sense": one.sense} for one in self.objectives],
+            "designs": self.designs.tolist(),
+            "values": self.values.tolist(),
+            "given": self.given.tolist(),
+            "compromise": self.compromise,
+            "method": self.method,
+            "seed": self.seed,
+            "evaluations": self.evaluations,
+            "generations": self.generations,
+            "sentences": list(self.sentences),
+        }
+
+
+def nearest_to_best(sizes: FloatArray) -> int:
+    """Row of values to be small that is nearest to the smallest of each, over its range.
+
+    >>> nearest_to_best(np.array([[0.0, 1.0], [0.3, 0.3], [1.0, 0.0]]))
+    1
+    """
+    low, high = sizes.min(axis=0), sizes.max(axis=0)
+    return int(np.argmin(np.linalg.norm((sizes - low) / np.where(high > low, high - low, 1.0), axis=1)))

@@ -1,0 +1,95 @@
+"""Peaks of transfer functions as curves over frequency: where peaks change place, their largest has a kink."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.response import Channel
+from torsionnet.solve.design.levels import Levels, ReceptanceLevels
+from torsionnet.solve.design.worst_levels import WorstLevels
+from torsionnet.solve.sensitivity.parametric import parametric_response
+from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.peak import PeakMagnitude
+
+
+@dataclass(frozen=True, eq=False)
+class KeptLevels:
+    """Levels that are read back where a search that was broken off has asked for them before.
+
+    Attributes
+    ----------
+    levels : Levels
+    evaluator : Evaluator
+        Which keeps them.
+    what : str
+        What the levels are of.
+    names : tuple of str
+        Parameters that are chosen.
+    """
+
+    levels: Levels
+    evaluator: Evaluator
+    what: str
+    names: tuple[str, ...]
+
+    @property
+    def precision(self) -> float:
+        return self.levels.precision
+
+    @property
+    def of(self) -> tuple[str, str]:
+        return self.levels.of
+
+    @property
+    def channel(self) -> Channel:
+        return self.levels.channel
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        return self._once("grid", values, [], lambda: self.levels.grid(values))
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        return self._once("levels", values, points, lambda: self.levels.at(values, points))
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = self._once("slopes", values, points, lambda: self.levels.slopes(values, points).ravel())
+        return found.reshape(len(points), -1)
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        return self._once("maxima", values, [], lambda: self.levels.maxima(values))
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        return self.levels.shown(points)
+
+    def _once(
+        self, asked: str, values: FloatArray, points: FloatArray | Sequence[float], work: Callable[[], FloatArray]
+    ) -> FloatArray:
+        at = dict(zip(self.names, map(float, values), strict=True))
+        return self.evaluator.once(f"{asked} of {self.what} at {list(map(float, points))}", at, work)
+
+
+def peak_curves(
+    quantities: Sequence[str], names: tuple[str, ...], evaluators: tuple[Evaluator, ...]
+) -> dict[str, KeptLevels]:
+    """Curves over frequency, in all configurations, of those quantities that are their largest magnitude.
+
+    Their levels have exact derivatives to the parameters ``names``. Without a curve stay peaks over a measured input
+    whose excitation is named, and in bands from 0 Hz.
+    """
+    found = {}
+    for name in quantities:
+        parts = [part for one in evaluators for part in _curve(one, name, names)]
+        if len(parts) == len(evaluators):
+            highest = max(part.band[1] for part in parts)
+            what = f"{name} in {[one.configuration for one in evaluators]}"
+            found[name] = KeptLevels(WorstLevels(tuple(parts), highest), evaluators[0], what, names)
+    return found
+
+
+def _curve(evaluator: Evaluator, name: str, names: tuple[str, ...]) -> Iterator[ReceptanceLevels]:
+    """The curve in one configuration, if there is one."""
+    peak, model = evaluator.quantities[name], evaluator.model
+    if isinstance(peak, PeakMagnitude) and peak.excitation is None and peak.band[0] > 0:
+        band = float(peak.band[0]), float(peak.band[1])
+        yield ReceptanceLevels(parametric_response(model, peak.output, peak.input, list(band), list(names)), band)

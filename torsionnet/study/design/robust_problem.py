@@ -1,0 +1,194 @@
+"""A design under tolerances as a problem of its own, whose quantities are measures over samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, Found
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.design_tolerances import DrawnTolerances
+from torsionnet.study.quantities.quantity_limit import QuantityLimit
+
+
+class RobustMeasure(Protocol):
+    """Of the samples of a design one number, on the bad side of them."""
+
+    def name(self, quantity: str, sign: float) -> str:
+        """What it is called; ``sign`` is 1 where large is bad, -1 where small is."""
+        ...
+
+    def of(self, samples: FloatArray, sign: float) -> FloatArray:
+        """Measure (n,) of samples (n, count)."""
+        ...
+
+
+@dataclass(frozen=True)
+class MeanAndDeviation:
+    """Mean and ``k`` standard deviations.
+
+    >>> MeanAndDeviation(2.0).of(np.array([[1.0, 3.0]]), 1.0).tolist()
+    [4.0]
+    """
+
+    k: float = 3.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.k) and self.k >= 0):
+            raise UsageError(f"mean and k standard deviations need a k from 0, got {self.k:g}")
+
+    def name(self, quantity: str, sign: float) -> str:
+        more = f" {'+' if sign > 0 else '-'} {self.k:g} sigma" if self.k else ""
+        return f"mean{more} of {quantity}"
+
+    def of(self, samples: FloatArray, sign: float) -> FloatArray:
+        return np.asarray(samples.mean(axis=1) + sign * self.k * samples.std(axis=1))
+
+
+@dataclass(frozen=True)
+class SamplePercentile:
+    """What so many percent of samples are not worse than.
+
+    >>> SamplePercentile(75.0).of(np.array([[0.0, 1.0, 2.0, 3.0, 4.0]]), -1.0).tolist()
+    [1.0]
+    """
+
+    percent: float = 95.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.percent < 100:
+            raise UsageError(f"a percentile lies between 0 and 100 %, got {self.percent:g}")
+
+    def name(self, quantity: str, sign: float) -> str:
+        return f"{self.percent if sign > 0 else 100 - self.percent:g} % percentile of {quantity}"
+
+    def of(self, samples: FloatArray, sign: float) -> FloatArray:
+        share = self.percent / 100 if sign > 0 else 1 - self.percent / 100
+        return np.asarray(np.quantile(samples, share, axis=1))
+
+
+@dataclass(frozen=True)
+class Rejects:
+    """Share of samples that exceed a limit, from their largest excess.
+
+    Designs with as many rejects are told by how far these exceed limits, which counts less than half a sample.
+
+    >>> Rejects().of(np.array([[-1.0, -1.0, -1.0, 0.1]]), 1.0).round(3).tolist()
+    [0.253]
+    """
+
+    def name(self, quantity: str, sign: float) -> str:
+        del quantity, sign
+        return "share of rejects"
+
+    def of(self, samples: FloatArray, sign: float) -> FloatArray:
+        over = np.maximum(np.nan_to_num(sign * samples, nan=np.inf), 0.0)
+        far = np.where(np.isinf(over), 1.0, over / (1 + over)).mean(axis=1)
+        return np.asarray((over > 0).mean(axis=1) + far / (2 * samples.shape[1]))
+
+
+DEVIATION = "squared deviation from targets"
+EXCESS = "excess over limits"
+
+
+@dataclass(frozen=True, eq=False)
+class Robustly:
+    """Measures of quantities over samples of every design; an ``Evaluate``."""
+
+    problem: DesignProblem
+    tolerances: DrawnTolerances
+    measure: RobustMeasure
+
+    def __call__(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Measures (n,) by name."""
+        samples = self.samples(designs)
+        measured = {}
+        for name, sign, measure in self.wanted():
+            measured[measure.name(name, sign)] = measure.of(samples[name], sign)
+        for name, limit in self.problem.goals.limits.items():
+            for sign in _sides(limit, self.measure):
+                measured[self.measure.name(name, sign)] = self.measure.of(samples[_side(name, sign)], sign)
+        return measured
+
+    def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Of objectives, deviations and limits the worst of their points in every sample (n, count)."""
+        goals, count = self.problem.goals, self.tolerances.count
+        found = self._found(designs)
+        worst: dict[str, FloatArray] = {}
+        for one in goals.objectives:
+            worst[one.name] = one.sign * one.columns(found).max(axis=1)
+        if goals.targets:
+            worst[DEVIATION] = np.sum(goals.deviations(found) ** 2, axis=1)
+        if goals.limits:
+            worst[EXCESS] = goals.excess(found).max(axis=1)
+        for name in goals.limits:
+            worst |= {_side(name, sign): sign * (sign * found[name]).max(axis=1) for sign in (1.0, -1.0)}
+        return {name: values.reshape(-1, count) for name, values in worst.items()}
+
+    def _found(self, designs: Mapping[str, FloatArray]) -> Found:
+        found = self.problem.evaluate(self.tolerances.around(designs))
+        self.problem.goals.check(found)
+        size = len(next(iter(designs.values()))) * self.tolerances.count
+        return {name: np.asarray(found[name], float).reshape(size, -1) for name in self.problem.goals.quantities}
+
+    def wanted(self) -> list[tuple[str, float, RobustMeasure]]:
+        """What is made small: name, which side of it is bad, and how it is measured."""
+        goals = self.problem.goals
+        if isinstance(self.measure, Rejects):
+            return [(EXCESS, 1.0, self.measure)]
+        if goals.targets:
+            return [(DEVIATION, 1.0, MeanAndDeviation(0.0))]
+        return [(one.name, one.sign, self.measure) for one in goals.objectives]
+
+
+def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure: RobustMeasure) -> DesignProblem:
+    """The problem whose quantities are measures over samples; limits hold for the measure of what they limit."""
+    if isinstance(measure, Rejects) and not problem.goals.limits:
+        raise UsageError("rejects are what exceeds limits: give limits")
+    if not isinstance(measure, Rejects):
+        problem.goals.need_merit()
+    robustly = Robustly(problem, tolerances, measure)
+    objectives = tuple(
+        DesignObjective((how.name(name, sign),), "minimise" if sign > 0 else "maximise")
+        for name, sign, how in robustly.wanted()
+    )
+    limits = {
+        measure.name(name, sign): QuantityLimit(**{side: getattr(limit, side)})
+        for name, limit in problem.goals.limits.items()
+        for sign in _sides(limit, measure)
+        for side in ["below" if sign > 0 else "above"]
+    }
+    return replace(
+        problem,
+        goals=DesignGoals(objectives=objectives, limits=limits, units=_units(problem.goals, robustly)),
+        evaluate=robustly,
+        slopes=None,
+        curves={},
+        _asked=[],
+    )
+
+
+def _units(goals: DesignGoals, robustly: Robustly) -> dict[str, str]:
+    """Of measures, and of what they measure; shares and squares have none."""
+    if isinstance(robustly.measure, Rejects):
+        return {}
+    known = {**goals.units, **{one.name: goals.unit_of(one) for one in goals.objectives}}
+    measured = {how.name(name, sign): known.get(name, "") for name, sign, how in robustly.wanted()}
+    limited = {robustly.measure.name(name, sign): known.get(name, "") for name in goals.limits for sign in (1.0, -1.0)}
+    return known | limited | measured
+
+
+def _sides(limit: QuantityLimit, measure: RobustMeasure) -> tuple[float, ...]:
+    """1 for an upper limit, -1 for a lower one; none where rejects are counted, which rest on all limits."""
+    if isinstance(measure, Rejects):
+        return ()
+    return (*((1.0,) if limit.below is not None else ()), *((-1.0,) if limit.above is not None else ()))
+
+
+def _side(name: str, sign: float) -> str:
+    return f"{'largest' if sign > 0 else 'smallest'} {name}"

@@ -1,1 +1,0 @@
-"""Parameters that meet targets, make something smallest, or are the best compromise."""

@@ -1,0 +1,72 @@
+"""What quantities over the speeds of running machinery have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import Field, dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.errors import Fault
+from torsionnet.core.units import RPM
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.excitations.speed_range import SpeedBand
+from torsionnet.study.quantities.quantity import StudyQuantity
+
+OWN = ("excitations", "speeds", "every")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedQuantity(StudyQuantity):
+    """Base of the quantities that are looked for at all speeds of the model, or at some of them."""
+
+    kind: ClassVar[str] = "over speed"
+
+    excitations: tuple[str, ...] = entry(Listed("excitations that act; default: all", Text("an excitation")), None)
+    speeds: tuple[float, float] | None = entry(SpeedBand("part of the model's speeds"), None)
+    every: int = entry(Count("only every n-th of them, and the last, to save time", upper=10_000), 1)
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.name in OWN
+
+    def at(self, model: Drivetrain) -> FloatArray:
+        """rad/s; none where the model does not say at which speeds it is examined."""
+        given = model.definition.speeds
+        found = np.array(given.values if given else ())
+        if self.speeds is not None:
+            low, high = self.speeds
+            found = found[(found >= low * (1 - 1e-9)) & (found <= high * (1 + 1e-9))]
+        return np.append(found[:-1][:: self.every], found[-1:])
+
+    @staticmethod
+    def is_range(model: Drivetrain) -> bool:
+        """Whether the model's speeds stand for all between them, as a list of them does not."""
+        given = model.definition.speeds
+        return given is not None and not given.list
+
+    @property
+    def where(self) -> str:
+        """Speeds and excitations, in words."""
+        acting = f"under {', '.join(self.excitations)}, " if self.excitations else ""
+        over = "at all speeds" if self.speeds is None else speed_words(self.speeds)
+        return acting + (over if self.every == 1 else f"{over}, one of {self.every}")
+
+    def nowhere(self, model: Drivetrain) -> Iterator[Fault]:
+        """What is wrong where no speed is left."""
+        if model.definition.speeds is not None and not len(self.at(model)):
+            yield Fault("none of the model's speeds lies in this range", ("speeds",))
+
+
+def speed_words(speeds: tuple[float, float]) -> str:
+    """A range of speeds in rad/s, in words.
+
+    >>> speed_words((62.83185307179586, 157.07963267948966))
+    'from 600 to 1500 r/min'
+    """
+    return f"from {speeds[0] * RPM:.6g} to {speeds[1] * RPM:.6g} r/min"

@@ -1,0 +1,67 @@
+"""What quantities of a transfer function have in common: output, input, what drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import Field, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.response.frequency_response import quotient_unit
+from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output, remembered
+from torsionnet.study.quantities.quantity import StudyQuantity
+
+if TYPE_CHECKING:
+    from torsionnet.study.quantities.variant_block import VariantBlock
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransferQuantity(StudyQuantity):
+    """Base of the quantities of one transfer function."""
+
+    kind: ClassVar[str] = "transfer function"
+
+    output: str = entry(Text("sensor, node, torque(element), twist(element), stress(shaft), ..."))
+    input: str = entry(Text("input or node that is driven, or a sensor: a measured input"))
+    excitation: str | None = entry(Text("what drives where the input is measured; default: the only input"), None)
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.name == "excitation"
+
+    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+        del quantities
+        asked = (
+            ("output", lambda: named_output(model, self.output)),
+            ("input", lambda: driven(model, self.input, self.excitation)),
+        )
+        found = [fault for name, ask in asked for fault in refusal(ask, name)]
+        yield from found or refusal(lambda: remembered(model, self.output, self.input, self.excitation), "input")
+
+    @property
+    def quotient(self) -> str:
+        """The transfer function, in words."""
+        driven_by = f", driven at {self.excitation}" if self.excitation else ""
+        return f"{self.output}/{self.input}{driven_by}"
+
+    def unit(self, model: Drivetrain) -> str:
+        """Of the output over that of the input."""
+        request = remembered(model, self.output, self.input, self.excitation)
+        found = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
+        return "" if found == "1" else found
+
+    def values(self, block: VariantBlock, frequencies: FloatArray) -> ComplexArray:
+        """The transfer function (n_variants, n_f) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
+        return block.responses(self.output, self.input, frequencies, self.excitation)[:, :, 0, 0]
+
+
+def refusal(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
+    """Why a question is refused, if it is."""
+    try:
+        ask()
+    except UsageError as error:
+        yield Fault(str(error), path)

@@ -1,0 +1,204 @@
+"""Variants that are solved together, and what several quantities want to know of them."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.collected_warnings import collected_warnings
+from torsionnet.core.errors import TorsionnetError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.response.modes import Modes
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.batched_modes import BatchedModes, batched_modes, single_modes
+from torsionnet.solve.batch.batched_responses import batched_responses
+from torsionnet.solve.batch.mode_tracking import TrackedModes, tracked
+from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.responses.transfer import responses, warn_infinite
+from torsionnet.study.quantities.counted_remarks import remark
+
+GRAPH = "graph"
+"""The method of responses, unless another is asked for."""
+
+
+def single_response(
+    model: AssembledModel, outputs: Any, inputs: Any, frequencies: FloatArray, excitation: str | None = None
+) -> ComplexArray:
+    """Transfer functions (n_f, n_out, n_in) at frequencies >= 0 in Hz."""
+    request = remembered(model, outputs, inputs, excitation)
+    found = responses([model], request, frequencies, GRAPH)
+    warn_infinite(found.values, found.conditioning, frequencies)
+    return np.asarray(found.values[0])
+
+
+Channels = str | Sensor | tuple[str | Sensor, ...]
+Driving = str | Sensor | tuple[str | Sensor | Input, ...]
+T = TypeVar("T")
+
+_NUMBER = re.compile(r"^variant \d+:? ")
+MOST_VALUES = 2_000_000
+"""Complex values of responses that are held at a time, 32 MB."""
+
+
+class Asked(Protocol):
+    """What is asked of every variant."""
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        """Values (n_variants, n_points)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class VariantBlock:
+    """Some variants of a drivetrain in one configuration.
+
+    Attributes
+    ----------
+    model : Drivetrain
+        With its own values.
+    values : mapping
+        Parameter -> (n_variants,) array in SI.
+    quantities : mapping
+        All that the study asks for, by name; one may be made of others.
+    batch : Batch or None
+        Their coefficients, where the rows of all are those of ``model``.
+    remarks : Counter of str
+        What was warned of, and why variants have no value, with the number of times.
+    method : str
+        Of frequency responses: one that is the same whatever the number of variants.
+    nominal : callable or None
+        Says the modes of ``model``, where they are kept for other blocks.
+    """
+
+    model: Drivetrain
+    values: Mapping[str, FloatArray]
+    quantities: Mapping[str, Asked]
+    batch: Batch | None
+    known: dict[Any, Any] = field(default_factory=dict)
+    remarks: Counter[str] = field(default_factory=Counter)
+    method: str = GRAPH
+    nominal: Callable[[], Modes] | None = None
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values())))
+
+    def single(self, index: int) -> Drivetrain:
+        """One variant as a model of its own."""
+        return self.model.configured(**{name: float(column[index]) for name, column in self.values.items()})
+
+    def of(self, name: str) -> FloatArray:
+        """Values (n_variants, n_points) of a quantity, worked out once; NaN where no drivetrain can be."""
+        return self.once(("quantity", name), lambda: self._evaluated(self.quantities[name]))
+
+    def _evaluated(self, quantity: Asked) -> FloatArray:
+        said = Counter[str]()
+        with collected_warnings(said):
+            found = quantity.evaluate(self)
+        for text, count in said.items():
+            self.remark(text, count)
+        if self.impossible.any():
+            found = np.where(self.impossible[:, None], np.nan, found)
+        return found
+
+    @property
+    def impossible(self) -> NDArray[np.bool_]:
+        """Variants that no drivetrain can be."""
+        return np.zeros(len(self), dtype=bool) if self.batch is None else self.batch.impossible
+
+    def parts(self, values_each: int) -> Iterator[tuple[slice, VariantBlock]]:
+        """Blocks of fewer variants where each needs so many complex values, and which variants these are."""
+        together = max(1, MOST_VALUES // max(values_each, 1))
+        if together >= len(self):
+            yield slice(0, len(self)), self
+            return
+        for start in range(0, len(self), together):
+            which = slice(start, start + together)
+            values = {name: column[which] for name, column in self.values.items()}
+            batch = None if self.batch is None else self.batch.part(which)
+            yield which, replace(self, values=values, batch=batch, known={})
+
+    def remark(self, text: str, count: int = 1) -> None:
+        """Count a remark; where there are many already, only that there are others."""
+        remark(self.remarks, text, count)
+
+    def one_by_one(self, ask: Callable[[Drivetrain], ArrayLike], n_points: int = 1) -> FloatArray:
+        """What a function says of every variant (n_variants, n_points); NaN where it cannot be asked."""
+        found = np.full((len(self), n_points), np.nan)
+        for index in range(len(self)):
+            answer = self.asked(index, ask)
+            if answer is not None:
+                found[index] = answer
+        return found
+
+    def asked(self, index: int, ask: Callable[[Drivetrain], T]) -> T | None:
+        """What a function says of one variant; None where there is no such variant or answer."""
+        try:
+            return ask(self.single(index))
+        except TorsionnetError as error:
+            self.remark(str(error))
+            return None
+
+    @cached_property
+    def every_mode(self) -> BatchedModes:
+        """All modes of every variant, in its own order."""
+        found = single_modes(self.model, self.values) if self.batch is None else batched_modes(self.batch)
+        for note in found.notes:
+            self.remark(_NUMBER.sub("", note))
+        return found
+
+    @cached_property
+    def modes(self) -> TrackedModes:
+        """Modes in the order of those of ``model``, which they are told by."""
+        return tracked(self.every_mode, None if self.nominal is None else self.nominal())
+
+    def responses(
+        self, outputs: Channels, inputs: Driving, frequencies: FloatArray, excitation: str | None = None
+    ) -> ComplexArray:
+        """Transfer functions (n_variants, n_f, n_out, n_in) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
+        request = remembered(self.model, outputs, inputs, excitation)
+        if self.batch is not None:
+            if frequencies.ndim == 2:
+                return responses_at_own_frequencies(self.batch, request, frequencies, self.method)
+            return batched_responses(self.batch, request, frequencies, self.method, self._refused).values
+        return self._one_by_one_responses(request, outputs, inputs, frequencies, excitation)
+
+    def _refused(self, error: TorsionnetError) -> None:
+        self.remark(str(error))
+
+    def _one_by_one_responses(
+        self,
+        nominal: TransferRequest,
+        outputs: Channels,
+        inputs: Driving,
+        frequencies: FloatArray,
+        excitation: str | None,
+    ) -> ComplexArray:
+        shape = (len(self), frequencies.shape[-1], len(nominal.outputs), len(nominal.measured))
+        found = np.full(shape, complex(np.nan, np.nan))
+        own = np.broadcast_to(frequencies, shape[:2])
+        for index in range(len(self)):
+            ask = partial(
+                single_response, outputs=outputs, inputs=inputs, frequencies=own[index], excitation=excitation
+            )
+            answer = self.asked(index, ask)
+            if answer is not None:
+                found[index] = answer
+        return found
+
+    def once(self, key: Any, work: Callable[[], T]) -> T:
+        """What is worked out once for all quantities."""
+        if key not in self.known:
+            self.known[key] = work()
+        found: T = self.known[key]
+        return found

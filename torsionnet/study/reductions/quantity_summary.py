@@ -1,0 +1,43 @@
+"""A quantity of a study over all variants of one configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.study.quantities.quantity import QuantityForm
+from torsionnet.study.reductions.histogram import Histogram
+from torsionnet.study.reductions.moments import Moments
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """A quantity in one configuration: ``measure`` (unit, points), ``moments`` and ``histogram`` over its points."""
+
+    measure: QuantityForm
+    moments: Moments
+    histogram: Histogram
+
+    def percentiles(self, shares: ArrayLike) -> FloatArray:
+        """Values (n_shares, n_points) that so many per cent do not exceed, to 0.2 % of themselves."""
+        return self.histogram.percentiles(shares, len(self.measure.points))
+
+    def to_data(self, percentiles: FloatArray) -> dict[str, Any]:
+        """In full precision, with percentiles (n_shares, n_points)."""
+        moments, is_curve = self.moments, self.measure.is_curve
+        known = {
+            "variants": moments.count,
+            "mean": moments.mean,
+            "standard_deviation": moments.deviation,
+            "smallest": moments.smallest,
+            "smallest_at": moments.smallest_at,
+            "largest": moments.largest,
+            "largest_at": moments.largest_at,
+        }
+        said = {key: array.tolist() if is_curve else array.tolist()[0] for key, array in known.items()}
+        said["percentiles"] = percentiles.tolist() if is_curve else percentiles[:, 0].tolist()
+        points = {"over": self.measure.over, "points": self.measure.points.tolist()} if is_curve else {}
+        return {"unit": self.measure.unit, **points, **said}

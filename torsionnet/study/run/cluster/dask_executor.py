@@ -1,0 +1,219 @@
+"""Chunks of a study on the workers of a cluster."""
+
+from __future__ import annotations
+
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import ceil
+from pathlib import Path
+from statistics import median
+from time import monotonic
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from torsionnet.core.errors import UsageError
+from torsionnet.study.run.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
+from torsionnet.study.run.cluster.cluster_losses import (
+    Absence,
+    Told,
+    await_workers,
+    let_go,
+    scheduler_expected,
+    workers_expected,
+)
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+
+def check_folder(client: Client, folder: Path) -> None:
+    """Every worker there is must read in ``folder`` what was just written there, and write there."""
+    word = uuid.uuid4().hex
+    token = folder.resolve() / f".seen_by_workers_{word}"
+    token.write_text(word)
+    try:
+        said = client.run(trouble_with, str(token), word, on_error="return")
+    finally:
+        token.unlink()
+    refuse_faults(
+        [f"worker {address}: {trouble}" for address, trouble in said.items() if trouble],
+        f"All workers need {token.parent} under this path, as a folder of a file system that they share",
+    )
+
+
+def trouble_with(token: str, word: str) -> str:
+    """What keeps this process from using the folder in which another wrote ``word``; empty if nothing does."""
+    file = Path(token)
+    try:
+        if file.read_text() != word:
+            return f"{file.parent} is another folder there"
+        beside = file.with_name(f"{file.name}_{uuid.uuid4().hex}")
+        beside.touch()
+        beside.unlink()
+    except FileNotFoundError:
+        return f"{file.parent} is not there, or is another folder"
+    except OSError as error:
+        return f"{file.parent} cannot be used: {error.strerror}"
+    return ""
+
+
+TASK_SECONDS = 2.0
+"""Of a task, at least; what is done for each takes some milliseconds of a worker."""
+
+TASKS_A_SECOND = 50.0
+"""Of all workers together; a scheduler and a client manage some hundred."""
+
+
+@dataclass
+class TaskSize:
+    """Chunks of a task by the time that the last ones took.
+
+    Examples
+    --------
+    >>> size = TaskSize()
+    >>> size.chunks(left=1000, workers=2)
+    1
+    >>> size.learn([0.5, 0.5, 0.5])
+    >>> size.chunks(left=1000, workers=2), size.chunks(left=4, workers=2)
+    (4, 2)
+    >>> size.chunks(left=10**6, workers=1000)
+    40
+    """
+
+    seconds: deque[float] = field(default_factory=lambda: deque(maxlen=50))
+
+    def learn(self, seconds: Iterable[float]) -> None:
+        """Wall clock of finished chunks."""
+        self.seconds.extend(seconds)
+
+    def chunks(self, left: int, workers: int) -> int:
+        """Of the next task; towards the end fewer, so that no worker is idle while another has a pile."""
+        if not self.seconds:
+            return 1
+        wanted = ceil(max(TASK_SECONDS, workers / TASKS_A_SECOND) / max(median(self.seconds), 1e-6))
+        return max(1, min(wanted, ceil(left / max(workers, 1))))
+
+
+S = TypeVar("S")
+T = TypeVar("T")
+
+TASKS_AHEAD = 2
+"""Tasks that wait for each thread of a worker beside the one it calculates, so that it never waits for this process."""
+
+TRIES = 2
+"""Of a task again, whose file system failed for a moment."""
+
+LOOK_EVERY, PAUSE = 2.0, 0.1
+"""Seconds after which it is asked which workers there are, and whether something is done."""
+
+
+@dataclass(frozen=True, eq=False)
+class DaskExecutor:
+    """Work on the parts of a study by the workers of ``client``, which leave the values in a folder that all see.
+
+    A bounded number of tasks is with the scheduler at a time; a worker that is lost has its tasks done by others, and
+    workers that join are used. ``work`` keeps what it calculates in the ``folder`` and returns next to nothing.
+
+    Attributes
+    ----------
+    client : Client
+        Of :func:`torsionnet.study.run.cluster.connecting.connected`.
+    folder : Path
+        Of the study.
+    told : callable
+        Is told that there are no workers yet, or none any more.
+    """
+
+    client: Client
+    folder: Path
+    told: Told = lambda _text: None
+
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Every part with its result, in the order in which they are done.
+
+        Raises
+        ------
+        UsageError
+            The work has no folder: its results would pass through the scheduler, and end with it.
+        ClusterError
+            The scheduler is lost, or workers cannot do the work.
+        """
+        if getattr(work, "folder", self.folder) is None:
+            raise UsageError("on a cluster a study needs a folder for its results, which all workers share")
+        with scheduler_expected(self.client):
+            await_workers(lambda: sum(self.client.nthreads().values()), self.told)
+            needed = self._versions
+        running: _Running[S] = _Running(self.client, self.folder.name, needed, Absence(self.told))
+        yield from running.results(work, deque(parts))
+
+    @cached_property
+    def _versions(self) -> Versions:
+        """What all workers have, asked once, with whether they see the folder."""
+        needed = check_versions(self.client)
+        check_folder(self.client, self.folder)
+        return needed
+
+
+class _Running(Generic[S]):
+    """The tasks that are with the scheduler."""
+
+    def __init__(self, client: Client, name: str, needed: Versions, absence: Absence) -> None:
+        from distributed import as_completed
+
+        self.client, self.needed, self.absence = client, needed, absence
+        self.key = f"{name}-{uuid.uuid4().hex}"
+        self.tasks: dict[Future, tuple[S, ...]] = {}
+        self.finished = as_completed(loop=client.loop)
+        self.size = TaskSize()
+        self.threads, self.looked, self.submitted = 0, -1e9, 0
+
+    def results(self, work: Callable[[S], T], left: deque[S]) -> Iterator[tuple[S, T]]:
+        try:
+            while left or self.tasks:
+                with scheduler_expected(self.client):
+                    self._submit(work, left)
+                    self._await(len(left))
+                    done = self._next()
+                self.size.learn(one.seconds for _, one in done)
+                yield from ((part, one.result) for part, one in done)
+        finally:
+            let_go(self.client, self.tasks)
+
+    def _submit(self, work: Callable[[S], T], left: deque[S]) -> None:
+        bound = (1 + TASKS_AHEAD) * max(self._threads(), 1)
+        while left and len(self.tasks) < bound:
+            parts = tuple(left.popleft() for _ in range(self.size.chunks(len(left), self.threads)))
+            key = (self.key, self.submitted)
+            self.submitted += 1
+            asked = (work, self.key, parts, self.needed)
+            task = self.client.submit(done_chunks, *asked, key=key, pure=False, retries=TRIES)
+            self.tasks[task] = parts
+            self.finished.add(task)
+
+    def _threads(self) -> int:
+        """Of all workers there are now."""
+        if monotonic() > self.looked + LOOK_EVERY:
+            self.threads, self.looked = sum(self.client.nthreads().values()), monotonic()
+        return self.threads
+
+    def _await(self, later: int) -> None:
+        """Until something is done, with words where no worker is left that could."""
+        while not self.finished.has_ready():
+            with self.finished.thread_condition:
+                self.finished.thread_condition.wait(PAUSE)
+            if not self.finished.has_ready():
+                self.absence.seen(self._threads(), later + sum(map(len, self.tasks.values())))
+
+    def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
+        """What has been done since this was asked before, something at least."""
+        ended = self.finished.next_batch(block=True)
+        for task in ended:
+            if task.status != "finished":
+                with workers_expected(self.tasks[task]):
+                    task.result()
+        # All together: one by one each would take the time of a round to its worker.
+        results: list[list[DoneChunk[Any]]] = self.client.gather(ended)
+        parts = [part for task in ended for part in self.tasks.pop(task)]
+        return list(zip(parts, (one for done in results for one in done), strict=True))

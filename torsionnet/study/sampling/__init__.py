@@ -1,1 +1,0 @@
-"""How the values of variants are drawn: sequences, correlations, joint distributions."""

@@ -1,0 +1,125 @@
+"""Points of the unit cube by index: random and Latin hypercube."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from hashlib import sha256
+from math import isqrt
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.response.frequency_response import FloatArray
+
+Words = NDArray[np.uint64]
+ROUNDS = 4
+FEW = 4096
+"""Numbers that are ordered outright: a network of few rounds reaches too few orders of few numbers."""
+
+
+def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence) -> NDArray[np.int64]:
+    """Which of the numbers from 0 to ``count - 1`` stand at some places of a random order of them all.
+
+    A Feistel network of two digits orders a square of slightly more numbers; where it leads beyond ``count`` it is
+    followed on until it does not, which keeps every number once (Black and Rogaway, 2002).
+
+    Parameters
+    ----------
+    places : (n,) array
+    count : int
+        At most 2^62.
+    seed : SeedSequence
+        Of the order.
+
+    Examples
+    --------
+    >>> order = permuted(np.arange(5), 5, np.random.SeedSequence(1))
+    >>> sorted(order.tolist())
+    [0, 1, 2, 3, 4]
+    """
+    if count <= FEW:
+        return np.argsort(np.random.PCG64(seed).random_raw(count), kind="stable")[places]
+    side = np.uint64(isqrt(count - 1) + 1)
+    keys = np.asarray(seed.generate_state(2 * ROUNDS, np.uint64), dtype=np.uint64)
+    found = _shuffled(places.astype(np.uint64), side, keys)
+    outside = np.flatnonzero(found >= count)
+    while len(outside):
+        found[outside] = _shuffled(found[outside], side, keys)
+        outside = outside[found[outside] >= count]
+    return found.astype(np.int64)
+
+
+def _shuffled(numbers: Words, side: np.uint64, keys: Words) -> Words:
+    first, second = numbers // side, numbers % side
+    for key in keys.reshape(-1, 2):
+        first = (first + _mixed(second, key[0]) % side) % side
+        second = (second + _mixed(first, key[1]) % side) % side
+    return np.asarray(first * side + second)
+
+
+def _mixed(numbers: Words, key: np.uint64) -> Words:
+    """Bits that depend on all bits of the number (the finaliser of SplitMix64)."""
+    z = numbers * np.uint64(0x9E3779B97F4A7C15) + key
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return np.asarray(z ^ (z >> np.uint64(31)))
+
+
+BLOCK = 4096
+"""Points that one state of the generator gives; whatever is asked for, blocks begin at its multiples."""
+
+
+class UnitPoints(Protocol):
+    """Any stretch of a sequence of points, which depends on nothing but the indices."""
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        """Points ``start`` to ``stop - 1``, (stop - start, n_names), above 0 and below 1."""
+        ...
+
+
+@dataclass(frozen=True)
+class RandomPoints:
+    """Independent points.
+
+    Every name has numbers of its own: those of the others stay when one is added.
+    """
+
+    names: tuple[str, ...]
+    seed: int
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        found = np.empty((stop - start, len(self.names)))
+        for column, name in enumerate(self.names):
+            for block in range(start // BLOCK, -(-stop // BLOCK)):
+                begin, end = max(start, block * BLOCK), min(stop, (block + 1) * BLOCK)
+                numbers = _uniform(_seed(name, self.seed, block), end - block * BLOCK)
+                found[begin - start : end - start, column] = numbers[begin - block * BLOCK :]
+        return found
+
+
+def _seed(name: str, *further: int) -> np.random.SeedSequence:
+    words = np.frombuffer(sha256(name.encode()).digest(), dtype="<u4")
+    return np.random.SeedSequence(words.tolist(), spawn_key=further)
+
+
+def _uniform(seed: np.random.SeedSequence, count: int) -> FloatArray:
+    """Numbers above 0 and below 1, from raw bits, which are the same in every version of numpy."""
+    raw = np.random.PCG64(seed).random_raw(count) >> np.uint64(12)
+    return np.asarray((raw.astype(float) + 0.5) * 2.0**-52)
+
+
+@dataclass(frozen=True)
+class LatinHypercubePoints:
+    """``count`` points of which one lies in each of ``count`` equal parts of every coordinate."""
+
+    names: tuple[str, ...]
+    count: int
+    seed: int
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        places = np.arange(start, stop)
+        within = RandomPoints(self.names, self.seed)(start, stop)
+        for column, name in enumerate(self.names):
+            within[:, column] += permuted(places, self.count, _seed(name, self.seed))
+        return np.minimum(within / self.count, 1 - 2.0**-53)

@@ -1,0 +1,213 @@
+"""All variants of a study by index: what varies, together with what, and how it is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from math import prod
+from types import MappingProxyType
+from typing import Any, Self
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.model.model import Model
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.study.space.correlation import Correlation
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.space_entries import SpaceEntries
+from torsionnet.study.space.space_reading import BoundSpace, bound_space
+from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
+
+COVERAGE = 0.9973
+"""Share of the values of a parameter within its tolerance where the distribution has no limits: three standard
+deviations of a normal one to both sides."""
+
+
+class Space:
+    """Variants of a model: parameters with distributions are drawn, lists and ranges crossed with that and each other.
+
+    Variant i depends on i alone: on nothing that was asked for before, nor on who asks.
+
+    Parameters
+    ----------
+    model : Drivetrain
+        What relative values are relative to.
+    vary : mapping
+        Parameter -> variation.
+    correlation : sequence of Correlation, optional
+    sampling : Samples, optional
+        Without it no variants are drawn (``count`` is 0 if anything has a distribution), but answers that choose
+        variants themselves have their space.
+
+    Raises
+    ------
+    ModelError
+        With everything that is wrong.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.study.space.variations.uniform import Uniform
+    >>> from torsionnet.study.space.variations.value_list import ListOfValues
+    >>> space = Space(tn.load("amt_rig"), {"k_2": Uniform(low="-10 %", high="+10 %"),
+    ...     "c_O": ListOfValues(values=[170, 360])}, sampling=Samples(count=3))
+    >>> space.count, space.values(2, 4)["c_O"]
+    (6, array([170., 360.]))
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        vary: Mapping[str, Variation],
+        correlation: Sequence[Correlation] = (),
+        sampling: Samples | None = None,
+    ) -> None:
+        entries = SpaceEntries(vary=vary, correlation=tuple(correlation), sampling=sampling)
+        bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
+        if bound is None:
+            raise ModelError(faults, "the space of variants")
+        self.__setstate__((entries, bound, tuple(faults)))
+
+    @classmethod
+    def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
+        """The space of ``{vary: ..., correlation: ..., sampling: ...}``, if nothing is wrong, and all findings."""
+        if not isinstance(raw, Mapping):
+            return None, SpaceEntries.read(raw)[1]
+        values, faults = SpaceEntries.read_entries(raw)
+        if not faults:
+            return cls.of(SpaceEntries(**values), model)
+        # What could be read may have faults of its own; what names an entry that could not be read cannot be judged.
+        more = bound_space(values.get("vary", {}), (), None, model)[1]
+        return None, [*faults, *more]
+
+    @classmethod
+    def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
+        """The space of entries that have been read; the paths of the findings begin with their keys."""
+        bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
+        if bound is None:
+            return None, faults
+        new = cls.__new__(cls)
+        new.__setstate__((entries, bound, tuple(faults)))
+        return new, faults
+
+    def __getstate__(self) -> tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]:
+        return self.entries, self._bound, self.remarks
+
+    def __setstate__(self, state: tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]) -> None:
+        self.entries, self._bound, self.remarks = state
+        """What is worth knowing though nothing is wrong."""
+
+    def at(self, model: Model) -> Self:
+        """The same variants of another model, as of another configuration: relative to the values there."""
+        new, faults = self.of(self.entries, model)
+        if new is None:
+            raise ModelError(faults, "the space of variants")
+        return new
+
+    def to_data(self) -> dict[str, Any]:
+        """The entries of a study file that make this space."""
+        data: dict[str, Any] = self.entries.to_data()
+        return data
+
+    @property
+    def sampling(self) -> Samples | None:
+        return self.entries.sampling
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that vary, in the order in which they were given."""
+        return tuple(self.entries.vary)
+
+    @property
+    def marginals(self) -> Mapping[str, Marginal]:
+        """Distributions, of parameters that have one."""
+        return MappingProxyType(self._bound.joint.marginals)
+
+    @property
+    def random_names(self) -> tuple[str, ...]:
+        """Parameters with a distribution."""
+        return tuple(self._bound.joint.marginals)
+
+    @property
+    def grid(self) -> Mapping[str, GridAxis]:
+        """Parameters that take one value after the other; the last one changes first."""
+        return MappingProxyType(self._bound.axes)
+
+    @property
+    def nominal(self) -> Mapping[str, float]:
+        """Values in the model in SI; NaN where it has none."""
+        return MappingProxyType(self._bound.nominal)
+
+    @cached_property
+    def draws(self) -> int:
+        """Draws of the parameters with a distribution; 1 where there are none."""
+        if not self.random_names:
+            return 1
+        return self.sampling.count if self.sampling else 0
+
+    @cached_property
+    def count(self) -> int:
+        """Number of variants: for each point of the grid, the first parameter slowest, all draws."""
+        return prod(axis.count for axis in self.grid.values()) * self.draws
+
+    def values(self, start: int, stop: int) -> dict[str, FloatArray]:
+        """Values of the variants ``start`` to ``stop - 1`` in SI, (stop - start,) each."""
+        if not 0 <= start <= stop <= self.count:
+            raise IndexError(f"variants are 0 to {self.count - 1}, asked for {start} to {stop - 1}")
+        if start == stop:
+            return {name: np.empty(0) for name in self.names}
+        point, draw = divmod(start, self.draws)
+        places = draw + np.arange(stop - start)
+        found = self._on_grid(point, places // self.draws) | self._drawn(draw, stop - start)
+        return {name: found[name] for name in self.names}
+
+    def _on_grid(self, point: int, further: Any) -> dict[str, FloatArray]:
+        """Values at points of the grid ``further`` (n,) than one, of which the index may be any whole number."""
+        found = {}
+        for name, axis in reversed(list(self.grid.items())):
+            point, digit = divmod(point, axis.count)
+            further, places = np.divmod(digit + further, axis.count)
+            found[name] = axis.at(places)
+        return found
+
+    def _drawn(self, draw: int, count: int) -> dict[str, FloatArray]:
+        if self.sampling is None or not self.random_names:
+            return {}
+        points = self.sampling.points(self.random_names)
+        ends = draw + count
+        if ends <= self.draws:
+            return self.from_unit(points(draw, ends))
+        if count < self.draws:
+            return self.from_unit(np.concatenate([points(draw, self.draws), points(0, ends - self.draws)]))
+        all_of_them = self.from_unit(points(0, self.draws))
+        places = np.arange(draw, ends) % self.draws
+        return {name: column[places] for name, column in all_of_them.items()}
+
+    def from_unit(self, shares: FloatArray) -> dict[str, FloatArray]:
+        """Values of the :attr:`random_names` at points of the unit cube (n, n_random), each (n,) in SI."""
+        return self._bound.joint.from_unit(shares)
+
+    def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:
+        """Values of the :attr:`random_names`, (n,) each, at independent standard normal variables (n, n_random)."""
+        return self._bound.joint.from_standard_normal(normal)
+
+    def to_standard_normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
+        """Inverse of :meth:`from_standard_normal`, (n, n_random)."""
+        return self._bound.joint.to_standard_normal(values)
+
+    def log_density(self, values: Mapping[str, FloatArray]) -> FloatArray:
+        """Logarithm of the joint probability density of the :attr:`random_names`, (n,)."""
+        return self._bound.joint.log_density(values)
+
+    def box(self, coverage: float = COVERAGE) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of every parameter in SI.
+
+        A distribution without a limit on a side ends there where all but ``(1 - coverage)/2`` of its values do.
+        """
+        tail = (1 - coverage) / 2
+        found = {name: (axis.low, axis.high) for name, axis in self.grid.items()}
+        for name, one in self.marginals.items():
+            low = one.low if np.isfinite(one.low) else float(one.ppf(tail))
+            found[name] = (low, one.high if np.isfinite(one.high) else float(one.isf(tail)))
+        return {name: found[name] for name in self.names}

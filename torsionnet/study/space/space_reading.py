@@ -1,0 +1,176 @@
+"""Variations bound to the values of a model, or everything that is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import QuantityKind
+from torsionnet.core.errors import Fault, Path, unknown_name
+from torsionnet.model.elements import Element
+from torsionnet.model.model import Model
+from torsionnet.model.named_entries import value_of_entry
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.study.space.correlation import Correlation, name_faults
+from torsionnet.study.space.correlation_matrix import normal_correlation
+from torsionnet.study.space.joint_distribution import JointDistribution
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.variations.nominal import NominalReader, nominals, parameter_uses
+from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
+
+NEGLIGIBLE = 1e-9
+"""Share of the variants that may be impossible without being talked about."""
+
+
+def unreachable(model: Model, marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]) -> list[Fault]:
+    """Errors of what a model would refuse, warnings of what is outside the bounds of a parameter.
+
+    Only parameters that are themselves a value of an element are looked at; what is calculated from several is seen
+    where the variants are made.
+    """
+    uses = parameter_uses(model)
+    faults: list[Fault] = []
+    for name in (*marginals, *axes):
+        found = [fault for use in uses.get(name, ()) for fault in _impossible(name, use.quantity, marginals, axes)]
+        bounds = model.parameter_definitions[name].bounds
+        if bounds and not found:
+            found = [replace(fault, severity="warning") for fault in _outside(name, bounds, marginals, axes)]
+        faults += [fault.under("vary", name) for fault in found]
+    return faults
+
+
+def _impossible(
+    name: str, spec: QuantityKind[object], marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]
+) -> Iterator[Fault]:
+    if name in axes:
+        ends = (axes[name].low, axes[name].high)
+        reasons = {value: reason for value in ends if (reason := spec.bound_fault(value))}
+        for value, reason in reasons.items():
+            yield Fault(f"{name} would be {value:g}: {spec.description} {reason}")
+        passes = spec.nonzero and not reasons and ends[0] < 0 < ends[1]
+    else:
+        if spec.lower is not None:
+            reason = spec.bound_fault(spec.lower - 1)
+            yield from _tails(name, marginals[name], spec.lower, inf, f"{spec.description} {reason}")
+        sides = float(marginals[name].cdf(0.0)), float(marginals[name].sf(0.0))
+        passes = spec.nonzero and min(sides) > NEGLIGIBLE
+    if passes:
+        yield Fault(f"{name} would pass through 0: {spec.description} must not be zero; keep it on one side")
+
+
+def _outside(
+    name: str, bounds: tuple[float, float], marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]
+) -> Iterator[Fault]:
+    text = f"its bounds in the model are {bounds[0]:g} to {bounds[1]:g}"
+    if name in marginals:
+        yield from _tails(name, marginals[name], *bounds, text)
+        return
+    ends = dict.fromkeys(value for value in (axes[name].low, axes[name].high) if not bounds[0] <= value <= bounds[1])
+    if ends:
+        yield Fault(f"{name} would be {' and '.join(f'{value:g}' for value in ends)}; {text}")
+
+
+def _tails(name: str, marginal: Marginal, lower: float, upper: float, what: str) -> Iterator[Fault]:
+    """Shares of the values below and above what is possible."""
+    tails = (marginal.cdf(lower), "below", lower, "low"), (marginal.sf(upper), "above", upper, "high")
+    for share, side, limit, key in tails:
+        if share > NEGLIGIBLE:
+            text = f"{100 * float(share):.2g} % of {name} would be {side} {limit:g} ({what})"
+            yield Fault(f"{text}; give {key}: {limit:g} to truncate")
+
+
+@dataclass(frozen=True, eq=False)
+class BoundSpace:
+    """What varies in SI.
+
+    Attributes
+    ----------
+    nominal : mapping
+        Values in the model; NaN where it has none.
+    joint : JointDistribution
+        Of parameters with a distribution.
+    axes : mapping
+        Of parameters with values on a grid.
+    """
+
+    nominal: Mapping[str, float]
+    joint: JointDistribution
+    axes: Mapping[str, GridAxis]
+
+
+def bound_space(
+    vary: Mapping[str, Variation], correlation: Sequence[Correlation], sampling: Samples | None, model: Model
+) -> tuple[BoundSpace | None, list[Fault]]:
+    """The space in SI, None if there is an error, and all findings."""
+    faults = [_unknown(name, model) for name in vary if name not in model.parameters]
+    known = nominals(model, [name for name in vary if name in model.parameters])
+    marginals: dict[str, Marginal] = {}
+    axes: dict[str, GridAxis] = {}
+    for name, nominal in known.items():
+        reader = NominalReader(nominal)
+        found = vary[name].bound(reader)
+        faults += [fault.under("vary", name) for fault in reader.faults]
+        if isinstance(found, Marginal):
+            marginals[name] = found
+        elif found is not None:
+            axes[name] = found
+    faults += unreachable(model, marginals, axes)
+    faults += [fault.under("sampling") for fault in _sampling_faults(vary, sampling)]
+    root, wrong = _root(vary, correlation, marginals)
+    faults += [fault.under("correlation") for fault in wrong]
+    if any(fault.severity == "error" for fault in faults):
+        return None, faults
+    values = {name: np.nan if one.value is None else one.value for name, one in known.items()}
+    return BoundSpace(values, JointDistribution(marginals, root), axes), faults
+
+
+def _unknown(name: str, model: Model) -> Fault:
+    path = ("vary", name)
+    if name in model.axes:
+        alternatives = ", ".join(model.axes[name])
+        text = f'"{name}" is no parameter but an axis of configurations; a study takes these as configurations:'
+        return Fault(f"{text} {alternatives}", path, on_key=True, kind="unknown name", about=name)
+    value = value_of_entry(model.definition, name)
+    if value is not None and value.names:
+        used = ", ".join(sorted(value.names))
+        text = f'"{name}" follows from parameters, it is "{value}"; vary {used}'
+        return Fault(text, path, on_key=True, kind="unknown name", about=name, meant=used)
+    element, _, key = name.rpartition(".")
+    if element in model.definition.elements:
+        return _no_entry(model.definition.elements[element], key, path)
+    return unknown_name("parameter", name, model.parameters, path, on_key=True)
+
+
+def _no_entry(element: Element, key: str, path: Path) -> Fault:
+    """What was meant by an entry that has no value to vary."""
+    varying = [name for name, spec in element.specs() if isinstance(spec, QuantityKind)]
+    if key in varying:
+        text = f"{element.name} has no {key} in the model; give it a value there, then it can vary"
+        return Fault(text, path, on_key=True)
+    return unknown_name(f"value of {element.name}", key, varying, path, on_key=True)
+
+
+def _sampling_faults(vary: Mapping[str, Variation], sampling: Samples | None) -> list[Fault]:
+    if sampling is None:
+        return []
+    remark = sampling.remark()
+    faults = [] if remark is None else [remark]
+    if not any(one.is_random for one in vary.values()):
+        text = "nothing is drawn: all parameters take the values of a list or range; leave sampling out"
+        faults.append(Fault(text, on_key=True))
+    return faults
+
+
+def _root(
+    vary: Mapping[str, Variation], correlation: Sequence[Correlation], marginals: Mapping[str, Marginal]
+) -> tuple[FloatArray | None, list[Fault]]:
+    random = [name for name, one in vary.items() if one.is_random]
+    faults = name_faults(correlation, random, [name for name in vary if name not in random])
+    are_bound = all(name in marginals for one in correlation for name in one.between)
+    if faults or not correlation or not are_bound:
+        return None, faults
+    matrix, faults = normal_correlation(correlation, marginals)
+    return (None if faults else np.asarray(np.linalg.cholesky(matrix), dtype=float)), faults

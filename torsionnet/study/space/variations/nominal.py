@@ -1,0 +1,159 @@
+"""What a variation is relative to: the value and the unit that a parameter has in the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import nan
+
+from torsionnet.core.entries.scalars import QuantityKind
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Name, Number
+from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
+from torsionnet.model.model import Model
+from torsionnet.model.parameters import dimensions
+
+
+@dataclass(frozen=True)
+class ParameterUse:
+    """An entry of an element: what it is, and the name of its dimension."""
+
+    quantity: QuantityKind[object]
+    dimension: str
+
+
+def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
+    """Uses of every parameter that stands alone somewhere; those of the same kind once."""
+    found: dict[str, dict[object, ParameterUse]] = {}
+    for element in model.definition.elements.values():
+        for _, spec, expression, dimension in element.expressions():
+            if isinstance(expression, Name) and isinstance(spec, QuantityKind):
+                kind = dimension, spec.lower, spec.exclusive, spec.nonzero
+                found.setdefault(expression.name, {}).setdefault(kind, ParameterUse(spec, dimension))
+    return {name: list(uses.values()) for name, uses in found.items()}
+
+
+SLIP = 1e-3
+"""Share of a mean below which a deviation without unit is taken for a slip of the pen."""
+
+
+def is_share(number: Number) -> bool:
+    """Whether a value was written in percent."""
+    return number.unit_dimension == DIMENSIONS["1"] and (number.text or "").rstrip().endswith("%")
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """A parameter as the model has it.
+
+    Attributes
+    ----------
+    name : str
+    value : float or None
+        SI; None where it follows the operating point.
+    dimension : Dimension or None
+        None of a bare number.
+    unit : str
+        SI; empty of a plain number.
+    in_percent : bool
+        Whether the model writes it in percent.
+    """
+
+    name: str
+    value: float | None
+    dimension: Dimension | None = None
+    unit: str = ""
+    in_percent: bool = False
+
+
+def nominals(model: Model, names: Iterable[str]) -> dict[str, Nominal]:
+    """Of parameters that the model has."""
+    known, _ = dimensions(model.definition.parameters)
+    uses = parameter_uses(model)
+    return {name: _nominal(model, name, known.get(name), uses.get(name, [])) for name in names}
+
+
+def _nominal(model: Model, name: str, dimension: Dimension | None, uses: Sequence[ParameterUse]) -> Nominal:
+    unit = "" if dimension is None else str(dimension).removeprefix("1")
+    if uses and uses[0].dimension:
+        unit = expected_unit(uses[0].dimension).removeprefix("1")
+        dimension = dimension or DIMENSIONS[uses[0].dimension]
+    parameter = model.parameter_definitions[name]
+    written = parameter.value
+    in_percent = isinstance(written, Number) and is_share(written)
+    return Nominal(name, model.parameters[name] if parameter.by is None else None, dimension, unit, in_percent)
+
+
+class NominalReader:
+    """Turns the values of one variation into numbers in SI, and keeps what is wrong with them.
+
+    A value that is wrong becomes NaN, with which no further comparison fails.
+    """
+
+    def __init__(self, nominal: Nominal) -> None:
+        self.nominal = nominal
+        self.faults: list[Fault] = []
+
+    def fault(self, text: str, *path: str | int) -> float:
+        self.faults.append(Fault(text, path))
+        return nan
+
+    def value(self, number: Number | None, *path: str | int) -> float:
+        """A value, or a change from the model's value with a sign and in percent; without any, the model's value."""
+        nominal = self.nominal
+        if number is None:
+            if nominal.value is None:
+                self.faults.append(Fault(f"{self._without_value}; give {path[-1]}:", path[:-1], on_key=True))
+                return nan
+            return nominal.value
+        if not is_share(number):
+            return self._absolute(number, path)
+        if self._is_ambiguous(number, path):
+            return nan
+        text = (number.text or "").strip()
+        if number.value and text[0] not in "+-":
+            return self.fault(
+                f'"{text}" leaves open what is meant; write "+{text}" for a change from the value in the model', *path
+            )
+        if nominal.value is None:
+            return self.fault(f'{self._without_value}; "{text}" is relative to none', *path)
+        if nominal.value == 0 and number.value:
+            return self.fault(f'{nominal.name} is 0 in the model, and so is "{text}" of it; give a value', *path)
+        return nominal.value + float(number.value) * abs(nominal.value)
+
+    def spread(self, number: Number, of: float, *path: str | int) -> float:
+        """A deviation, or a share ``of`` a value in percent; above 0."""
+        if number.value <= 0:
+            return self.fault(f"must be greater than 0, got {number}", *path)
+        if not is_share(number):
+            return self._no_slip(self._absolute(number, path), number, of, path)
+        if self._is_ambiguous(number, path):
+            return nan
+        if of == 0:
+            return self.fault(f'the mean is 0, and so is "{number}" of it; give a value with unit', *path)
+        return float(number.value) * abs(of)
+
+    def _no_slip(self, found: float, number: Number, of: float, path: tuple[str | int, ...]) -> float:
+        """A small bare number is more often meant as a share than in SI."""
+        nominal = self.nominal
+        if number.unit_dimension is None and nominal.unit and found < min(1, SLIP * abs(of)):
+            text = f"{found:g} {nominal.unit} is only {found / abs(of):.1g} of {nominal.name}"
+            return self.fault(f'{text}; write "{found * 100:g} %" for a share, or "{found:g} {nominal.unit}"', *path)
+        return found
+
+    def _absolute(self, number: Number, path: tuple[str | int, ...]) -> float:
+        wanted, found = self.nominal.dimension, number.unit_dimension
+        if None not in (wanted, found) and wanted != found:
+            expected = f"expected a unit such as {self.nominal.unit}, or percent"
+            return self.fault(f'"{number}" is not a value of {self.nominal.name}; {expected}', *path)
+        return float(number.value)
+
+    def _is_ambiguous(self, number: Number, path: tuple[str | int, ...]) -> bool:
+        if self.nominal.in_percent:
+            text = f'{self.nominal.name} is itself in percent: "{number}" could be its value or a share of it'
+            self.fault(f"{text}; write {float(number.value):g} for the value", *path)
+        return self.nominal.in_percent
+
+    @property
+    def _without_value(self) -> str:
+        return f"{self.nominal.name} follows the operating point and has no value of its own"
