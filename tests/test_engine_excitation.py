@@ -275,8 +275,8 @@ class TestModelFiles:
         [
             ("GAS", "{traces: {27: p100.csv}}", (18, 20), r"27 Pa \(0.00027 bar\) is no mean indicated pressure"),
             ("GAS", "{traces: {27 bar: p100.csv, 9 bar: p50.csv}}", (18, 5), "which mean indicated pressure acts"),
-            ("GAS", "{fired: p100.csv, traces: {9 bar: p50.csv}}", (18, 28), "one of the three; here are fired and traces"),
-            ("GAS", "{motored: motored.csv}", (18, 5), "one of the three; here are none"),
+            ("GAS", "{fired: p100.csv, traces: {9 bar: p50.csv}}", (18, 28), "gas is given by fired or by traces, not both"),
+            ("GAS", "{motored: motored.csv}", (18, 5), "gas is given by fired, traces or harmonics, one of the three"),
             ("GAS", "{harmonics: {0.7: {amplitude: 1 bar, phase: 0 deg}}}", (18, 22), "are multiples of 0.5, not 0.7"),
             ("GAS", "{harmonics: {1: {amplitude: 1 bar, sine: 1 bar}}}", (18, 23), "amplitude and phase, or cosine and sine"),
             ("GAS", "{fired: p100.csv, zero: tdc}", (18, 34), "expected firing_tdc, or the crank angle"),

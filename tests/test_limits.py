@@ -484,7 +484,7 @@ M68 = "shaft: intermediate, feature: integral_flange, material: carbon, tensile_
         ("{rule: machine_angle, node: q, pole_pairs: 2, angle: 3 deg}", 'no node is named "q"'),
         ("{rule: fatigue, element: shaft, fatigue_strength: 150 MPa}", "goodman needs ultimate_strength"),
         ("{rule: fatigue, element: shaft, fatigue_strength: 150 MPa, mean_stress: none, cycles: 1e5}", "needs the slope"),
-        ("{rule: curve, output: torque(shaft), source: x}", "here is none of them"),
+        ("{rule: curve, output: torque(shaft), source: x}", "what is allowed is given by value, over_speed or over_lambda, one of the three"),
         ("{rule: curve, output: torque(shaft), value: 40 MPa, source: x}", "is not a value of torque"),
         ("{rule: curve, output: torque(shaft), value: 40}", "needs source"),
         ("{rule: curve, output: torque(shafft), value: 40, source: x}", 'did you mean "shaft"'),

@@ -460,7 +460,7 @@ class TestFiles:
             (MESHED, "mesh: stage", "mesh: stagg", "stagg", 'did you mean "stage"'),
             (MESHED, "mesh: stage", "mesh: shaft", "shaft, base_radius", "shaft is no gear but a spring"),
             (MESHED, "base_radius: 40 mm, ", "", "4 um", "needs the base radius of the wheel: base_radius: 40 mm"),
-            (MESHED, "{way: 4 um}", "{way: 4 um, angle: 1}", "1: {way: 4 um, angle", "a way or as an angle, one of the two"),
+            (MESHED, "{way: 4 um}", "{way: 4 um, angle: 1}", "angle: 1", "an error is given by way or by angle, not both"),
             (MESHED, "{way: 4 um}", "{way: 4 urad}", "4 urad", "expected a unit such as m"),
             (MESHED, "mesh: stage", "mesh: stage, teeth: 18", "18", "stage has 17 teeth there, not 18"),
             (MESHED, "mesh: stage", "mesh: stage, speed_of: m", "m, base_radius", "stage connects p and w"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import given, one_at_most
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import RATIONAL
 from torsionnet.model.element_base.curves import is_share
@@ -41,11 +42,11 @@ def contradictions(coupling: Any) -> list[Fault]:
 
 def _source_faults(coupling: Any) -> list[Fault]:
     sources = ("stiffness", "stiffness_over_torque", "material")
-    given = [name for name in sources if getattr(coupling, name)]
-    if not given:
+    found = given(coupling, *sources)
+    if not found:
         return [Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True)]
-    if len(given) > 1:
-        return [Fault(f"the stiffness is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+    if len(found) > 1:
+        return one_at_most(coupling, *sources, of="the stiffness")
     if (coupling.material is None) != (coupling.geometry is None):
         lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
         return [Fault(f"rubber needs its moduli and its shape; here is no {lacking}", on_key=True)]
@@ -77,10 +78,9 @@ def _curve_faults(coupling: Any) -> list[Fault]:
 
 
 def _damping_faults(coupling: Any) -> list[Fault]:
-    names = ("loss_factor", "damping", "loss_over_frequency")
-    given = [name for name in names if getattr(coupling, name)]
-    if len(given) > 1:
-        return [Fault(f"the damping is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+    both = one_at_most(coupling, "loss_factor", "damping", "loss_over_frequency", of="the damping")
+    if both:
+        return both
     if coupling.damping_temperature_factor and coupling.loss_factor is None:
         text = "this factor is one of the loss factor, which is not given"
         return [Fault(text, ("damping_temperature_factor",), on_key=True)]

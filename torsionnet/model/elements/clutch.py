@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_at_most
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry, present
@@ -133,8 +134,9 @@ class Clutch(Element):
 
 
 def _friction_faults(clutch: Clutch) -> list[Fault]:
-    if clutch.torque is not None and clutch.friction is not None:
-        return [Fault("give torque or friction over slip, not both", ("friction",))]
+    both = one_at_most(clutch, "torque", "friction")
+    if both:
+        return both
     if (clutch.friction is None) != (clutch.clamp_torque is None):
         given = "friction" if clutch.friction is not None else "clamp_torque"
         return [Fault("friction needs clamp_torque, the torque at a coefficient of one, and that needs it", (given,))]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
@@ -76,8 +77,9 @@ class DualMassFlywheel(Element):
         return [*self._spring_faults(), *self._friction_faults()]
 
     def _spring_faults(self) -> list[Fault]:
-        if bool(self.stages) == (self.stiffness is not None):
-            return [Fault(f"give stiffness or stages, {'not both' if self.stages else 'one of the two'}", on_key=True)]
+        wrong = one_exactly(self, "stiffness", "stages")
+        if wrong:
+            return wrong
         if not self.stages:
             return []
         if self.torque is None:

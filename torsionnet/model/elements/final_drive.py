@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
@@ -68,10 +69,7 @@ class FinalDrive(Element):
     housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[Fault]:
-        faults = []
-        if (self.ratio is None) == (self.teeth is None):
-            given = ("teeth",) if self.teeth is not None else ()
-            faults.append(Fault(f"give ratio or teeth, {'not both' if given else 'one of the two'}", given))
+        faults = one_exactly(self, "ratio", "teeth")
         if self.damping is not None and self.stiffness is None:
             faults.append(Fault("a rigid mesh has no damping; give the mesh a stiffness too", ("damping",)))
         if (self.differential == "limited-slip") != (self.slip_damping is not None):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf, Text
@@ -97,9 +98,9 @@ class Gearbox(Element):
     housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[Fault]:
-        if bool(self.ratios) == bool(self.teeth):
-            given = ("teeth",) if self.teeth else ()
-            return [Fault(f"give ratios or teeth, {'not both' if given else 'one of the two'}", given)]
+        wrong = one_exactly(self, "ratios", "teeth")
+        if wrong:
+            return wrong
         if len(self.gears) > MOST_GEARS:
             return [Fault(f"{len(self.gears)} gears; a gearbox has at most {MOST_GEARS}", (self._field,))]
         faults = []

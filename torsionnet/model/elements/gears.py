@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Flag
@@ -22,13 +23,6 @@ MESH_STIFFNESS = PhysicalQuantity(
     "mesh stiffness referred to the first node; none: rigid", "stiffness", "k", exclusive=True
 )
 MESH_DAMPING = DampingQuantity("mesh damping referred to the first node", "damping", "c")
-
-
-def _one_of(element: Element, first: str, second: str) -> list[Fault]:
-    given = [name for name in (first, second) if getattr(element, name) is not None]
-    if len(given) == 1:
-        return []
-    return [Fault(f"give {first} or {second}, {'not both' if given else 'one of the two'}", tuple(given[1:]))]
 
 
 def _mesh_faults(element: Any) -> list[Fault]:
@@ -76,7 +70,7 @@ class Gear(Element):
     housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[Fault]:
-        faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        faults = one_exactly(self, "ratio", "teeth") + _mesh_faults(self)
         if self.housing in self.nodes:
             faults.append(Fault("the housing must be on a node of its own, not on one of the two shafts", ("housing",)))
         if GROUND in self.nodes and self.housing is None:
@@ -142,7 +136,7 @@ class Planetary(Element):
     )
 
     def contradictions(self) -> list[Fault]:
-        faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        faults = one_exactly(self, "ratio", "teeth") + _mesh_faults(self)
         if self.teeth is not None and not 0 < self.teeth[0] < self.teeth[1]:
             faults.append(Fault("a ring has more teeth than its sun, and both counts are positive", ("teeth",)))
         if len({self.sun, self.ring, self.carrier}) < 3:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.alternatives import one_at_most
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -98,7 +99,7 @@ class Propeller(Element):
             how = _NAMES[laws[0]] if laws else "its torque"
             return [Fault(f"the damping is given or by {how}, not both", ("damping",), on_key=True)]
         if len(laws) > 1:
-            return [Fault(f"the damping is by {' or '.join(laws)}, one of them", (laws[1],), on_key=True)]
+            return one_at_most(self, *laws, of="the damping")
         if not laws:
             wanted = " or ".join(_LAWS)
             return (
@@ -117,10 +118,8 @@ class Propeller(Element):
 
     def _water_faults(self) -> list[Fault]:
         faults = []
-        if self.entrained_inertia is not None and self.entrained_water != Number(0):
-            faults.append(
-                Fault("give entrained_water or entrained_inertia, not both", ("entrained_inertia",), on_key=True)
-            )
+        if self.entrained_water != Number(0):
+            faults += one_at_most(self, "entrained_water", "entrained_inertia")
         pitch = [name for name in _PITCH if getattr(self, name) is not None]
         if len(pitch) == 1:
             text = "entrained water at another pitch needs pitch_ratio and design_pitch_ratio"

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_at_most
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
@@ -86,7 +87,7 @@ class SynchronousMachine(Element):
                 return [Fault(text, ("reluctance_torque",), on_key=True)]
             return self._torque_faults()
         if self.torque is not None:
-            return [Fault("give torque or load_angle, not both", ("torque",), on_key=True)]
+            return one_at_most(self, "load_angle", "torque")
         if not isinstance(self.load_angle, Number):
             text = "the load angle is a number, as 25 deg: expressions have no cosine; give torque with parameters"
             return [Fault(text, ("load_angle",))]

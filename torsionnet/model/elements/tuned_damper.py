@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_at_most, one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -66,15 +67,7 @@ class TunedDamper(Element):
     hub_inertia: Expression = entry(PhysicalQuantity("inertia of the hub", "inertia", "J_h"), 0)
 
     def contradictions(self) -> list[Fault]:
-        if (self.stiffness is None) == (self.natural_frequency is None):
-            text = "give stiffness or natural_frequency, " + (
-                "one of the two" if self.stiffness is None else "not both"
-            )
-            return [Fault(text, on_key=True)]
-        given = [name for name in _DAMPING if getattr(self, name) is not None]
-        if len(given) > 1:
-            return [Fault(f"the damping is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
-        return []
+        return one_exactly(self, "stiffness", "natural_frequency") + one_at_most(self, *_DAMPING, of="the damping")
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
@@ -61,9 +62,9 @@ class Tyre(Element):
     belt_inertia: Expression = entry(PhysicalQuantity("inertia of belt and tread", "inertia", "J_b"), 0)
 
     def contradictions(self) -> list[Fault]:
-        if (self.stiffness is None) == (self.relaxation_length is None):
-            given = ("relaxation_length",) if self.stiffness is not None else ()
-            return [Fault(f"give stiffness or relaxation_length, {'not both' if given else 'one of the two'}", given)]
+        wrong = one_exactly(self, "stiffness", "relaxation_length")
+        if wrong:
+            return wrong
         needed = ["radius", "slip_stiffness", "speed"] if self.state == "rolling" else []
         if self.relaxation_length is not None:
             needed = needed or ["radius", "slip_stiffness"]

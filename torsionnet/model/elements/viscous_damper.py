@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import given, one_at_most
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, present
@@ -79,13 +80,13 @@ class ViscousDamper(Element):
     )
 
     def contradictions(self) -> list[Fault]:
-        given = [name for name in _FILMS if getattr(self, name) is not None]
-        if not given:
+        films = given(self, *_FILMS)
+        if not films:
             return [Fault("a viscous_damper needs damping, a table, or silicone and gap", on_key=True)]
-        if len(given) > 1:
-            return [Fault(f"the film is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+        if len(films) > 1:
+            return one_at_most(self, *_FILMS, of="the film")
         if self.damping is None and self.stiffness != Number(0):
-            return [Fault(f"the {given[0]} says the stiffness already", ("stiffness",), on_key=True)]
+            return [Fault(f"the {films[0]} says the stiffness already", ("stiffness",), on_key=True)]
         if self.damping is not None and self.scale is not None:
             return [Fault("this multiplies a table or a silicone, and there is none", ("scale",), on_key=True)]
         return [*self._measure_faults(), *self._silicone_faults()]

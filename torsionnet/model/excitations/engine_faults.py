@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.spec import present
 from torsionnet.core.errors import Fault, Path, UsageError
 from torsionnet.core.listing import listed
@@ -74,8 +75,9 @@ def _banks(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _firing(engine: EngineEntries) -> Iterator[Fault]:
-    if bool(engine.firing_order) == bool(engine.firing_angles):
-        yield Fault("an engine needs firing_order or firing_angles, one of the two", on_key=True)
+    wrong = one_exactly(engine, "firing_order", "firing_angles")
+    if wrong:
+        yield from wrong
         return
     key = "firing_order" if engine.firing_order else "firing_angles"
     yield from _incomplete(engine, key, list(engine.firing_order) or [int(number) for number in engine.firing_angles])

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
@@ -43,8 +44,9 @@ class EngineLoad(Declared):
     )
 
     def contradictions(self) -> list[Fault]:
-        if (self.mean_indicated_pressure is None) == (self.power is None):
-            return [Fault(f"a load is a mean indicated pressure or a power, one of the two: {self.form}", on_key=True)]
+        wrong = one_exactly(self, "mean_indicated_pressure", "power", of="a load", form=self.form)
+        if wrong:
+            return wrong
         if self.power is not None and self.mechanical_efficiency is None:
             text = "the indicated power follows from that at the coupling with mechanical_efficiency: 0.92"
             return [Fault(text, ("power",), on_key=True)]

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from torsionnet.core.entries.alternatives import one_at_most, one_exactly
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
@@ -83,13 +84,8 @@ class GasPressure(Declared):
         return [*self._wrong_sources(), *self._wrong_scaling()]
 
     def _wrong_sources(self) -> Iterator[Fault]:
-        given = [key for key in ("fired", "traces", "harmonics") if getattr(self, key)]
-        if len(given) != 1:
-            text = "gas is given by fired, by traces or by harmonics, one of the three"
-            yield Fault(f"{text}; here are {' and '.join(given) or 'none'}", tuple(given[1:2]), on_key=True)
-        if self.motored and self.motored_harmonics:
-            text = "compression without injection is given by motored or by motored_harmonics, one of the two"
-            yield Fault(text, ("motored_harmonics",), on_key=True)
+        yield from one_exactly(self, "fired", "traces", "harmonics", of="gas")
+        yield from one_at_most(self, "motored", "motored_harmonics", of="compression without injection")
         if self.motored_harmonics and None not in self.motored_harmonics:
             text = "there is one table without injection, by order: a misfiring cylinder has no indicated pressure"
             yield Fault(text, ("motored_harmonics",), on_key=True)

@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
@@ -35,9 +36,7 @@ class MeshError(Declared):
     phase: float = entry(PHASE, 0)
 
     def contradictions(self) -> list[Fault]:
-        if (self.way is None) != (self.angle is None):
-            return []
-        return [Fault(f"an error is given as a way or as an angle, one of the two: {self.form}", on_key=True)]
+        return one_exactly(self, "way", "angle", of="an error", form=self.form)
 
 
 ASSEMBLED = ("gearbox", "final_drive")

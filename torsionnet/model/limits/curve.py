@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value, check_unit
 from torsionnet.core.entries.spec import EntryError, entry
@@ -82,12 +83,7 @@ class CurveLimit(Limit):
         return next((name for name in named if name not in there), "")
 
     def contradictions(self) -> list[Fault]:
-        given = [key for key in ("value", "over_speed", "over_lambda") if getattr(self, key)]
-        faults = []
-        if len(given) != 1:
-            which = f"here are {' and '.join(given)}" if given else "here is none of them"
-            text = f"what is allowed is value, over_speed or over_lambda; {which}"
-            faults.append(Fault(text, tuple(given[1:2]), on_key=True))
+        faults = one_exactly(self, "value", "over_speed", "over_lambda", of="what is allowed")
         if self.orders and self.measure != "each_order":
             faults.append(Fault("orders go with measure: each_order", ("orders",), on_key=True))
         return faults

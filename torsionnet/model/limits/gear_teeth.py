@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from torsionnet.core.entries.alternatives import given, one_at_most
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
@@ -47,11 +48,10 @@ class GearLimit(ElementLimit):
     hammer: bool = entry(Flag("whether torque must not reverse"), True)
 
     def contradictions(self) -> list[Fault]:
-        if self.vibratory_share is not None and self.vibratory_torque is not None:
-            return [Fault("give vibratory_share or vibratory_torque, one of the two", ("vibratory_torque",))]
-        if self.vibratory_share is None and self.vibratory_torque is None and not self.hammer:
+        bounds = "vibratory_share", "vibratory_torque"
+        if not (given(self, *bounds) or self.hammer):
             return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
-        return []
+        return one_at_most(self, *bounds)
 
     def renamed(self, names: Renaming) -> Self:
         return replace(super().renamed(names), at=names.at(self.element, self.at))

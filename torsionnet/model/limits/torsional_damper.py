@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from torsionnet.core.entries.alternatives import one_at_most
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry, present
 from torsionnet.core.errors import Fault
@@ -38,9 +39,7 @@ class DamperLimit(ElementLimit):
     vibratory_twist: float | None = entry(Value("twist of ring against hub, peak value", "angle", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
-        faults = super().contradictions()
-        if self.power is not None and self.power_per_area is not None:
-            faults.append(Fault("give power or power_per_area, one of the two", ("power_per_area",)))
+        faults = super().contradictions() + one_at_most(self, "power", "power_per_area")
         if (self.power_per_area is None) != (self.area is None):
             faults.append(Fault("power_per_area and area go together", on_key=True))
         return faults
