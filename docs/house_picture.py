@@ -32,7 +32,7 @@ from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
 
 PACKAGE = Path(torsionnet.__file__).parent
-sys.path.append(str(PACKAGE.parent / "tests"))
+sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
 from structure.floors import FLOORS, LAYERS, Layer  # noqa: E402
 from structure.modules import modules_below  # noqa: E402
