@@ -132,10 +132,13 @@ class TestGeneratedPages:
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
         assert committed == getattr(generate, f"{name}_page")(), "run: make generate"
 
+    @pytest.mark.slow
     def test_picture_of_the_house_is_current(self, generate):
+        """Slow, as all modules are parsed and many imported."""
         committed = (DOCS / "generated" / "house.svg").read_text(encoding="utf-8")
         assert committed == generate.picture(), "run: make generate"
 
+    @pytest.mark.slow
     @pytest.mark.usefixtures("generate")
     def test_arrows_of_the_house_lead_to_all_that_is_imported_and_to_nothing_twice(self):
         house = importlib.import_module("house_picture")

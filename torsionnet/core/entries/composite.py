@@ -92,16 +92,17 @@ class Typed(Composite[D]):
 
     def read(self, raw: object) -> tuple[D | None, list[Fault]]:
         known = self.kinds()
+        kind = raw.get(self.key) if isinstance(raw, Mapping) else None
+        if isinstance(raw, Mapping) and isinstance(kind, str) and kind in known:
+            return known[kind].read({key: value for key, value in raw.items() if key != self.key})
+        # Only now, as a register imports the files of all kinds to list them.
         if isinstance(raw, tuple(known.values())):
             return cast("D", raw), []
-        kind = raw.get(self.key) if isinstance(raw, Mapping) else None
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
             return None, [Fault(f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}", on_key=True)]
-        if not isinstance(kind, str) or kind not in known:
-            hint = did_you_mean(str(kind), known)
-            return None, [Fault(f'no {self.what} {self.key} is named "{kind}"{hint}; known: {names}', (self.key,))]
-        return known[kind].read({key: value for key, value in raw.items() if key != self.key})
+        hint = did_you_mean(str(kind), known)
+        return None, [Fault(f'no {self.what} {self.key} is named "{kind}"{hint}; known: {names}', (self.key,))]
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return value.renamed(names)

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.optimize import brentq
 
 from torsionnet.core.errors import Fault
 from torsionnet.core.groups import Groups
@@ -66,6 +65,8 @@ class CorrelationOfPair:
         """Inverse of :meth:`of_values`, for a value in its range."""
         if of_values == 0:
             return 0.0
+        from scipy.optimize import brentq
+
         return float(brentq(lambda rho: self.of_values(rho) - of_values, -1.0, 1.0, xtol=1e-14))
 
 

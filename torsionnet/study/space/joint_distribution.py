@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtri
 
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.variations.variation import Marginal
@@ -33,6 +32,8 @@ class JointDistribution:
         Where there is correlation, the values of a parameter depend on the shares of those before it, too.
         """
         if self.root is not None:
+            from scipy.special import ndtri
+
             return self.from_standard_normal(ndtri(shares))
         return {name: one.ppf(shares[:, place]) for place, (name, one) in enumerate(self.marginals.items())}
 

@@ -8,7 +8,6 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr, ndtri
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
@@ -57,12 +56,16 @@ class Marginal:
     def from_normal(self, normal: ArrayLike) -> FloatArray:
         """Values at the same shares as those of a standard normal variable."""
         u = np.asarray(normal, dtype=float)
+        from scipy.special import ndtr
+
         tail = ndtr(-np.abs(u))
         return np.where(u < 0, self.ppf(tail), self.isf(tail))
 
     def to_normal(self, values: ArrayLike) -> FloatArray:
         """Inverse of :meth:`from_normal`."""
         below, above = self.cdf(values), self.sf(values)
+        from scipy.special import ndtri
+
         return np.asarray(np.where(below < above, ndtri(below), -ndtri(above)))
 
 
