@@ -57,6 +57,30 @@ def test_loads_no_heavy_package(body, unwanted, pytestconfig):
     assert loaded & unwanted == set()
 
 
+SMALL_STUDY = """
+torsionnet: 1
+name: two stiffnesses
+model: amt_rig
+configurations: [V]
+vary:
+  k_1: {type: list, values: [400 N*m/rad, 500 N*m/rad]}
+quantities:
+  f_1: {type: natural_frequency, mode: 1}
+"""
+
+
+def test_a_study_without_draws_loads_no_heavy_package_and_no_kind_it_does_not_name(tmp_path):
+    (tmp_path / "small.yaml").write_text(SMALL_STUDY, encoding="utf-8")
+    loaded = loaded_modules(command("study", "small.yaml"), tmp_path)
+    assert {name for name in loaded if "." not in name} & HEAVY == set()
+    folders = [f"torsionnet.study.{name}." for name in ("space.variations", "quantities", "answers", "design")]
+    kinds = {name for name in loaded if name.startswith(tuple(folders))}
+    assert {name.rpartition(".")[2] for name in kinds} == {
+        "answer", "asking", "counted_remarks", "evaluator", "list_of_values", "natural_frequency", "nominal", "quantity",
+        "quantity_limit", "variant_block", "variation",
+    }  # fmt: skip
+
+
 def test_a_heavy_package_would_be_seen(pytestconfig):
     assert "numpy" in loaded_packages("import numpy", pytestconfig.rootpath)
 

@@ -18,9 +18,9 @@ from torsionnet.study.design.robust_problem import MeanAndDeviation, Rejects, Sa
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.space import Space
+from torsionnet.study.space.variations.list_of_values import ListOfValues
 from torsionnet.study.space.variations.normal import Normal
 from torsionnet.study.space.variations.uniform import Uniform
-from torsionnet.study.space.variations.value_list import ListOfValues
 
 SIGMA = 0.1
 SCATTER = DesignTolerances((DesignTolerance("x", SIGMA, relative=False),))

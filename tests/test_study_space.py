@@ -21,12 +21,12 @@ from torsionnet.study.space.correlation_matrix import CorrelationOfPair, Hermite
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.sampling_points import LatinHypercubePoints, permuted
 from torsionnet.study.space.space import Space
+from torsionnet.study.space.variations.list_of_values import ListOfValues
 from torsionnet.study.space.variations.lognormal import Lognormal, LognormalMarginal
 from torsionnet.study.space.variations.normal import Normal, NormalMarginal
-from torsionnet.study.space.variations.triangle import Triangular
+from torsionnet.study.space.variations.range_of_values import ValueRange
+from torsionnet.study.space.variations.triangular import Triangular
 from torsionnet.study.space.variations.uniform import Uniform, UniformMarginal
-from torsionnet.study.space.variations.value_list import ListOfValues
-from torsionnet.study.space.variations.value_range import ValueRange
 
 RIG = tn.load("amt_rig")
 METHODS = ("random", "latin_hypercube", "sobol")

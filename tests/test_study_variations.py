@@ -11,14 +11,14 @@ from scipy import stats
 import torsionnet as tn
 from torsionnet.core.errors import ModelError
 from torsionnet.core.units import DIMENSIONS
+from torsionnet.study.space.variations.list_of_values import ListOfValues
 from torsionnet.study.space.variations.lognormal import Lognormal
 from torsionnet.study.space.variations.nominal import Nominal, NominalReader, nominals
 from torsionnet.study.space.variations.normal import Normal, NormalMarginal
-from torsionnet.study.space.variations.triangle import Triangular
+from torsionnet.study.space.variations.range_of_values import ValueRange
+from torsionnet.study.space.variations.triangular import Triangular
 from torsionnet.study.space.variations.truncated import TruncatedMarginal
 from torsionnet.study.space.variations.uniform import Uniform
-from torsionnet.study.space.variations.value_list import ListOfValues
-from torsionnet.study.space.variations.value_range import ValueRange
 from torsionnet.study.space.variations.variation import VARIATIONS, GridAxis
 
 STIFFNESS = Nominal("k", 500.0, DIMENSIONS["stiffness"], "N*m/rad")

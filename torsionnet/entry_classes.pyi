@@ -8,7 +8,7 @@ from torsionnet.study.space.correlation import Correlation as _Correlation
 from torsionnet.model.bench.parts import Encoder as _Encoder
 from torsionnet.model.bench.parts import Exciter as _Exciter
 from torsionnet.signals.excitation.sweeps import LinearChirp as _LinearChirp
-from torsionnet.study.space.variations.value_list import ListOfValues as _ListOfValues
+from torsionnet.study.space.variations.list_of_values import ListOfValues as _ListOfValues
 from torsionnet.signals.excitation.sweeps import LogarithmicSweep as _LogarithmicSweep
 from torsionnet.study.space.variations.lognormal import Lognormal as _Lognormal
 from torsionnet.signals.excitation.broadband import Multisine as _Multisine
@@ -19,9 +19,9 @@ from torsionnet.model.bench.plan import Plan as _Plan
 from torsionnet.study.space.samples import Samples as _Samples
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
 from torsionnet.model.bench.parts import Transducer as _Transducer
-from torsionnet.study.space.variations.triangle import Triangular as _Triangular
+from torsionnet.study.space.variations.triangular import Triangular as _Triangular
 from torsionnet.study.space.variations.uniform import Uniform as _Uniform
-from torsionnet.study.space.variations.value_range import ValueRange as _ValueRange
+from torsionnet.study.space.variations.range_of_values import ValueRange as _ValueRange
 
 class Acquisition(_Acquisition):
     r"""Sampling of all channels at once.

@@ -95,14 +95,20 @@ class Typed(Composite[D]):
         kind = raw.get(self.key) if isinstance(raw, Mapping) else None
         if isinstance(raw, Mapping) and isinstance(kind, str) and kind in known:
             return known[kind].read({key: value for key, value in raw.items() if key != self.key})
-        # Only now, as a register imports the files of all kinds to list them.
-        if isinstance(raw, tuple(known.values())):
+        if self._is_one_of(known, raw):
             return cast("D", raw), []
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
             return None, [Fault(f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}", on_key=True)]
         hint = did_you_mean(str(kind), known)
         return None, [Fault(f'no {self.what} {self.key} is named "{kind}"{hint}; known: {names}', (self.key,))]
+
+    @staticmethod
+    def _is_one_of(known: Mapping[str, type[D]], raw: object) -> bool:
+        """Whether it is an object of one of the classes; all of them are asked last, as a register then imports them."""
+        if not isinstance(raw, Declared):
+            return False
+        return (raw.kind in known and isinstance(raw, known[raw.kind])) or isinstance(raw, tuple(known.values()))
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return value.renamed(names)

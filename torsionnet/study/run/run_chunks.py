@@ -32,7 +32,7 @@ def no_variants(space: Space) -> str:
     --------
     >>> import torsionnet as tn
     >>> from torsionnet.study.space.variations.normal import Normal
-    >>> from torsionnet.study.space.variations.value_list import ListOfValues
+    >>> from torsionnet.study.space.variations.list_of_values import ListOfValues
     >>> rig, drawn = tn.load("amt_rig"), {"k_2": Normal(deviation="5 %")}
     >>> no_variants(Space(rig, drawn))
     'the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values'
