@@ -34,7 +34,7 @@ from torsionnet.core.errors import ModelError
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
-from torsionnet.model.bench.excitations import EXCITATIONS
+from torsionnet.model.bench.plan import EXCITATIONS
 from torsionnet.model.element_base.damping_entries import LossFactor
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.element_base.several import Several

@@ -105,7 +105,7 @@ class Typed(Composite[D]):
 
     @staticmethod
     def _is_one_of(known: Mapping[str, type[D]], raw: object) -> bool:
-        """Whether it is an object of one of the classes; all of them are asked last, as a register then imports them."""
+        """Whether it is an object of one of them; only where its kind does not tell are all kinds imported."""
         if not isinstance(raw, Declared):
             return False
         return (raw.kind in known and isinstance(raw, known[raw.kind])) or isinstance(raw, tuple(known.values()))

@@ -2,19 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value, ValueInUnitOfUse
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, under
 from torsionnet.core.entries.words import Count, Flag, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
-from torsionnet.model.bench.shares import Shares
 
 DELAY = "time by which the channel lags behind the others"
 SENSOR = 'what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox, output_shaft)"'
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Shares(Spec[dict[int, float]]):
+    """Order to share: ``{2: 2 %, 3: 1 %}``."""
+
+    highest: int = 20
+
+    def coerce(self, raw: object) -> dict[int, float]:
+        if not isinstance(raw, Mapping):
+            raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, got {raw!r}")
+        shares = {}
+        for key, share in raw.items():
+            order = str(key)
+            if not (order.isascii() and order.isdigit() and 2 <= int(order) <= self.highest):
+                raise EntryError(
+                    Fault(f'an order is a whole number from 2 to {self.highest}, got "{key}"', (key,), on_key=True)
+                )
+            shares[int(order)] = under(key, Value(self.description, "1"), share)
+        return shares
+
+    def plain(self, value: Any) -> Any:
+        return {str(order): plain_number(share) for order, share in value.items()}
+
+    def schema(self) -> Schema:
+        names = {"pattern": "^[0-9]+$"}
+        return {
+            "type": "object",
+            "propertyNames": names,
+            "additionalProperties": SCALAR_SCHEMA,
+            "description": self.description,
+        }
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,8 @@ from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Text
-from torsionnet.model.bench.excitations import EXCITATIONS
 from torsionnet.model.bench.parts import SENSORS, Acquisition, Encoder, Exciter, Transducer
+from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.excitation.excitation import Excitation
 
 SWEEP = "{type: linear chirp, start: 0.1 Hz, stop: 80 Hz, duration: 100 s, amplitude: 15 N*m}"
@@ -20,6 +20,11 @@ _EXCITATION = Typed("what the torque is to be", lambda: EXCITATIONS, "excitation
 _CHANNEL = Typed("a sensor and its errors", lambda: SENSORS, "sensor", "bench_channel")
 _EXCITER = Nested("the motor that shakes", lambda: Exciter, "bench_exciter")
 _ACQUISITION = Nested("sampling of all channels", lambda: Acquisition, "bench_acquisition", shown="{rate: 10 kHz}")
+
+
+EXCITATIONS: dict[str, type[Excitation]] = {
+    cls.kind: cls for cls in (LinearChirp, LogarithmicSweep, SteppedSine, Multisine, BurstRandom)
+}
 
 
 @dataclass(frozen=True, kw_only=True)
