@@ -25,7 +25,7 @@ from torsionnet.study.space.variations.list_of_values import ListOfValues
 from torsionnet.study.space.variations.lognormal import Lognormal, LognormalMarginal
 from torsionnet.study.space.variations.normal import Normal, NormalMarginal
 from torsionnet.study.space.variations.range_of_values import ValueRange
-from torsionnet.study.space.variations.triangular import Triangular
+from torsionnet.study.space.variations.triangle import Triangular
 from torsionnet.study.space.variations.uniform import Uniform, UniformMarginal
 
 RIG = tn.load("amt_rig")

@@ -16,7 +16,7 @@ from torsionnet.study.space.variations.lognormal import Lognormal
 from torsionnet.study.space.variations.nominal import Nominal, NominalReader, nominals
 from torsionnet.study.space.variations.normal import Normal, NormalMarginal
 from torsionnet.study.space.variations.range_of_values import ValueRange
-from torsionnet.study.space.variations.triangular import Triangular
+from torsionnet.study.space.variations.triangle import Triangular
 from torsionnet.study.space.variations.truncated import TruncatedMarginal
 from torsionnet.study.space.variations.uniform import Uniform
 from torsionnet.study.space.variations.variation import VARIATIONS, GridAxis

@@ -19,7 +19,7 @@ from torsionnet.model.bench.plan import Plan as _Plan
 from torsionnet.study.space.samples import Samples as _Samples
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
 from torsionnet.model.bench.parts import Transducer as _Transducer
-from torsionnet.study.space.variations.triangular import Triangular as _Triangular
+from torsionnet.study.space.variations.triangle import Triangular as _Triangular
 from torsionnet.study.space.variations.uniform import Uniform as _Uniform
 from torsionnet.study.space.variations.range_of_values import ValueRange as _ValueRange
 

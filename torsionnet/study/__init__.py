@@ -13,7 +13,7 @@ __all__, __getattr__, __dir__ = offered(
         "Space": "torsionnet.study.space.space",
         "Study": "torsionnet.study.study",
         "StudyResult": "torsionnet.study.study_result",
-        "Triangular": "torsionnet.study.space.variations.triangular",
+        "Triangular": "torsionnet.study.space.variations.triangle",
         "Uniform": "torsionnet.study.space.variations.uniform",
         "ValueRange": "torsionnet.study.space.variations.range_of_values",
         "Workers": "torsionnet.study.run.workers",

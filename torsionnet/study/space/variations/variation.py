@@ -143,7 +143,7 @@ class Variation(Declared):
         raise NotImplementedError
 
 
-VARIATIONS: TypeRegister[type[Variation]] = TypeRegister("torsionnet.study.space.variations")
+VARIATIONS: TypeRegister[type[Variation]] = TypeRegister("torsionnet.study.space.variations", ("triangle",))
 """By the word in ``type:``."""
 
 
