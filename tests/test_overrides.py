@@ -89,7 +89,7 @@ excitations: {stage: {type: harmonic, node: m, orders: {1: {amplitude: 1 N*m}}}}
         ("stage.ratio: i_3", "14:23", 'no parameter is named "i_3"; did you mean "i_2"?'),
         ("stage.ratio: k", "14:23", '"k" has the dimension of'),
         ("stage.ratio: 0", "14:23", "must not be zero"),
-        ("stage.teeth: [17, 61]", "14:23", "give ratio or teeth, not both"),
+        ("stage.teeth: [17, 61]", "14:10", "give ratio or teeth, not both"),
         ("stage.nodes: [m, h]", "14:10", "a configuration does not move stage to other nodes"),
         ("stage.enabled: false", "14:10", "write on: [stage] or off: [stage] to switch an element"),
         ("stage.damping: 2", "14:25", "a rigid mesh has no damping"),

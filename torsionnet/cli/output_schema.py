@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import Any, TypeAlias
 
-Schema: TypeAlias = dict[str, Any]
+from torsionnet.core.entries.spec import Schema
 
 TEXT: Schema = {"type": "string"}
 TEXTS: Schema = {"type": "array", "items": TEXT}
@@ -45,7 +44,14 @@ NUMBERS = listed(NUMBER)
 ROWS = listed(NUMBERS)
 PAIR: Schema = {**NUMBERS, "minItems": 2, "maxItems": 2}
 COMPLEX: Schema = {**PAIR, "description": "real and imaginary part"}
-CURVE = {"output": TEXT, "input": TEXT, "quantity": TEXT, "unit": TEXT, "real": NUMBERS, "imag": NUMBERS}
+CURVE: dict[str, Schema] = {
+    "output": TEXT,
+    "input": TEXT,
+    "quantity": TEXT,
+    "unit": TEXT,
+    "real": NUMBERS,
+    "imag": NUMBERS,
+}
 ESTIMATE = record(
     title=TEXT,
     notes=TEXTS,

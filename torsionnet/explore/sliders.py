@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.units import NUMERAL, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
@@ -56,7 +57,7 @@ class Slider:
     changed: bool
     expression: str
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         return asdict(self)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeAlias
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import did_you_mean
 from torsionnet.model.files.yaml_scalars import plain_value
 
@@ -62,7 +63,7 @@ class State:
     axis: str = AXES[0]
     rough: bool = False
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """The state as JSON holds it."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)} | {"band": list(self.band)}
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar, cast
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, reference
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
@@ -88,7 +88,7 @@ class Sensor:
         referred = f"{REFERRED}{self.referred_to}" if self.referred_to else ""
         return f"{self.quantity}({self.of}{', ' + second if second else ''}){referred}"
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         extra = {"at": self.at, "referred_to": self.referred_to}
         return {self.quantity: _plain(self), **{key: name for key, name in extra.items() if name}}
 
@@ -154,7 +154,7 @@ class Input:
             return Input(self.quantity, names.own(self.of))
         return Input(self.quantity, names.node(self.of), _renamed(self.against, names))
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         return {self.quantity: _plain(self)}
 
 

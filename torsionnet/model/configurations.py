@@ -10,7 +10,7 @@ from typing import Any, cast
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, reference
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
 from torsionnet.core.listing import listed
@@ -46,7 +46,7 @@ class Overlay:
             {names.own(key): value for key, value in self.entries.items()},
         )
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
         data |= {key: list(getattr(self, key)) for key in ("on", "off") if getattr(self, key)}
         data |= self.entries
@@ -83,8 +83,9 @@ class AlternativeEntry(Plural[Overlay]):
                 parameters[key] = cast("Expression", found)
         return Overlay(parameters, **known, entries=entries), faults
 
-    def plain(self, value: Any) -> Any:
-        return value.to_data()
+    def plain(self, value: Any) -> Json:
+        data: Json = value.to_data()
+        return data
 
     def schema(self) -> Schema:
         return reference("alternative")
@@ -147,7 +148,7 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
             faults += [fault.under(axis) for fault in found]
         return axes, faults
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {axis: ALTERNATIVES.plain(alternatives) for axis, alternatives in value.items()}
 
     def schema(self) -> Schema:

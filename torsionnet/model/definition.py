@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 import torsionnet.model.section_entries as sections
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY, VERSION
-from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.spec import Json, Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Input, Sensor
@@ -148,13 +148,13 @@ class Definition(Declared):
     def schema(cls, *, told_by: str = "") -> Schema:
         return super().schema(told_by=told_by) | {"anyOf": [{"required": ["elements"]}, {"required": ["use"]}]}
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """The entries of a model file; reading them again gives an equal definition."""
         return self.flat_data() if self.authored is None else self.authored.data(self)
 
-    def flat_data(self) -> dict[str, Any]:
+    def flat_data(self) -> dict[str, Json]:
         """The same without parts: the entries of a model file with dots in its names."""
-        return {KEY: VERSION, "name": self.name, **super().to_data()}
+        return {KEY: VERSION, "name": self.name, **self.written_entries()}
 
 
 def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Plural, Schema, reference
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, reference
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.core.piecewise_linear import Rows
@@ -59,7 +59,7 @@ class LookupTable(Plural[Rows]):
             return [Fault("the values of a table have one unit, or units of one kind")]
         return []
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {str(key): plain_scalar(one) for key, one in value}
 
     def schema(self) -> Schema:

@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference, under
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, ExpressionError, Number
@@ -149,9 +149,9 @@ class Parameter(Declared):
         """The parameter with its value at an operating point."""
         return replace(self, value=OperatingValue(value, getattr(self.value, "unit_dimension", None)))
 
-    def to_data(self) -> Any:
+    def to_data(self) -> Json:
         """The entry of a model file: the value alone if nothing else is said."""
-        data = super().to_data()
+        data = self.written_entries()
         if self.by is not None:
             del data["value"]
         return data["value"] if list(data) == ["value"] else data

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.table import Column, Table
@@ -102,7 +102,7 @@ class StaticState:
         )
         return Table(f"{self.title}: mean torques", columns, rows, notes)
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """Plain values in SI."""
         names = ("element", "port", "speed", "torque", "twist", "stress", "power")
         return {

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
@@ -79,10 +80,9 @@ class Study:
         """All that the model says, as text that changes whenever a number does."""
         return json.dumps(self.model.definition.flat_data(), default=str, ensure_ascii=False)
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """The entries of the study file, without the model."""
-        data: dict[str, Any] = self.entries.to_data()
-        return {key: value for key, value in data.items() if key != "model"}
+        return {key: value for key, value in self.entries.written_entries().items() if key != "model"}
 
     @property
     def entries(self) -> StudyEntries:

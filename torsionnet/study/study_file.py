@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Composite, Listed, Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.spec import Plural, Schema, entry
+from torsionnet.core.entries.spec import Json, Plural, Schema, entry
 from torsionnet.core.entries.words import MODEL_NAME, Text
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.model import Model
@@ -38,7 +38,7 @@ class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
         found: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])
         return found
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return list(value)
 
     def schema(self) -> Schema:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.atomic import replacing
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
@@ -187,7 +188,7 @@ class StudyResult:
             if count
         ]
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """Everything but the values of single variants, in full precision."""
         quantities = [
             {"quantity": name, "configuration": case, **one.to_data(self.percentiles(name, SHOWN, case))}

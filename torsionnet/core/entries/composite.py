@@ -53,8 +53,9 @@ class Nested(Composite[D]):
     def renamed(self, value: Any, names: Renaming) -> Any:
         return value.renamed(names)
 
-    def plain(self, value: Any) -> Any:
-        return value.to_data()
+    def plain(self, value: Any) -> Json:
+        data: Json = value.to_data()
+        return data
 
     def schema(self) -> Schema:
         return reference(self.name)
@@ -113,7 +114,7 @@ class Typed(Composite[D]):
     def renamed(self, value: Any, names: Renaming) -> Any:
         return value.renamed(names)
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {self.key: value.kind, **value.to_data()}
 
     def schema(self) -> Schema:
@@ -185,7 +186,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
         found = {name: self.of.renamed(one, names) for name, one in value.items()}
         return value if all(found[name] is value[name] for name in value) else found
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {name: self.of.plain(entry) for name, entry in value.items()}
 
     def schema(self) -> Schema:
@@ -230,7 +231,7 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
         found = tuple(self.of.renamed(one, names) for one in value)
         return value if all(new is old for new, old in zip(found, value, strict=True)) else found
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [self.of.plain(entry) for entry in value]
 
     def schema(self) -> Schema:
@@ -259,7 +260,7 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
     def renamed(self, value: Any, names: Renaming) -> Any:
         return (self.of.renamed(value[0], names), self.of.renamed(value[1], names))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [self.of.plain(part) for part in value]
 
     def schema(self) -> Schema:

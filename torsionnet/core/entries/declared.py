@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from torsionnet.core.entries.format_version import VERSION_SCHEMA
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, spec_of
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, spec_of
 from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_key
 
 
@@ -158,8 +158,12 @@ class Declared:
                 changes[name] = found
         return replace(self, **changes) if changes else self  # type: ignore[type-var]
 
-    def to_data(self) -> Any:
+    def to_data(self) -> Json:
         """The entry of a file that makes this object; what has its default is left out."""
+        return self.written_entries()
+
+    def written_entries(self) -> dict[str, Json]:
+        """Plain value of every entry that has not its default, by name."""
         defaults = self.defaults()
         required = self.required()
         return {

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co
 from torsionnet.core.expressions import Number
 from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.piecewise_linear import Rows
@@ -70,7 +70,7 @@ class NumberTable(Spec[Stored_co]):
             raise EntryError(f"{float(value.value):g} is no size that anything in a drivetrain has", (index, place))
         return value
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [[plain_scalar(cell) for cell in row] for row in value]
 
     def schema(self) -> Schema:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co
 from torsionnet.core.errors import Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, ExpressionError, Number
@@ -93,7 +93,7 @@ class AnyQuantity(Spec[Expression]):
     def coerce(self, raw: object) -> Expression:
         return raw if isinstance(raw, Expression) else read_value(raw)
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return plain_scalar(value)
 
     def schema(self) -> Schema:
@@ -118,7 +118,7 @@ class QuantityKind(Spec[Stored_co]):
     nonzero: bool = False
     usual: tuple[float, float] | None = None
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return plain_scalar(value)
 
     def schema(self) -> Schema:

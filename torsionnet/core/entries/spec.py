@@ -74,9 +74,10 @@ class Spec(Generic[Stored_co]):
         """What to write, for the message that the entry is missing."""
         return self.description
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         """The value as a file holds it."""
-        return value
+        data: Json = value
+        return data
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         """The value where everything it names is called otherwise; most kinds name parameters only."""

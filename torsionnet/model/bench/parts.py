@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, under
 from torsionnet.core.entries.words import Count, Flag, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
@@ -36,7 +36,7 @@ class Shares(Spec[dict[int, float]]):
             shares[int(order)] = under(key, Value(self.description, "1"), share)
         return shares
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {str(order): plain_number(share) for order, share in value.items()}
 
     def schema(self) -> Schema:

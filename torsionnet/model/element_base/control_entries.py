@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, dotted, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, dotted, under
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
@@ -61,7 +61,7 @@ class SensedEntry(Spec[SensedMotion]):
     def renamed(self, value: Any, names: Renaming) -> Any:
         return SensedMotion(value.quantity, tuple(map(names.node, value.nodes)))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {value.quantity: OneOrTwoNodes("").plain(value.nodes)}
 
     def schema(self) -> Schema:
@@ -88,7 +88,7 @@ class OneOrTwoNodes(Spec[tuple[str, ...]]):
             raise EntryError("ground does not move; name a node first, and ground second if at all", (0,))
         return (first,) if second == GROUND else (first, second)
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return value[0] if len(value) == 1 else list(value)
 
     def schema(self) -> Schema:
@@ -130,7 +130,7 @@ class ControlLawEntry(Spec[ControlLaw]):
         _require_proper_entries(law)
         return law
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         if value.form == GAIN:
             return plain_scalar(value.entries[0][1])
         return {name: _plain(one) for name, one in value.entries}

@@ -7,7 +7,7 @@ from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Schema, dotted
+from torsionnet.core.entries.spec import EntryError, Json, Schema, dotted
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Algebra, Expression
 
@@ -46,7 +46,7 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
         at = _within(raw["at"], "frequency", "at") if "at" in raw else None
         return DampingMeasure(measure, value, at)
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         if not isinstance(value, DampingMeasure):
             return plain_scalar(value)
         at = {} if value.at is None else {"at": plain_scalar(value.at)}

@@ -18,7 +18,7 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import Schema, Spec, entry
+from torsionnet.core.entries.spec import Json, Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
@@ -270,9 +270,9 @@ class Element(Declared):
                 for subpath, expression, dimension in spec.expressions(value):
                     yield (name, *subpath), one, expression, dimension
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """The entry of a model file that makes this element."""
-        data = {"type": self.kind, **super().to_data()}
+        data = {"type": self.kind, **self.written_entries()}
         if self.catalogue is None:
             return data
         from torsionnet.model.catalogues.taken_entries import entries_of

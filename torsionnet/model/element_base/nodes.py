@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 from torsionnet.core.entries.words import Text, name_fault
 from torsionnet.model.element_base.laws import GROUND
 
@@ -82,7 +82,7 @@ class NodePair(Spec[tuple[str, str]]):
     def renamed(self, value: Any, names: Renaming) -> Any:
         return (names.node(value[0]), names.node(value[1]))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return list(value)
 
     def schema(self) -> Schema:

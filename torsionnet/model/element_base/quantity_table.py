@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema, several
+from torsionnet.core.entries.spec import EntryError, Json, Schema, several
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
@@ -39,7 +39,7 @@ class TableByName(Several[tuple[str, One_co], One_co]):
             raise EntryError(faults)
         return cast("tuple[tuple[str, One_co], ...]", tuple(found))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {name: self.of.plain(one) for name, one in value}
 
     def schema(self) -> Schema:
@@ -82,7 +82,7 @@ class ListOf(Several[One_co, One_co]):
             raise EntryError(faults)
         return cast("tuple[One_co, ...]", tuple(value for value, _ in read))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [self.of.plain(one) for one in value]
 
     def schema(self) -> Schema:

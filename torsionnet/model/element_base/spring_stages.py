@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Composite, Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.core.piecewise_linear import Rows
@@ -26,7 +26,7 @@ class StageEnd(Spec[Number]):
             raise EntryError(f"a stage ends above 0, got {raw!r}")
         return end
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return plain_scalar(value)
 
     def schema(self) -> Schema:
@@ -80,7 +80,7 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
                 return (), [Fault(text, (place, "to"))]
         return stages, []
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return self._listed.plain(value)
 
     def schema(self) -> Schema:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
-from torsionnet.core.entries.spec import dotted
+from torsionnet.core.entries.spec import Json, dotted
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 
@@ -26,7 +26,7 @@ class TableEntry(NumberTable[StiffnessTable]):
         columns = zip(*self.rows(raw), strict=True)
         return StiffnessTable(*(tuple(float(cell.value) for cell in column) for column in columns))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [list(row) for row in zip(value.frequencies, value.stiffness, value.damping, strict=True)]
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from numbers import Integral
 from typing import Any
 
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 
 MOST_TEETH = 1_000_000
 
@@ -24,7 +24,7 @@ class Teeth(Spec[tuple[int, int]]):
                 raise EntryError(f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:", (index,))
         return (int(raw[0]), int(raw[1]))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return list(value)
 
     def schema(self) -> Schema:

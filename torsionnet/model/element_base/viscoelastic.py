@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, entry, present
+from torsionnet.core.entries.spec import Json, Schema, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows
@@ -32,7 +32,7 @@ class ModulusRows(NumberTable[Moduli]):
     def coerce(self, raw: object) -> Moduli:
         return tuple((float(f.value), float(G_1.value), float(G_2.value)) for f, G_1, G_2 in self.rows(raw))
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [list(row) for row in value]
 
     def schema(self) -> Schema:

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 
@@ -44,7 +44,7 @@ class ByPressure(Composite[Mapping[float, Stored_co]]):
             faults += [fault.under(key) for fault in found]
         return dict(sorted(table.items())), faults
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {f"{pressure!r} Pa": self.of.plain(one) for pressure, one in value.items()}
 
     def schema(self) -> Schema:

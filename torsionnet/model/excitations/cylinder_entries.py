@@ -6,7 +6,7 @@ from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema
+from torsionnet.core.entries.spec import Json, Schema
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault
 
@@ -29,7 +29,7 @@ class CylindersEntry(Listed[int]):
             return (), [Fault(f"expected {self.form}, got {raw!r}")]
         return super().read(raw)
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return value if value == EACH else super().plain(value)
 
     def schema(self) -> Schema:

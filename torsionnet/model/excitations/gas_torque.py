@@ -13,7 +13,7 @@ from torsionnet.core.entries.alternatives import one_at_most, one_exactly
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, present
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.excitations.by_pressure import ByPressure, interpolated
@@ -37,7 +37,7 @@ class ZeroEntry(Spec[float]):
             text = f"expected {FIRING_TDC}, or the crank angle of the traces at firing top dead centre (360 deg)"
             raise EntryError(f"{text}, got {raw!r}") from None
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return _ANGLE.plain(value)
 
     def schema(self) -> Schema:

@@ -105,6 +105,7 @@ class ByOrder(Plural[Mapping[float, D]]):
         return table, faults
 
     def plain(self, value: Any) -> Any:
+        """With numbers for keys, as YAML has them and JSON has not."""
         return {int(place) if place == int(place) else place: self.of.plain(part) for place, part in value.items()}
 
     def schema(self) -> Schema:

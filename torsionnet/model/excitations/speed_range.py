@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.model.element_base.nodes import NodeName
 
@@ -41,7 +41,7 @@ class SpeedBand(Spec[tuple[float, float]]):
             raise EntryError(f"{text}; write {match[1]}..{match[3]} rpm, or [{match[1]}, {match[3]}] in rad/s")
         return f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4] or match[2]}"
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return list(value)
 
     def schema(self) -> Schema:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, under
 from torsionnet.core.errors import Fault, Path, UsageError
 from torsionnet.core.units import RPM
 from torsionnet.model.excitations.order_excitation import FloatArray
@@ -46,7 +46,7 @@ class SpeedTable(Spec[SpeedRows]):
         except EntryError as error:
             raise EntryError([fault.under(index) for fault in error.faults]) from None
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [list(row) for row in value]
 
     def schema(self) -> Schema:

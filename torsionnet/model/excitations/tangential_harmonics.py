@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, entry, present
+from torsionnet.core.entries.spec import Json, Schema, entry, present
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.by_pressure import ByPressure
 from torsionnet.model.excitations.harmonic_torque import ByOrder
@@ -66,7 +66,7 @@ class HarmonicTables(Composite[Tables]):
         table, faults = _BY_ORDER.read(raw)
         return {None: table}, faults
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return _BY_ORDER.plain(value[None]) if None in value else _BY_PRESSURE.plain(value)
 
     def schema(self) -> Schema:

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, present
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import (
@@ -58,7 +58,7 @@ class TraceEntry(Composite[PressureTrace]):
         faults = faults or [Fault(text, on_key=True) for text in _wrong(values)]
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         """The numbers, so that a written model can be read anywhere."""
         return list(value.values) if not value.start else {"start": value.start, "pressures": list(value.values)}
 

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse
-from torsionnet.core.entries.spec import EntryError, Plural, Schema
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
@@ -60,7 +60,7 @@ class AllowedTable(Plural[Pairs]):
             raise EntryError(faults[0].message)
         return pairs
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         unit = " rad/s" if self.over == "speed" else ""
         return {f"{key!r}{unit}" if unit else key: ALLOWED.plain(allowed) for key, allowed in value}
 

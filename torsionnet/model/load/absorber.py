@@ -9,7 +9,7 @@ from typing import Any, ClassVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Plural, Schema, entry
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.units import RPM
 
@@ -50,7 +50,7 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
     def example(self) -> str:
         return "{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}"
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return {f"{speed!r} rad/s": torque for speed, torque in value}
 
     def schema(self) -> Schema:

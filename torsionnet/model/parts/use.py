@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed, Named, PairOf
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import AnyQuantity
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, Stored_co, entry
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co, entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
@@ -32,7 +32,7 @@ class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
             raise EntryError(faults)
         return values
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [self.of.plain(one) for one in value] if isinstance(value, tuple) else self.of.plain(value)
 
     def schema(self) -> Schema:

@@ -10,7 +10,7 @@ from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.report.sections import SECTIONS
@@ -74,8 +74,9 @@ class PairEntry(Spec[Pair]):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
         raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
 
-    def plain(self, value: Any) -> Any:
-        return value.to_data()
+    def plain(self, value: Any) -> Json:
+        data: Json = value.to_data()
+        return data
 
     def schema(self) -> Schema:
         return reference("report_transfer_function")

@@ -44,7 +44,7 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
     )
     rows: list[tuple[Cell, ...]] = []
     for name, variation in study.space.entries.vary.items():
-        written = ", ".join(f"{key} {_plain(value)}" for key, value in variation.to_data().items())
+        written = ", ".join(f"{key} {_plain(value)}" for key, value in variation.written_entries().items())
         for one in alike[name]:
             where = named_first(one.cases, FEW) if len(alike[name]) > 1 else ""
             given = "" if one.given is None else NumberText(one.given * units.scale(name), DIGITS)

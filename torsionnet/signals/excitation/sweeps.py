@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_number
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, under
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
@@ -123,7 +123,7 @@ class Frequencies(Spec[tuple[float, ...]]):
         except UsageError as error:
             raise EntryError(str(error)) from None
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [plain_number(frequency) for frequency in value]
 
     def schema(self) -> Schema:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault
 from torsionnet.core.type_register import TypeRegister
 from torsionnet.drivetrain import Drivetrain
@@ -73,7 +74,7 @@ class Conclusion(Protocol):
         """In numbers."""
         ...
 
-    def to_data(self) -> Any:
+    def to_data(self) -> Json:
         """In full precision, for JSON."""
         ...
 

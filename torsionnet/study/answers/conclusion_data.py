@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.number_text import finite
 
 IN_WORDS = {"in_words": True}
@@ -22,9 +23,10 @@ class PlainConclusion:
         """In words."""
         raise NotImplementedError
 
-    def to_data(self) -> Any:
+    def to_data(self) -> Json:
         """Sentences and every field; null for numbers that JSON lacks."""
-        return finite({"sentences": list(self.sentences), **plain_data(self)})
+        data: Json = finite({"sentences": list(self.sentences), **plain_data(self)})
+        return data
 
 
 def plain_data(value: Any) -> Any:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.channels import Sensor
@@ -123,7 +124,7 @@ class DamperOverConditions:
         """As a picture, by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.damper_over_conditions(self, **look))
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """In full precision, for JSON."""
         return {
             "values": self.values,

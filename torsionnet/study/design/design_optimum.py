@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.spec import Json
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.table import Column, Table
 from torsionnet.study.design.design_goals import DesignGoals, in_words
@@ -177,7 +178,7 @@ class DesignOptimum:
         """As a picture, by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.design_optimum(self, **look))
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """In full precision, for JSON."""
         return {
             "values": self.values,

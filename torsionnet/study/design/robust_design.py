@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import UsageError
 from torsionnet.response.table import Column, Table
 from torsionnet.study.design.design_goals import in_words
@@ -137,7 +138,7 @@ class RobustOptimum:
         """As a picture, by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.robust_optimum(self, **look))
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """In full precision, for JSON."""
         return {
             "values": self.values,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError, unknown_name
 from torsionnet.core.expression_reading import parse_expression
@@ -39,7 +39,7 @@ class QuantityFormula(Spec[Expression]):
             raise EntryError(f'"{raw}" names no quantity')
         return found
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return str(value)
 
     def schema(self) -> Schema:

@@ -34,7 +34,7 @@ class FrequencyList(Spec[tuple[float, ...]]):
             raise EntryError(f"expected a frequency or a list of frequencies that rises, got {raw!r}")
         return found
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return [f"{one!r} Hz" for one in value] if len(value) > 1 else f"{value[0]!r} Hz"
 
     def schema(self) -> Schema:

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Composite, Listed
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, entry, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, entry, present
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
@@ -64,7 +64,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
             faults = [Fault("a torque over time has two samples or more", ("values",))]
         return (None if faults else TorqueHistory(present(rate), values)), faults
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         """The numbers, so that a written study can be read anywhere."""
         return {"rate": value.rate, "values": list(value.values)}
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity
@@ -102,7 +103,7 @@ class UserFunction(StudyQuantity):
             where = "define it with def at the top level of a module, or run the study in one process"
             raise UsageError(f"{self.called} cannot be handed to other processes ({error}); {where}") from None
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """What tells it from another one: its name, a digest of its own code and of the values it was made with.
 
         What it calls, and what it reads of its module, are not in it.

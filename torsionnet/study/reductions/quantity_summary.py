@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.spec import Json
 from torsionnet.study.quantities.quantity import QuantityForm
 from torsionnet.study.reductions.histogram import Histogram
 from torsionnet.study.reductions.moments import Moments
@@ -25,7 +25,7 @@ class Summary:
         """Values (n_shares, n_points) that so many per cent do not exceed, to 0.2 % of themselves."""
         return self.histogram.percentiles(shares, len(self.measure.points))
 
-    def to_data(self, percentiles: FloatArray) -> dict[str, Any]:
+    def to_data(self, percentiles: FloatArray) -> dict[str, Json]:
         """In full precision, with percentiles (n_shares, n_points)."""
         moments, is_curve = self.moments, self.measure.is_curve
         known = {

@@ -10,6 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.model import Model
 from torsionnet.response.frequency_response import FloatArray
@@ -105,10 +106,9 @@ class Space:
             raise ModelError(faults, "the space of variants")
         return new
 
-    def to_data(self) -> dict[str, Any]:
+    def to_data(self) -> dict[str, Json]:
         """The entries of a study file that make this space."""
-        data: dict[str, Any] = self.entries.to_data()
-        return data
+        return self.entries.written_entries()
 
     @property
     def sampling(self) -> Samples | None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 from torsionnet.core.expressions import Number
 from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.type_register import TypeRegister
@@ -114,7 +114,7 @@ class ParameterValue(Spec[Number]):
             raise EntryError(f"{float(value.value):g} is no size that anything in a drivetrain has")
         return value
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: Any) -> Json:
         return plain_number(value.value) if value.text is None else value.text
 
     def schema(self) -> Schema:
