@@ -504,3 +504,31 @@ class TestCheckOfSensors:
         _, faults = read_text(CUT.replace("off: [clutch]", "off: [mesh, car, brake, drum, clutch]"), "car.yaml")
         assert not [fault for fault in faults if fault.severity == "error"]
         assert any("switched off" in fault.message for fault in faults)
+
+
+IN_A_PART = """torsionnet: 1
+parts:
+  load:
+    ports: [n, crank]
+    elements:
+      g: {type: gear, nodes: [n, m], ratio: 2}
+      j: {type: inertia, node: m, inertia: 4, referred_to: SHAFT}
+elements:
+  a: {type: inertia, node: c, inertia: 1}
+  s: {type: spring, nodes: [c, d], stiffness: 100}
+use:
+  l: {part: load, at: {n: d, crank: c}}
+"""
+
+
+class TestInParts:
+    def test_a_port_that_is_referred_to_needs_no_element(self):
+        assert read_text(IN_A_PART.replace("SHAFT", "crank"), "train.yaml")[0] is not None
+
+    def test_a_word_that_is_no_port_is_named_beside_the_port_that_nothing_uses(self):
+        _, faults = read_text(IN_A_PART.replace("SHAFT", "c"), "train.yaml")
+        errors = [fault for fault in faults if fault.severity == "error"]
+        assert [(fault.about, fault.position.line, fault.position.column) for fault in errors] == [
+            ("crank", 4, 16),
+            ("c", 7, 60),
+        ]

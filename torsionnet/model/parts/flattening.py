@@ -129,9 +129,15 @@ class _Flattening:
                 for index, port in enumerate(part.ports)
                 if port not in nodes and port not in shafts
             ]
-            self.tell(*(wrong if self.whole else []))
             if wrong:
                 self.without_ports.add(name)
+                # A part that is not joined is not read any further, where this would be found.
+                wrong += [
+                    unknown_name("node", one.referred_to, {*nodes, *part.ports}, (*path, "referred_to"), rest=rest)
+                    for path, one in _referred(part, name)
+                    if one.referred_to not in nodes and one.referred_to not in part.ports
+                ]
+            self.tell(*(wrong if self.whole else []))
         return self.done[name]
 
     def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: Path) -> None:
@@ -187,6 +193,14 @@ def _quoting_shafts(content: PartContent) -> Iterator[str]:
     for one in (*content.elements.values(), *content.sensors.values()):
         if one.referred_to is not None:
             yield one.referred_to
+
+
+def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
+    """Place and object of all that a part itself quotes at the speed of a shaft."""
+    for section in ("elements", "sensors"):
+        for key, one in getattr(part, section).items():
+            if one.referred_to is not None:
+                yield ("parts", name, section, key), one
 
 
 def _below(path: Path, section: str) -> Path:
