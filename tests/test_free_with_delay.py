@@ -13,11 +13,13 @@ import kernels
 import mpmath
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from free_plants import DIGITS, HOLDS, FreePlant
 from study_blocks import singly
 from test_controller import Plant
 
 import torsionnet as tn
+from torsionnet.cli.app import app
 from torsionnet.solve.modes.active_pencil import ActivePencil
 from torsionnet.solve.modes.deflated_columns import DelayedSum
 from torsionnet.solve.modes.exact_pencil import ExactPencil
@@ -216,6 +218,19 @@ class TestZero:
                 value, slope = complex(exact(point)), complex(mpmath.diff(exact, point, h=mpmath.mpf(10) ** -30))
             assert one.at(s) == pytest.approx(value, rel=1e-12)
             assert one.rate(s) == pytest.approx(slope, rel=1e-9)
+
+
+@pytest.mark.parametrize("delay", ["12 ms", "1e15 ms"])
+def test_a_doubt_about_the_count_is_told_once_and_all_poles_are_not_said_to_be_here(tmp_path, delay):
+    (tmp_path / "car.yaml").write_text(jerk_control(delay=delay).to_yaml(), encoding="utf-8")
+    done = CliRunner().invoke(app, ["modes", str(tmp_path / "car.yaml")])
+    assert done.exit_code == 0
+    told = done.stderr.splitlines()
+    assert len(told) == len(set(told))
+    doubted = any("with the delay" in line for line in told)
+    assert doubted == (delay == "1e15 ms")
+    assert ("are all here" in done.stdout) == (not doubted)
+    assert ("may lack some here" in done.stdout) == doubted
 
 
 class TestRandom:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import textwrap
+import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import zip_longest
@@ -44,7 +45,10 @@ def wrote(path: str) -> None:
 
 def tell(faults: Iterable[Fault]) -> None:
     """Warnings and notes about a model, a line each, on stderr."""
+    # A solver that meets the same doubt warns of it once more; what shows warnings leaves out what was seen.
+    seen: set[str] = getattr(warnings.showwarning, "seen", set())
     for fault in faults:
+        seen.add(fault.text)
         where = f"{fault.position.file}:{fault.position.line}: " if fault.position else ""
         message(fault.severity, f"{where}{fault.text}")
 

@@ -230,7 +230,8 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
     if pencil.size <= SMALL:
         doubts = (*doubts, *_told(pencil.counts()[1], pencil.zeros, " at zero"))
     beyond = [] if free is None else _beyond(pencil, free, radius)
-    text = f"a delay makes infinitely many poles; those below {below} are all here"
+    known = "may lack some here" if doubts else "are all here"
+    text = f"a delay makes infinitely many poles; those below {below} {known}"
     notes = (f"{text}, and of faster ones those next to modes without control" if beyond else text,)
     return inside + beyond, doubts, notes
 
