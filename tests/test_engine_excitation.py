@@ -593,7 +593,7 @@ class TestWorstCase:
 
     def test_parts_of_the_speeds_do_not_matter(self, monkeypatch):
         whole = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
-        monkeypatch.setattr("torsionnet.solve.running.operating_groups.TOGETHER", 2)
+        monkeypatch.setattr("torsionnet.solve.running.operating_groups.SPEEDS_PER_BLOCK", 2)
         parts = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
         assert parts.values == pytest.approx(whole.values, rel=1e-12)
         assert parts.cases() == whole.cases()

@@ -65,7 +65,7 @@ class TestManySpeeds:
     def test_speeds_do_not_depend_on_those_solved_with_them(self, monkeypatch):
         rig = plant(reference("forced_two_stroke_propulsion"))
         whole = rig.order_response("twist(thrust)")
-        monkeypatch.setattr("torsionnet.solve.running.operating_groups.TOGETHER", 2)
+        monkeypatch.setattr("torsionnet.solve.running.operating_groups.SPEEDS_PER_BLOCK", 2)
         monkeypatch.setattr("torsionnet.response.order_response.MOST_POINTS", 1)
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)

@@ -1,6 +1,6 @@
-"""Limits of a model in one condition: the responses they want to see, then the verdict of each.
+"""Verdicts on the limits of a model in one condition, from order responses and mean torques over speed.
 
-Every limit is looked at between the speeds, too, until what is used of it and the ends of ranges are known.
+Speeds are added until the largest utilisation of every limit and the ends of its ranges are known.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.running.refined_response import merged
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
+"""Note of a check whose orders repeat only after many revolutions."""
 MISFIRING = "a cylinder misfires in this condition"
+"""Note of a check in a misfire condition."""
 
 
 def check_limits(
@@ -74,7 +76,7 @@ def check_limits(
 
 
 def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterable[str] | None) -> tuple[str, ...]:
-    """Limits and excitations of the model that the question leaves out, in words."""
+    """Sentences that name the limits and excitations of the model that were not examined."""
     examined = {
         "limits": set(limits),
         "excitations": set(definition.excitations if excitations is None else excitations),
@@ -86,7 +88,7 @@ def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterab
 
 @dataclass(frozen=True, eq=False)
 class _Examined:
-    """Responses at some speeds, and the lines of every limit there."""
+    """Order responses and means at some speeds, and the curves over speed of every limit."""
 
     evidence: Evidence
     lines: tuple[tuple[LimitLine, ...], ...]
@@ -98,7 +100,7 @@ class _Examined:
 
 @dataclass(frozen=True, eq=False)
 class _Examination:
-    """What is asked at every speed."""
+    """Limits, excitations and drivetrain that are examined at every speed."""
 
     drivetrain: AssembledModel
     subject: LimitSubject
@@ -107,7 +109,7 @@ class _Examination:
     speeds: ExaminedSpeeds
 
     def at(self, speeds: FloatArray) -> _Examined:
-        """Responses and lines at speeds in rad/s."""
+        """Order responses and curves of the limits at speeds in rad/s, shape (n_speeds,)."""
         run = order_response(
             self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
         )
@@ -117,7 +119,7 @@ class _Examination:
 
     @cached_property
     def _here(self) -> list[Limit]:
-        """The limits on what is there in this condition."""
+        """Limits whose elements are not switched off in this condition."""
         return [limit for limit in self.limits.values() if not limit.switched_off(self.subject)]
 
     @cached_property
@@ -126,7 +128,7 @@ class _Examination:
 
     @cached_property
     def _rated(self) -> dict[Sensor, float]:
-        """Mean values at the rated speed, where that is examined."""
+        """Mean values at the rated speed by sensor; empty where the examined speeds leave that out."""
         rated, (low, high) = self.subject.rated, self.speeds.ends
         if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
             return {}
@@ -134,7 +136,7 @@ class _Examination:
         return {sensor: float(values[0]) for sensor, values in means.items()}
 
     def wanted(self, found: _Examined) -> FloatArray:
-        """Speeds at which more has to be known of some limit."""
+        """Speeds in rad/s at which the curves of the limits are not resolved yet."""
         lines = [line for group in found.lines for line in group if not line.why_not]
         used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
         tops = [column for line in lines for column in _tops(found.run.speeds, line)]
@@ -143,7 +145,7 @@ class _Examination:
         return np.unique(np.concatenate([by_level, by_top]))
 
     def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:
-        """The same with some more speeds."""
+        """Responses and curves at the speeds examined before and at further speeds, sorted by speed."""
         more = self.at(speeds)
         run, order = merged(found.run, more.run)
         means = {
@@ -159,7 +161,7 @@ class _Examination:
 
 
 def _tops(speeds: FloatArray, line: LimitLine) -> list[FloatArray]:
-    """The values of each case in each range in which they exceed what is allowed, NaN elsewhere."""
+    """Curves of a limit inside each range of speeds where they exceed the allowed value, NaN elsewhere."""
     if line.in_passing:
         return []
     return [
@@ -173,7 +175,7 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
     if not known:
         rules = ", ".join(limit_rules())
         raise UsageError(
-            f"the model has no limits; they stand in its entry limits: {{name: {{rule: ...}}}}, rules are {rules}"
+            f"the model has no limits; give them in its entry limits: {{name: {{rule: ...}}}}, rules are {rules}"
         )
     wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
@@ -184,20 +186,21 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
 
 
 def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
-    """All sensors that the limits want, every one once."""
+    """Sensors that the limits need, each once."""
     found = [sensor for limit in limits for sensor in limit.seen(subject)]
     for limit in limits:
         for name in limit.powered():
             found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
     if not found:
-        raise UsageError("everything that the limits are about is switched off in this condition")
+        text = "all elements with limits are switched off in this condition"
+        raise UsageError(f"{text}; check limits in a configuration that has them on")
     return list(dict.fromkeys(found))
 
 
 def _means(
     drivetrain: AssembledModel, subject: LimitSubject, limits: Sequence[Limit], speeds: FloatArray
 ) -> tuple[dict[Sensor, FloatArray], str]:
-    """Mean values over speed of what the limits want averaged, and why some of them are not known."""
+    """Mean values (n_speeds,) by sensor that the limits need, and why some are unknown ("" if none is)."""
     sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(subject)))
     try:
         values = mean_response(drivetrain, sensors, speeds).values if sensors else np.empty((0, 0))
@@ -211,7 +214,7 @@ def _means(
 def _one_by_one(
     drivetrain: AssembledModel, sensors: Sequence[Sensor], speeds: FloatArray
 ) -> tuple[dict[Sensor, FloatArray], str]:
-    """As some of them are not determined."""
+    """Mean values sensor by sensor, for sensors of which some have no mean; see :func:`_means`."""
     found: dict[Sensor, FloatArray] = {}
     why = ""
     for sensor in sensors:

@@ -1,6 +1,6 @@
-"""Running machinery whose parameters follow the operating point: every speed is solved with its own values.
+"""Speeds grouped by the values of parameters that follow the operating point, so that groups are solved together.
 
-Where these change coefficients of laws and nothing else, all speeds are variants in arrays.
+Where such parameters change coefficients of laws and nothing else, all speeds are variants in arrays.
 """
 
 from __future__ import annotations
@@ -22,26 +22,28 @@ from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.running.total_ratios import remembered_ratio
 
 Settled: TypeAlias = Mapping[str, FloatArray]
+"""Parameter -> values (n_speeds,) that were iterated with the vibration."""
 Places: TypeAlias = NDArray[np.intp]
+"""Indices of speeds in the array of all speeds."""
 Model = TypeVar("Model", bound=AssembledModel)
 
 
 def at_speeds(
     drivetrain: Model, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
 ) -> Iterator[tuple[Model, Places]]:
-    """The drivetrain with the parameters of every speed, and the places of the speeds at which they hold, in order.
+    """Yield drivetrains with the parameters of their speeds, and the indices of the speeds at which these hold.
 
-    Neighbouring speeds with the same values come together; all speeds where no parameter follows the operating point.
+    Neighbouring speeds with the same values share a drivetrain; so do all where no parameter follows the speed.
 
     Parameters
     ----------
     drivetrain : AssembledModel
     reference : str
-        The node whose speeds are meant.
+        Node to which the speeds belong.
     speeds : (n_speeds,) array
         rad/s.
     settled : mapping
-        Parameter -> (n_speeds,) values found otherwise.
+        Parameter -> values (n_speeds,) that were iterated with the vibration.
 
     Raises
     ------
@@ -58,7 +60,7 @@ def at_speeds(
 
 
 def _values(drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled) -> list[dict[str, float]]:
-    """Of the parameters that follow the operating point at every speed, by name."""
+    """Values by name, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
     own = reference_node(drivetrain.definition) or reference
     ratio = 1.0 if own == reference else abs(float(remembered_ratio(drivetrain, own, reference)))
@@ -72,9 +74,9 @@ def _values(drivetrain: AssembledModel, reference: str, speeds: FloatArray, sett
 def in_arrays(
     drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
 ) -> Batch | None:
-    """All speeds as variants with the rows of the drivetrain, without a drivetrain for each.
+    """Batch with one variant per speed, on the rows of the drivetrain.
 
-    None where nothing follows the operating point, or where more than coefficients of laws does.
+    None where no parameter follows the operating point, or where these change more than coefficients of laws.
     """
     following = tuple(drivetrain.definition.following)
     plan = batch_plan(drivetrain, following) if following else None
@@ -85,8 +87,8 @@ def in_arrays(
     return None if (batch.impossible | batch.apart).any() else batch
 
 
-TOGETHER = 500
-"""Speeds that are solved together, which bounds the memory."""
+SPEEDS_PER_BLOCK = 500
+"""Speeds that are solved in one call, which bounds the memory; a larger value saves little time."""
 
 
 def _nothing(_: AssembledModel) -> Hashable:
@@ -96,14 +98,14 @@ def _nothing(_: AssembledModel) -> Hashable:
 def solved_together(
     groups: Iterable[tuple[Model, Places]], apart: Callable[[Model], Hashable] = _nothing
 ) -> Iterator[tuple[Sequence[Model], Places]]:
-    """The groups of :func:`at_speeds` in portions: one drivetrain for all speeds, or one for each, of the same rows.
+    """Yield blocks of speeds of :func:`at_speeds`: one drivetrain for all, or one per speed, all of the same rows.
 
-    ``apart`` gives what else drivetrains that are solved together have in common.
+    Drivetrains whose ``apart`` differs are never in one block.
     """
     for _, alike in groupby(groups, key=lambda group: (group[0].assembly.system.memo, apart(group[0]))):
         some = list(alike)
         rigs = [rig for rig, places in some for _ in places.tolist()]
         every = np.concatenate([places for _, places in some])
-        for start in range(0, len(every), TOGETHER):
-            part = slice(start, start + TOGETHER)
+        for start in range(0, len(every), SPEEDS_PER_BLOCK):
+            part = slice(start, start + SPEEDS_PER_BLOCK)
             yield rigs[:1] if len(some) == 1 else rigs[part], every[part]

@@ -1,4 +1,4 @@
-"""Responses to excitation by orders: one solution at all frequencies that occur, then sums over what acts there."""
+"""Order responses: receptances at the frequencies of all order lines, times the amplitudes of the lines."""
 
 from __future__ import annotations
 
@@ -27,14 +27,17 @@ from torsionnet.solve.dynamic_stiffness.posed import twisted_law
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered, stressed_sections
 from torsionnet.solve.responses.shared_response import shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
-from torsionnet.solve.running.operating_groups import TOGETHER, Settled, at_speeds, in_arrays, solved_together
+from torsionnet.solve.running.operating_groups import SPEEDS_PER_BLOCK, Settled, at_speeds, in_arrays, solved_together
 from torsionnet.solve.running.settling import settled_by_vibration
 from torsionnet.solve.running.total_ratios import remembered_ratio
 from torsionnet.solve.running.worst_case import contributions, worst_case
 from torsionnet.solve.running.worst_combination import Contributions
 
-STILL = 1e-9
-"""Share of its parts below which the difference of two frequencies is none."""
+ZERO_FREQUENCY = 1e-9
+"""Frequency of a line, over its part that follows the speed, below which the line stands at 0 Hz.
+
+Slip at synchronous speed is the difference of two equal frequencies, of which rounding leaves some 1e-16.
+"""
 
 
 def order_response(
@@ -52,7 +55,10 @@ def order_response(
     def run(wanted: Any, settled: Settled) -> OrderResponse:
         batch = in_arrays(question.held, question.reference, at, settled)
         if batch is not None:
-            parts = [np.arange(start, min(start + TOGETHER, len(at))) for start in range(0, len(at), TOGETHER)]
+            parts = [
+                np.arange(start, min(start + SPEEDS_PER_BLOCK, len(at)))
+                for start in range(0, len(at), SPEEDS_PER_BLOCK)
+            ]
             found = [(_of_batch(batch.part(part), wanted, question.loads(at[part])), part) for part in parts]
             return joined(found, at, drivetrain.title)
         found = [
@@ -71,14 +77,14 @@ def order_response(
 
 @dataclass(frozen=True, eq=False)
 class OrderQuestion:
-    """What acts on a drivetrain, by the speed of a reference shaft.
+    """Excitations that act on a drivetrain, with the speeds of the reference shaft at which they are examined.
 
     Attributes
     ----------
     held : AssembledModel
-        The drivetrain whose imposed motions are inputs.
+        The drivetrain with its imposed motions as inputs.
     reference : str
-        Node of the speeds.
+        Node to which the speeds belong.
     at : (n_speeds,) array
         rad/s.
     acting : mapping
@@ -86,8 +92,9 @@ class OrderQuestion:
     ratios : mapping
         Excitation -> revolutions of its shaft per revolution of the reference.
     senses : mapping
+        Excitation -> signs with which it acts on nodes or elements, see :data:`Senses`.
     engines : mapping
-        Engine -> first of those it is fixed to, where angles between engines are not known.
+        Engine -> first engine of the group with known angles, where angles between engines are not all known.
     """
 
     held: AssembledModel
@@ -106,7 +113,7 @@ class OrderQuestion:
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
     ) -> OrderQuestion:
-        """As of :func:`order_response`, which refuses the same."""
+        """Question from the arguments of :func:`order_response`, refused where these cannot be answered."""
         reference, at = _speeds(drivetrain, speeds, speed_of)
         acting = _acting(drivetrain.definition.excitations, excitations)
         for name, one in acting.items():
@@ -118,7 +125,7 @@ class OrderQuestion:
         return cls(held, reference, at, acting, ratios, senses, engines)
 
     def loads(self, at: FloatArray) -> OrderLoads:
-        """What acts at some speeds in rad/s."""
+        """Amplitudes and frequencies of all order lines at speeds in rad/s, shape (n_speeds,)."""
         found = tuple(
             _acts(
                 OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
@@ -138,12 +145,12 @@ class OrderQuestion:
             first += len(each.lines)
         turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
         hertz = turning + np.array([line.fixed for line in lines])
-        hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
+        hertz[np.abs(hertz) < ZERO_FREQUENCY * np.abs(turning)] = 0
         return OrderLoads(at, self.reference, found, lines, inputs, loads, hertz)
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
-    """Rated speed, or the highest one examined, of the reference shaft and of the shaft of an excitation; rad/s."""
+    """Speeds in rad/s of the reference shaft and of the shaft of an excitation: rated, or the highest examined."""
     given = drivetrain.definition.speeds
     reference, at = _speeds(drivetrain, None, None)
     speed = float(given.rated) if given and given.rated else float(at[-1])
@@ -152,7 +159,7 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
 
 
 def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
-    """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
+    """Drivetrain with the imposed motions as inputs: each response is to one motion with the others held at zero."""
     inputs = dict(drivetrain.inputs)
     known = {channel for channel in inputs.values() if channel.quantity == "angle"}
     for name, one in acting.items():
@@ -173,11 +180,14 @@ def _unused(name: str, known: Iterable[str]) -> str:
 
 
 Senses = Mapping[str, float]
-"""What a unit of an excitation is as an input, by the node or element it acts on."""
+"""Input per unit of an excitation, by the node or element on which the excitation acts: mostly a sign, +1 or -1."""
 
 
 def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
-    """A torque or angle is positive in the sense in which its shaft turns; what is held feels none."""
+    """Input per unit of an excitation, by node or element; positive is the sense in which its shaft turns.
+
+    Nodes that are held still are left out.
+    """
     if one.element_entry is not None:
         name = one.element_entry[1]
         row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
@@ -192,18 +202,18 @@ def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ActingLines:
-    """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines)."""
+    """Order lines of one excitation, and their amplitudes by input, shape (n_speeds, n_lines), N m or rad."""
 
     name: str
     lines: tuple[OrderLine, ...]
     loads: Mapping[Input, ComplexArray]
     torques: OrderTorques
     inputs: Mapping[str, tuple[Input, float]]
-    """By node: the input, and the sign with which a torque acts there."""
+    """Node -> input, and the sign with which a torque acts there."""
 
 
 def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ActingLines:
-    """An excitation whose lines are like one that has no order yet."""
+    """Order lines and amplitudes of an excitation; ``line`` is the template of its lines, without an order."""
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
     pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
     lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
@@ -219,20 +229,22 @@ def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTor
 
 @dataclass(frozen=True, eq=False)
 class OrderLoads:
-    """What acts at some speeds, as lines over inputs.
+    """Amplitudes of all order lines at some speeds, by input.
 
     Attributes
     ----------
     at : (n_speeds,) array
         rad/s.
     reference : str
+        Node to which the speeds belong.
     found : tuple of ActingLines
         By excitation.
     lines : tuple of OrderLine
     inputs : tuple of Input
     loads : (n_speeds, n_lines, n_inputs) complex array
+        N m or rad.
     hertz : (n_speeds, n_lines) array
-        Of either sign.
+        Frequencies in Hz, negative where the vibration runs backwards in phase.
     """
 
     at: FloatArray
@@ -244,7 +256,7 @@ class OrderLoads:
     hertz: FloatArray
 
     def response(self, gains: ComplexArray, channels: tuple[Channel, ...]) -> OrderResponse:
-        """By the responses (n_speeds, n_lines, n_out, n_inputs) to units of the inputs."""
+        """Order response by superposition of responses to unit inputs, (n_speeds, n_lines, n_out, n_inputs)."""
         values = np.einsum("slon,sln->slo", gains, self.loads)
         return _worst(
             OrderResponse(self.at, self.reference, self.lines, values, channels), self.found, gains, self.inputs
@@ -252,11 +264,11 @@ class OrderLoads:
 
     @property
     def frequencies(self) -> FloatArray:
-        """All that occur, in Hz, >= 0, each once."""
+        """Magnitudes in Hz of the frequencies of all lines, sorted, each once, shape (n_f,)."""
         return np.unique(np.abs(self.hertz))
 
     def at_lines(self, frequencies: FloatArray, values: ComplexArray) -> ComplexArray:
-        """Responses by speed and line, of those (n_f, ...) at all frequencies that occur."""
+        """Responses (n_speeds, n_lines, ...) of each speed and line, picked from ``values`` (n_f, ...)."""
         where = np.searchsorted(frequencies, np.abs(self.hertz))
         return _forward(values[where], self.hertz)
 
@@ -264,14 +276,14 @@ class OrderLoads:
 def _block(
     rigs: Sequence[AssembledModel], outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> OrderResponse:
-    """The responses at some speeds, of one drivetrain or of one for each."""
+    """Order response at some speeds, of one drivetrain for all speeds or one drivetrain per speed."""
     inputs = list(loads.inputs)
     gains, channels = _gains(rigs[0], outputs, loads) if len(rigs) == 1 else _each(rigs, outputs, inputs, loads.hertz)
     return loads.response(gains, channels)
 
 
 def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads) -> OrderResponse:
-    """The responses at some speeds, of a variant for each."""
+    """Order response at some speeds, of a batch with one variant per speed."""
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         return responses_at_own_frequencies(batch, request, frequencies)
@@ -283,7 +295,7 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
 def _worst(
     nominal: OrderResponse, acting: Sequence[ActingLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
-    """The worst of what excitations offer besides: a misfire of each cylinder, spread between cylinders."""
+    """Order response with the worst misfire and the worst spread between cylinders that the excitations allow."""
     alternatives: list[Contributions] = []
     scatter: list[Contributions] = []
     first = 0
@@ -301,7 +313,7 @@ def _gains(
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
     """Responses (n_speeds, n_lines, n_out, n_inputs) at frequencies (n_speeds, n_lines) of either sign.
 
-    What does not vibrate, as a line of the slip at synchronous speed, makes no vibration.
+    A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
     """
     frequencies = loads.frequencies
     still = frequencies == 0
@@ -317,7 +329,7 @@ def _each(
     inputs: Sequence[Any],
     hertz: FloatArray,
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
-    """As :func:`_gains`, with a drivetrain of its own at every speed; all have the same rows."""
+    """Responses as of :func:`_gains`, of one drivetrain per speed; all drivetrains have the same rows."""
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         return evaluate([rig.assembly for rig in rigs], request, frequencies).values
@@ -328,10 +340,10 @@ def _each(
 def _at_own(
     solved: Callable[[TransferRequest, FloatArray], ComplexArray], request: TransferRequest, hertz: FloatArray
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
-    """As :func:`_gains`, by what gives responses (n_speeds, n_f, n_out, n_inputs) at frequencies (n_speeds, n_f)."""
+    """Responses as of :func:`_gains`; ``solved`` takes Hz (n_speeds, n_f), returns (n_speeds, n_f, n_out, n_inputs)."""
     frequencies, where = np.unique(np.abs(hertz), axis=1, return_inverse=True)
     still = frequencies == 0
-    frequencies[still] = 1.0  # any: what comes of it is not used
+    frequencies[still] = 1.0  # any value: the response there is set to 0 below
     values = solved(request, frequencies)
     warn_infinite(values, np.ones(frequencies.shape), frequencies)
     values[still] = 0.0
@@ -339,7 +351,7 @@ def _at_own(
 
 
 def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
-    """Responses at frequencies of either sign from those at their magnitudes."""
+    """Responses at frequencies of either sign, from the responses at their magnitudes (conjugate if negative)."""
     backward = hertz < 0
     if backward.any():
         gains[backward] = gains[backward].conj()
@@ -347,7 +359,7 @@ def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
 
 
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
-    """Refuse an excitation on what is locked or switched off in this configuration."""
+    """Refuse an excitation on a node or element that is locked or switched off in this configuration."""
     if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
         raise UsageError(f"{name} acts in {excitation.element_entry[1]}, which is switched off in this configuration")
     for node in excitation.nodes:
@@ -357,11 +369,11 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
             raise UsageError(f'{name} acts on "{missing}", to which nothing is attached in this configuration')
         if drivetrain.assembly.kinematics.stills(channel.row):
             held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
-            raise UsageError(f"{name} acts on {held} in this configuration; nothing would come of it")
+            raise UsageError(f"{name} acts on {held} in this configuration; it would cause no vibration")
 
 
 def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:
-    """The reference node and its speeds in rad/s."""
+    """Reference node, and its speeds in rad/s, shape (n_speeds,)."""
     given = drivetrain.definition.speeds
     if given is None and (speeds is None or speed_of is None):
         raise UsageError("the model has no entry speeds: {of: node, range: 300..800 rpm, step: 5 rpm}")
@@ -374,7 +386,9 @@ def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str 
 
 def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -> dict[str, OrderExcitation]:
     if not known:
-        raise UsageError("the model has no excitations; what runs in it stands in its entry excitations:")
+        raise UsageError(
+            "the model has no excitations; give its engines, propellers and meshes in its entry excitations:"
+        )
     enabled = [name for name, one in known.items() if one.enabled]
     chosen = enabled if names is None else [names] if isinstance(names, str) else list(names)
     if not chosen:
@@ -389,5 +403,7 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
 def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
     """Revolutions of a shaft per revolution of the reference."""
     if node not in drivetrain.nodes:
-        raise UsageError(f'"{node}" is not there in this configuration, so that its orders have no speed')
+        raise UsageError(
+            f'"{node}" is not there in this configuration, so that its orders have no speed; name another shaft'
+        )
     return remembered_ratio(drivetrain, node, reference)

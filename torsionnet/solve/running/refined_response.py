@@ -1,4 +1,4 @@
-"""Order responses whose largest half ranges and orders do not depend on the step of speeds."""
+"""Order responses with speeds added between the given ones until half ranges and orders have their peaks."""
 
 from __future__ import annotations
 
@@ -18,8 +18,11 @@ from torsionnet.response.worst_response import joined
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.order_response import order_response
 
-SMALL = 0.05
-"""Share of the largest half range of an output below which the largest amplitude of an order is not looked for."""
+SMALLEST_ORDER_REFINED = 0.05
+"""Amplitude of an order, over the largest half range of its output, below which its peak gets no more speeds.
+
+A smaller value resolves peaks of orders that hardly matter, at the cost of more speeds.
+"""
 
 
 def refined_response(
@@ -30,7 +33,7 @@ def refined_response(
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
 ) -> OrderResponse:
-    """The response at the speeds asked for, and between them where half ranges and orders are largest."""
+    """Order response at the given speeds, and at further speeds near peaks of half ranges and orders."""
     acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
     examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=acting)
 
@@ -43,7 +46,7 @@ def refined_response(
 
 
 def merged(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
-    """Responses at some speeds and at others as one, and which of both in turn belongs to each of its speeds."""
+    """Order response joined from two, sorted by speed, and the order in which speeds of the two in turn were sorted."""
     both = np.concatenate([first.speeds, second.speeds])
     order = np.argsort(both, kind="stable")
     places = np.argsort(order, kind="stable")
@@ -53,14 +56,14 @@ def merged(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, 
 
 @dataclass(frozen=True, eq=False)
 class _Sized:
-    """A response with its half ranges (n_speeds, n_out) and amplitudes (n_speeds, n, n_out) of lines and their sums."""
+    """Order response, its half ranges (n_speeds, n_out), and amplitudes (n_speeds, n, n_out) of lines and sums."""
 
     run: OrderResponse
     half_range: FloatArray
     sizes: FloatArray
 
     def with_more(self, other: _Sized) -> _Sized:
-        """Both together."""
+        """Order response at the speeds of both, sorted by speed, with half ranges and amplitudes."""
         run, order = merged(self.run, other.run)
         half_range, sizes = (
             np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")
@@ -69,5 +72,5 @@ class _Sized:
 
 
 def _wanted(found: _Sized) -> FloatArray:
-    large = found.sizes.max(axis=0) > SMALL * found.half_range.max(axis=0)
+    large = found.sizes.max(axis=0) > SMALLEST_ORDER_REFINED * found.half_range.max(axis=0)
     return speeds_wanted(found.run.speeds, np.concatenate([found.half_range, found.sizes[:, large]], axis=1))

@@ -1,4 +1,4 @@
-"""Parameters that follow a vibration, as the stiffness of a rubber coupling does: value and vibration have to agree."""
+"""Parameters that depend on the vibratory torque, as of rubber couplings, iterated until both agree."""
 
 from __future__ import annotations
 
@@ -14,21 +14,25 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import AMPLITUDE
 from torsionnet.solve.running.operating_groups import Settled
 
-TOLERANCE = 1e-8
-"""Share of a value by which it may differ from what belongs to the vibration that it makes."""
-MOST_STEPS = 100
-SHRINKING = 0.7
-"""A step that is not smaller than this share of the one before is followed by shorter ones."""
+VALUE_TOLERANCE = 1e-8
+"""Relative difference up to which a parameter agrees with its table at the vibratory torque that it causes.
+
+A larger value saves iterations and moves responses by about as much.
+"""
+MOST_ITERATIONS = 100
+"""Iterations after which a speed counts as one without a solution; a larger value delays the refusal."""
+SLOW_CONVERGENCE = 0.7
+"""Change of an iteration, over the change before, from which on steps are halved: the iteration swings."""
 
 
 def settled_by_vibration(
     definition: Definition, speeds: FloatArray, vibration: Callable[[Sequence[str], Settled], FloatArray]
 ) -> Settled:
-    """Values (n_speeds,) of the parameters that follow the vibratory torque of an element, by name.
+    """Values (n_speeds,) by name of the parameters that depend on the vibratory torque of an element.
 
     Every speed is iterated from the smallest vibration in the table, with shorter steps where it swings, until no value
-    moves by more than :data:`TOLERANCE`. Where several vibrations agree with their values, that is the smallest one
-    that is met from there.
+    moves by more than :data:`VALUE_TOLERANCE`. Where several vibrations agree with their values, the result is the
+    smallest that the iteration meets from there.
 
     Parameters
     ----------
@@ -50,21 +54,22 @@ def settled_by_vibration(
     columns = [elements.index(one.of) for one in tables.values()]
     values = np.array([np.full(len(speeds), float(one.table[0][1].value)) for one in tables.values()])
     length, before = np.ones(len(speeds)), np.full(len(speeds), np.inf)
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_ITERATIONS):
         sizes = vibration(elements, dict(zip(tables, values, strict=True)))[:, columns].T
         wanted = np.array([_clamped(one.table, size) for one, size in zip(tables.values(), sizes, strict=True)])
         moved = (np.abs(wanted - values) / np.abs(wanted).max(axis=1, keepdims=True)).max(axis=0)
-        if (moved <= TOLERANCE).all():
+        if (moved <= VALUE_TOLERANCE).all():
             for (name, one), size in zip(tables.items(), sizes, strict=True):
                 _require_inside(name, one.of, one.table, size, speeds)
             return dict(zip(tables, wanted, strict=True))
-        length = np.where(moved > SHRINKING * before, length / 2, length)
+        length = np.where(moved > SLOW_CONVERGENCE * before, length / 2, length)
         before = moved
         values = values + length * (wanted - values)
-    open_ = moved > TOLERANCE
+    open_ = moved > VALUE_TOLERANCE
     first = speeds[open_][0] * RPM
-    text = f"{' and '.join(tables)} and the vibration do not settle within {TOLERANCE:g} of each other"
-    raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm")
+    text = f"{' and '.join(tables)} and the vibration do not settle within {VALUE_TOLERANCE:g} of each other"
+    advice = "make the steps of the table over the vibratory torque gentler"
+    raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm; {advice}")
 
 
 def _clamped(table: Rows, sizes: FloatArray) -> FloatArray:
@@ -74,9 +79,9 @@ def _clamped(table: Rows, sizes: FloatArray) -> FloatArray:
 
 def _require_inside(name: str, element: str, table: Rows, sizes: FloatArray, speeds: FloatArray) -> None:
     low, high = (float(table[end][0].value) for end in (0, -1))
-    outside = (sizes < low * (1 - TOLERANCE)) | (sizes > high * (1 + TOLERANCE))
+    outside = (sizes < low * (1 - VALUE_TOLERANCE)) | (sizes > high * (1 + VALUE_TOLERANCE))
     if outside.any():
         worst = int(np.argmax(np.where(outside, np.abs(sizes - low), -1)))
         ends = f"the table goes from {table[0][0]} to {table[-1][0]}"
         where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * RPM:.6g} rpm"
-        raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}")
+        raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}, extend it")
