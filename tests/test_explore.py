@@ -19,7 +19,7 @@ from library_cases import library_cases
 import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.explore import open_session
-from torsionnet.explore.answers import answer, lines
+from torsionnet.explore.answers import answer, response_frequencies
 from torsionnet.explore.api import QUESTIONS, reply
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair, read_pair
 from torsionnet.explore.server import STATIC, pages
@@ -98,7 +98,7 @@ class TestAnswers:
 
     def test_a_light_peak_is_resolved(self):
         rig = tn.load("amt_rig").configured(c_1=0.01, c_M=0, c_B=0, c_O=0.01)
-        f = lines((0.2, 200.0), rig.modes())
+        f = response_frequencies((0.2, 200.0), rig.modes())
         zeta, natural = rig.modes().damping_ratios[0], rig.modes().natural_frequencies[0]
         assert zeta < 0.005
         assert np.sum(np.abs(f - natural) < zeta * natural) > 15
@@ -250,15 +250,17 @@ class TestSaving:
             values = {one.name: f"{1.03 * one.default:.6g} {one.unit}".strip() for one in free}
             state = read_state({"choice": dict(rig._choice), "values": values})
             expected = session.base.configured(configuration, **state.values)
-            assert tn.loads(session.saved(state)).configured(configuration).parameters == expected.parameters
+            assert (
+                tn.loads(session.changed_file_text(state)).configured(configuration).parameters == expected.parameters
+            )
             # One copy of a part may need a list where the author gave a value for all; that is written anew.
             own = {name: value for name, value in values.items() if "." not in name}
-            text = session.saved(read_state({"choice": dict(rig._choice), "values": own}))
+            text = session.changed_file_text(read_state({"choice": dict(rig._choice), "values": own}))
             assert text.count("\n") == session.text.count("\n")  # edited in place
 
     def test_only_the_values_change(self, amt):
         state = State({"gear": "V"}, {"k_1": "0.5 kN*m/rad", "tau": 3.3})
-        before, after = amt.text.splitlines(), amt.saved(state).splitlines()
+        before, after = amt.text.splitlines(), amt.changed_file_text(state).splitlines()
         changed = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
         assert changed == [
             (
@@ -269,7 +271,7 @@ class TestSaving:
         ]
 
     def test_nothing_changed(self, amt):
-        assert amt.saved(State()) == amt.text
+        assert amt.changed_file_text(State()) == amt.text
 
     def test_one_axis_without_a_name_comments_and_windows_lines(self):
         text = (
@@ -279,7 +281,7 @@ class TestSaving:
             "configurations:\r\n  soft: {k: 1 kN*m/rad}\r\n  heavy: {J: 5}\r\n"
         )
         session = open_text(text)
-        saved = session.saved(State({"configuration": "soft"}, {"k": "2 kN*m/rad", "J": 2.5}))
+        saved = session.changed_file_text(State({"configuration": "soft"}, {"k": "2 kN*m/rad", "J": 2.5}))
         assert saved == text.replace("soft: {k: 1 kN", "soft: {k: 2 kN").replace("J: 2  #", "J: 2.5  #")
 
     def test_a_value_that_others_share_is_written_anew(self):
@@ -288,13 +290,13 @@ class TestSaving:
             "{a: {type: inertia, node: a, inertia: J}, b: {type: inertia, node: b, inertia: I}, "
             "s: {type: spring, nodes: [a, b], stiffness: 5}}}"
         )
-        saved = open_text(text).saved(State(values={"J": 3}))
+        saved = open_text(text).changed_file_text(State(values={"J": 3}))
         assert tn.loads(saved).parameters == {"J": 3.0, "I": 2.0}
 
     def test_json_stays_json(self):
         data = tn.load("amt_rig").definition.to_data()
         session = open_text(json.dumps(data, indent=1), "rig.json")
-        saved = json.loads(session.saved(State({"gear": "V"}, {"k_1": "0.5 kN*m/rad", "tau": 3.3})))
+        saved = json.loads(session.changed_file_text(State({"gear": "V"}, {"k_1": "0.5 kN*m/rad", "tau": 3.3})))
         assert saved["parameters"]["k_1"]["value"] == "0.5 kN*m/rad"
         assert saved["configurations"]["gear"]["V"] == {"tau": 3.3}
 
@@ -308,7 +310,7 @@ class TestSaving:
         both = {"one": "p", "two": "q"}
         assert place_of(session.base.definition, both, "J").axis == "one"
         assert place_of(session.base.definition, {"one": "o", "two": "q"}, "J").axis == ""
-        saved = session.saved(State(both, {"J": 7, "I": 8}))
+        saved = session.changed_file_text(State(both, {"J": 7, "I": 8}))
         assert saved == text.replace("p: {J: 3}", "p: {J: 7}").replace("q: {I: 4}", "q: {I: 8}")
 
     def test_text_that_does_not_fit_its_definition_is_written_anew(self, amt):
@@ -355,19 +357,19 @@ class TestOverlay:
         assert (session.start.output, session.start.input) == ("theta_1", "T_T")
 
     def test_points(self, session):
-        found = session.overlaid(session.start)
+        found = session.overlay_for(session.start)
         expected = tn.load("amt_rig").configured("V").frequency_response("theta_1", "T_T", found["frequencies"])
         np.testing.assert_allclose(found["magnitude"], expected.magnitude[:, 0, 0], rtol=1e-9)
         np.testing.assert_allclose(found["phase"], expected.phase[:, 0, 0], atol=1e-7)
         assert all(found["trusted"])
-        assert session.overlaid(State(output="T_T", input="T_M")) is None
+        assert session.overlay_for(State(output="T_T", input="T_M")) is None
 
     def test_misfit(self, session):
         same = answer(session, session.start)["misfit"]
         assert same["decibels"] == pytest.approx(0, abs=1e-9)
         assert same["frac"] == pytest.approx(1)
         other = answer(session, State(session.start.choice, {"c_O": 360}, band=(1.0, 20.0)))["misfit"]
-        f = np.array([one for one in session.overlaid(session.start)["frequencies"] if 1 <= one <= 20])
+        f = np.array([one for one in session.overlay_for(session.start)["frequencies"] if 1 <= one <= 20])
         rig = tn.load("amt_rig").configured("V")
         two = [one.frequency_response("theta_1", "T_T", f).values for one in (rig, rig.configured(c_O=360))]
         assert other["lines"] == len(f)

@@ -13,7 +13,7 @@ from explore_pages import serving
 import torsionnet.explore.server as server_module
 from torsionnet.explore.api import QUESTIONS
 from torsionnet.explore.guard import HEADERS
-from torsionnet.explore.server import LARGEST, MOST_CONNECTIONS
+from torsionnet.explore.server import LARGEST_REQUEST, MOST_CONNECTIONS
 
 
 @pytest.fixture(scope="module")
@@ -157,10 +157,10 @@ def test_a_form_of_another_page_is_no_question(server, kind):
 
 
 def test_sizes(server):
-    room = b'{"output": "theta_1"' + b" " * (LARGEST - 21) + b"}"
-    assert len(room) == LARGEST
+    room = b'{"output": "theta_1"' + b" " * (LARGEST_REQUEST - 21) + b"}"
+    assert len(room) == LARGEST_REQUEST
     assert ask(server, "POST", "api/answer", room)[0] == 200
-    assert ask(server, "POST", "api/answer", b"", Content_Length=str(LARGEST + 1))[0] == 413
+    assert ask(server, "POST", "api/answer", b"", Content_Length=str(LARGEST_REQUEST + 1))[0] == 413
     assert ask(server, "POST", "api/answer", b"", Content_Length="9" * 5000)[0] == 413
     for length in ("-1", "x", "1e3", "\u00b2"):
         assert ask(server, "POST", "api/answer", b"", Content_Length=length)[0] == 411
@@ -247,7 +247,7 @@ def test_connections_are_limited():
 
 def test_a_request_has_time_as_a_whole(monkeypatch):
     """Connections that send a byte now and then hold their places no longer than silent ones."""
-    monkeypatch.setattr(server_module, "PATIENCE", 0.5)
+    monkeypatch.setattr(server_module, "REQUEST_SECONDS", 0.5)
     with serving("dmf_rig") as busy:
         slow = []
         for _ in range(MOST_CONNECTIONS):

@@ -13,7 +13,7 @@ from torsionnet.cli import main
 from torsionnet.explore import open_session
 from torsionnet.explore.answers import answer
 from torsionnet.explore.api import reply
-from torsionnet.explore.over_speed import MOST_ORDERS, ROUGH
+from torsionnet.explore.over_speed import MOST_ORDERS, ROUGH_SPEEDS
 from torsionnet.explore.state import RequestError, State, read_state
 
 OVER_SPEED = State(output="T", axis="speed")
@@ -90,7 +90,7 @@ class TestWhileOneDrags:
     def test_fewer_speeds_from_the_first_to_the_last(self, session):
         rough = answer(session, State(output="T", axis="speed", rough=True))["orders"]
         whole = answer(session, OVER_SPEED)["orders"]
-        assert (len(rough["rpm"]), rough["thinned"]) == (ROUGH, True)
+        assert (len(rough["rpm"]), rough["thinned"]) == (ROUGH_SPEEDS, True)
         assert (len(whole["rpm"]), whole["thinned"]) == (401, False)
         assert (rough["rpm"][0], rough["rpm"][-1]) == (whole["rpm"][0], whole["rpm"][-1])
         kept = [whole["rpm"].index(rpm) for rpm in rough["rpm"]]

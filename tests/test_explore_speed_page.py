@@ -10,7 +10,7 @@ from explore_pages import serving, visit
 from test_explore_page import SLOW, WIDE, kept_quiet
 
 import torsionnet as tn
-from torsionnet.explore.over_speed import ROUGH
+from torsionnet.explore.over_speed import ROUGH_SPEEDS
 
 DRAWN = "() => torsionnet.drawn().map(({ name, x, magnitude, width }) => ({ name, x, magnitude, width }))"
 
@@ -40,7 +40,7 @@ def drawn(found):
 
 def settled(found):
     """All speeds are there, not only those for a drag."""
-    found.until(lambda: len(drawn(found)[0]["x"]) > ROUGH, "the answer at all speeds")
+    found.until(lambda: len(drawn(found)[0]["x"]) > ROUGH_SPEEDS, "the answer at all speeds")
 
 
 def check(found, path, configuration="", output="T", scale=1.0, **values):
@@ -101,7 +101,7 @@ def test_a_drag_takes_fewer_speeds_and_all_of_them_come_after_it(opened, path):
     with opened.update():
         opened.page.mouse.down()
         opened.page.mouse.move(box["x"] + 0.6 * box["width"], y)
-    assert len(drawn(opened)[0]["x"]) == ROUGH
+    assert len(drawn(opened)[0]["x"]) == ROUGH_SPEEDS
     opened.page.mouse.up()
     settled(opened)
     assert len(drawn(opened)[0]["x"]) == 401

@@ -1,4 +1,4 @@
-"""What the page shows in one state: the response, the modes, the parameters, how far a test is from the model."""
+"""The answer to one state of the page: response, modes, parameters and misfit of a test, as JSON data."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.command_text import command_text
 from torsionnet.explore.over_speed import over_speed
 from torsionnet.explore.overlay import misfit
-from torsionnet.explore.page_numbers import SHOWN, numbers
+from torsionnet.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State
@@ -23,33 +23,38 @@ from torsionnet.response.frequency_response import ORDERS, FloatArray
 from torsionnet.response.phase import unwrapped
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
-MOST_MODES, LARGE = 40, 120
-"""Of more nodes than ``LARGE`` only the lowest modes are looked for: all of them would take longer than a drag."""
+MOST_MODES, MANY_NODES = 40, 120
+"""Number of lowest modes calculated of models with more nodes than the second number.
+
+All modes of such a model would take longer than the drag of a slider.
+"""
 MOST_PEAKS = 6
+"""Largest number of peaks that are marked in the plot; more labels would cover the curve."""
 
 
 POINTS, PER_PEAK, LEAST_PER_PEAK = 300, 41, 9
 MOST_AT_PEAKS = 1600
-"""Of many modes each gets fewer points: a screen has no more columns."""
-UNDAMPED = 1e-7
-"""Damping ratio below which a peak is as high as one cares to look closely."""
-NEAREST = 2e-4
-"""Share of its frequency to which an undamped peak is approached: it is drawn some thousand times its flanks."""
+"""Largest number of frequencies around all peaks together; a screen has about as many columns of pixels."""
+UNDAMPED_RATIO = 1e-7
+"""Damping ratio below which a vibration counts as undamped: its drawn height would depend on the nearest frequency."""
+NEAREST_TO_POLE = 2e-4
+"""Smallest relative distance of a frequency from an undamped pole; the peak is drawn some thousand times its flanks."""
 APPROACH = 4.0 ** np.arange(1, 5) / 2
+"""Distances from an undamped pole of the frequencies added around it, in units of ``NEAREST_TO_POLE``."""
 
 
 def answer(session: Session, state: State) -> dict[str, Any]:
-    """Everything that changes with the state, as JSON holds it; what is impossible, in words under ``refused``."""
-    with noted() as notes:
+    """Everything that changes with the state, as JSON data; the reasons under ``refused`` where it is impossible."""
+    with collected_notes() as notes:
         try:
             return _answer(session, state) | {"notes": notes}
         except TorsionnetError as error:
-            return {"refused": reasons(error)}
+            return {"refused": fault_texts(error)}
 
 
 @contextmanager
-def noted() -> Iterator[list[str]]:
-    """Warnings of the library as texts for the page instead of lines in the terminal."""
+def collected_notes() -> Iterator[list[str]]:
+    """Collect the warnings of the library as texts for the page instead of lines in the terminal."""
     notes: list[str] = []
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always", TorsionnetWarning)
@@ -57,8 +62,8 @@ def noted() -> Iterator[list[str]]:
     notes += dict.fromkeys(str(one.message) for one in found if issubclass(one.category, TorsionnetWarning))
 
 
-def reasons(error: TorsionnetError) -> list[str]:
-    """Every fault, with the entry of the model it is about."""
+def fault_texts(error: TorsionnetError) -> list[str]:
+    """Texts of every fault of an error, each with the entry of the model that has it."""
     if not isinstance(error, ModelError):
         return [str(error)]
     return [f"{_where(fault.path)}{fault.text}" for fault in error.faults]
@@ -69,8 +74,8 @@ def _where(path: tuple[str | int, ...]) -> str:
 
 
 def _answer(session: Session, state: State) -> dict[str, Any]:
-    plain, rig = session.chosen(state.choice), session.varied(state)
-    shown = session.completed(state)
+    plain, rig = session.model_in(state.choice), session.model_for(state)
+    shown = session.with_defaults(state)
     modes = _modes(rig)
     return {
         "title": rig.title,
@@ -88,7 +93,7 @@ def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Mode
     measured = _measured(rig, shown)
     found = [modes, measured] if measured else [modes]
     band = shown.band if any(shown.band) else vibration_range(*found)
-    response = respond(rig, shown, lines(band, *found))
+    response = respond(rig, shown, response_frequencies(band, *found))
     return {
         "band": list(band),
         "response": response_data(response, _undamped(*found)),
@@ -102,19 +107,19 @@ def _over_speed(rig: Drivetrain, shown: State) -> dict[str, Any]:
 
 
 def _modes(rig: Drivetrain) -> Modes:
-    return rig.modes(lowest=MOST_MODES) if len(rig.nodes) > LARGE else rig.modes()
+    return rig.modes(lowest=MOST_MODES) if len(rig.nodes) > MANY_NODES else rig.modes()
 
 
 def _measured(rig: Drivetrain, state: State) -> Modes | None:
-    """The poles of the response where its input is measured: those of the drivetrain cut there."""
+    """Modes of the drivetrain cut at a measured input, the poles of that response; None where a torque drives."""
     if not state.excitation:
         return None
-    lowest = MOST_MODES if len(rig.nodes) > LARGE else None
+    lowest = MOST_MODES if len(rig.nodes) > MANY_NODES else None
     return rig.modes(measured_input=state.input, excitation=state.excitation, lowest=lowest)
 
 
 def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> FrequencyResponse:
-    """The response of one completed state."""
+    """Frequency response of a completed state at frequencies in Hz."""
     response = rig.frequency_response(state.output, state.input, frequencies, excitation=state.excitation or None)
     is_motion = response.outputs[0].unit in ORDERS
     return getattr(response, state.quantity)() if state.quantity and is_motion else response
@@ -131,11 +136,11 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
         "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
         "kind": response.kind(),
         "is_motion": response.outputs[0].unit in ORDERS,
-        "units": {angle: response.unit(conventions=shown) for angle, shown in SHOWN.items()},
-        "scales": {angle: response.scale(shown) for angle, shown in SHOWN.items()},
-        "frequencies": numbers(response.frequencies),
-        "magnitude": numbers(magnitude),
-        "phase": numbers(phase),
+        "units": {angle: response.unit(conventions=shown) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
+        "scales": {angle: response.scale(shown) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
+        "frequencies": json_numbers(response.frequencies),
+        "magnitude": json_numbers(magnitude),
+        "phase": json_numbers(phase),
         "peaks": _peaks(response.frequencies, magnitude, phase, unbounded),
         "notes": list(response.notes),
     }
@@ -144,12 +149,12 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
 def _peaks(
     frequencies: FloatArray, magnitude: FloatArray, phase: FloatArray, unbounded: FloatArray
 ) -> list[list[float | None]]:
-    """[Hz, magnitude, degrees] of the largest local maxima, in the order of frequency; None where it has no height."""
+    """Hz, magnitude and degrees of the largest local maxima, by rising frequency; None as height of undamped ones."""
     inner = magnitude[1:-1]
     with np.errstate(invalid="ignore"):
         at = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]) & np.isfinite(inner))
     largest = np.sort(at[np.argsort(-magnitude[at])][:MOST_PEAKS])
-    near = [unbounded[np.abs(unbounded - frequencies[k]) < 4 * NEAREST * unbounded] for k in largest]
+    near = [unbounded[np.abs(unbounded - frequencies[k]) < 4 * NEAREST_TO_POLE * unbounded] for k in largest]
     return [
         [float(pole[0]), None, None] if pole.size else [float(frequencies[k]), float(magnitude[k]), float(phase[k])]
         for k, pole in zip(largest, near, strict=True)
@@ -157,14 +162,14 @@ def _peaks(
 
 
 def modes_data(modes: Modes) -> dict[str, Any]:
-    """A table of modes by columns; lambda in rad/s."""
+    """Columns of the table of modes as JSON data; frequencies in Hz, eigenvalues in rad/s."""
     return {
         "title": modes.title,
-        "natural": numbers(modes.natural_frequencies),
-        "damped": numbers(modes.damped_frequencies),
-        "ratio": numbers(modes.damping_ratios),
-        "real": numbers(modes.eigenvalues.real),
-        "imag": numbers(modes.eigenvalues.imag),
+        "natural": json_numbers(modes.natural_frequencies),
+        "damped": json_numbers(modes.damped_frequencies),
+        "ratio": json_numbers(modes.damping_ratios),
+        "real": json_numbers(modes.eigenvalues.real),
+        "imag": json_numbers(modes.eigenvalues.imag),
         "numbers": list(modes.numbers),
         "kinds": list(modes.kinds),
         "descriptions": list(modes.descriptions),
@@ -172,13 +177,13 @@ def modes_data(modes: Modes) -> dict[str, Any]:
     }
 
 
-def lines(band: tuple[float, float], *modes: Modes) -> FloatArray:
-    """Frequencies in Hz for the modes of a response, ascending.
+def response_frequencies(band: tuple[float, float], *modes: Modes) -> FloatArray:
+    """Frequencies of the plotted response in Hz, ascending, closer together around the modes.
 
     Examples
     --------
     >>> import torsionnet as tn
-    >>> f = lines((0.5, 200.0), tn.load("dmf_rig").modes())
+    >>> f = response_frequencies((0.5, 200.0), tn.load("dmf_rig").modes())
     >>> float(f[0]), float(f[-1]), 300 < len(f) < 400
     (0.5, 200.0, True)
     """
@@ -186,15 +191,16 @@ def lines(band: tuple[float, float], *modes: Modes) -> FloatArray:
     per_peak = min(PER_PEAK, max(LEAST_PER_PEAK, MOST_AT_PEAKS // max(1, vibrations)))
     f = Adaptive(*band, points=POINTS, per_peak=per_peak).frequencies(*modes)
     for pole in _undamped(*modes):
-        f = f[np.abs(f - pole) > NEAREST * pole]
-        f = np.union1d(f, np.outer(pole, 1 + np.outer((-1, 1), NEAREST * APPROACH)))
+        f = f[np.abs(f - pole) > NEAREST_TO_POLE * pole]
+        f = np.union1d(f, np.outer(pole, 1 + np.outer((-1, 1), NEAREST_TO_POLE * APPROACH)))
     return f[(f >= band[0]) & (f <= band[1])]
 
 
 def _undamped(*modes: Modes) -> FloatArray:
     """Frequencies in Hz of vibrations without damping; several at one frequency count once."""
     found = [
-        mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED)] for mode in modes
+        mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED_RATIO)]
+        for mode in modes
     ]
     every = np.sort(np.concatenate([np.empty(0), *found]))
-    return every[np.diff(every, prepend=0.0) > NEAREST * every]
+    return every[np.diff(every, prepend=0.0) > NEAREST_TO_POLE * every]

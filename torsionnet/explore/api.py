@@ -1,4 +1,4 @@
-"""JSON in, JSON out: the four questions a page has."""
+"""The four requests of the page, from JSON to JSON: model, answer, overlay and saved file."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from torsionnet.core.errors import TorsionnetError
-from torsionnet.explore.answers import answer, reasons
+from torsionnet.explore.answers import answer, fault_texts
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import RequestError, State, read_state
 
 _LOCK = threading.Lock()
-"""A drivetrain fills in what it calculates as it goes: one request at a time."""
+"""Lock that lets one request calculate at a time: a drivetrain keeps results while it calculates them."""
 
 
 def _model(session: Session, state: State) -> dict[str, Any]:
@@ -22,11 +22,11 @@ def _model(session: Session, state: State) -> dict[str, Any]:
 
 
 def _overlay(session: Session, state: State) -> dict[str, Any]:
-    return {"overlay": session.overlaid(state)}
+    return {"overlay": session.overlay_for(state)}
 
 
 def _save(session: Session, state: State) -> dict[str, Any]:
-    return {"file": session.saved_file, "text": session.saved(state)}
+    return {"file": session.saved_file_name, "text": session.changed_file_text(state)}
 
 
 QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
@@ -38,9 +38,9 @@ QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
 
 
 def reply(session: Session, path: str, body: bytes) -> bytes:
-    """The answer to one question.
+    """JSON text of the answer to a request.
 
-    A state that the model refuses is answered, too, with ``refused``: a slider gets there in the course of things.
+    A state that the model refuses is answered with its reasons under ``refused``: sliders reach such states.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def reply(session: Session, path: str, body: bytes) -> bytes:
         try:
             found = QUESTIONS[path](session, state)
         except TorsionnetError as error:
-            found = {"refused": reasons(error)}
+            found = {"refused": fault_texts(error)}
     return json.dumps(found, separators=(",", ":"), allow_nan=False).encode()
 
 

@@ -1,4 +1,4 @@
-"""Which responses a page offers: sensors and nodes over inputs, measured inputs and torques on nodes."""
+"""Outputs and inputs that the page offers for responses: sensors, nodes, inputs and torques on nodes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.transfer_request import usable
 
 TWISTING = ("shaft", "spring")
+"""Glyphs of the elements whose torque the page offers."""
 MOTIONS = ("angle", "velocity", "acceleration", "twist")
+"""Quantities of the sensors that come first as the output."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class ResponseChoice:
 
 
 def read_pair(text: str) -> ResponseChoice:
-    """``OUTPUT/INPUT``; UsageError where it is something else."""
+    """Read a response written ``OUTPUT/INPUT``; UsageError where the text has another form."""
     output, slash, into = (part.strip() for part in text.partition("/"))
     if not (slash and output and into) or "/" in into:
         raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"')
@@ -45,7 +47,7 @@ def read_pair(text: str) -> ResponseChoice:
 
 
 def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> ResponseChoice:
-    """The measured response if the model knows its names, else the first motion measured over the first input.
+    """Response that the page begins with: the measured one if the model has its names, else first motion/first input.
 
     Examples
     --------
@@ -64,7 +66,7 @@ def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> R
 
 
 def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequence[str] = ()) -> dict[str, Any]:
-    """Groups of outputs and of inputs for the page, and which inputs are measured.
+    """Groups of outputs and inputs that the page offers, and the names of measured inputs and excitations.
 
     ``pairs`` and ``over_speed`` are the responses and the outputs asked for by name. Of a model that runs, torques in
     shafts and springs and stresses in shafts are outputs, too: they are what is examined over speed.
@@ -92,7 +94,7 @@ def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequen
 
 
 def _in_elements(rig: Drivetrain) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
-    """Torques in what twists between two nodes of a model that runs, and stresses where that is a shaft."""
+    """Names and labels of the torques in shafts and springs between nodes, and of the stresses in shafts."""
     every = rig.elements.values() if runs(rig) else ()
     twisting = [one for one in every if one.glyph in TWISTING and GROUND not in one.ports.values()]
     shafts = [one for one in twisting if not section_fault(one)]

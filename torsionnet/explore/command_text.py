@@ -21,7 +21,7 @@ def command_text(session: Session, state: State) -> str:
     --------
     >>> from torsionnet.explore import open_session
     >>> rig = open_session("amt_rig")
-    >>> print(command_text(rig, rig.completed(State({"gear": "V"}, {"c_O": 360}, band=(1.0, 50.0)))))
+    >>> print(command_text(rig, rig.with_defaults(State({"gear": "V"}, {"c_O": 360}, band=(1.0, 50.0)))))
     torsionnet frf amt_rig -c V --set c_O=360 --output theta_1 --input T_M --from 1 --to 50
     """
     words = ["torsionnet", "orders" if state.axis == "speed" else "frf", session.model]
@@ -37,7 +37,7 @@ def command_text(session: Session, state: State) -> str:
 
 
 def _of_response(session: Session, state: State) -> list[str]:
-    """What only a response has: an input, a band, a form."""
+    """Options of ``torsionnet frf`` for the input, the band and the form of a response."""
     words = ["--input", state.input]
     if state.excitation and len(session.base.inputs) != 1:
         words += ["--excitation", state.excitation]

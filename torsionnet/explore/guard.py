@@ -1,4 +1,4 @@
-"""Who may ask: this page, opened with the address that was printed. Other pages in the same browser may not."""
+"""Access check of the server: only the page opened with the printed address may send requests."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from http import HTTPStatus
 
 HOST = "127.0.0.1"
+"""Address the server listens on: this machine alone."""
 NAMES = (HOST, "localhost")
+"""Host names a request may be addressed to."""
 
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
@@ -20,11 +22,11 @@ HEADERS = {
     "X-Frame-Options": "DENY",
     "Cache-Control": "no-store",
 }
-"""Nothing is loaded from elsewhere, nothing is shown within another page, and the address with its token stays here."""
+"""Headers of every answer: nothing is loaded from elsewhere, no other page frames this one, the token stays here."""
 
 
 class RefusedError(Exception):
-    """A request that gets no answer but a status and a sentence."""
+    """A request that is answered by an HTTP status and a sentence alone."""
 
     def __init__(self, status: HTTPStatus, text: str) -> None:
         self.status = status
@@ -33,7 +35,7 @@ class RefusedError(Exception):
 
 @dataclass(frozen=True)
 class Guard:
-    """The port a server listens on and the token in its address.
+    """Port that the server listens on and secret token in its address.
 
     Examples
     --------
@@ -52,15 +54,15 @@ class Guard:
         return f"http://{HOST}:{self.port}/{self.token}/"
 
     def check_headers(self, host: str | None, origin: str | None) -> None:
-        """Refuse a name that is not this machine's, as after DNS rebinding, and a script of another page."""
+        """Refuse a request for a host name that is not this machine's (DNS rebinding), or from another page."""
         hosts = [f"{name}:{self.port}" for name in NAMES]
         if host not in hosts:
             raise RefusedError(HTTPStatus.FORBIDDEN, "this server answers only under its own address")
         if origin is not None and origin not in [f"http://{name}" for name in hosts]:
-            raise RefusedError(HTTPStatus.FORBIDDEN, "a page of another origin asks")
+            raise RefusedError(HTTPStatus.FORBIDDEN, "the request comes from a page of another origin")
 
     def path(self, target: str) -> str:
-        """What stands behind the token; a query is none of ours."""
+        """Path behind the token in the target of a request; RefusedError where the token is another."""
         before, _, rest = target.removeprefix("/").partition("/")
         if not (target.startswith("/") and hmac.compare_digest(before.encode(), self.token.encode())):
             raise RefusedError(HTTPStatus.FORBIDDEN, "open the whole address that torsionnet explore printed")

@@ -1,4 +1,4 @@
-"""What running machinery does to one output over its speed, for the page: all orders together and the largest ones."""
+"""Vibration of one output over the speed of the machinery, for the page: all orders together and the largest ones."""
 
 from __future__ import annotations
 
@@ -9,51 +9,52 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.explore.page_numbers import SHOWN, numbers
+from torsionnet.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 
 MOST_ORDERS = 5
-ROUGH = 120
-"""Speeds that are enough while a slider moves; a plot has a few pixels for each."""
+"""Largest number of orders that are drawn beside their sum; more lines cannot be told apart."""
+ROUGH_SPEEDS = 120
+"""Number of speeds that are calculated while a slider moves; a plot has a few pixels for each."""
 
 
 def runs(rig: Drivetrain) -> bool:
-    """Whether the model says what excites it at which speeds."""
+    """Whether the model has speeds and excitations."""
     return rig.definition.speeds is not None and bool(rig.definition.excitations)
 
 
 def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str, Any]:
-    """The half range of all orders and the amplitudes of the largest, in SI, with what it takes to show them.
+    """Half range of all orders and amplitudes of the largest ones over speed, as JSON data in SI with their units.
 
     Parameters
     ----------
     rig : Drivetrain
     output : str
     rough : bool
-        At most :data:`ROUGH` of the model's speeds.
+        At most :data:`ROUGH_SPEEDS` of the model's speeds.
 
     Raises
     ------
     UsageError
-        The model does not say what runs, or nothing comes of it in this configuration.
+        The model has no speeds or excitations, or none act in this configuration.
     """
     given = rig.definition.speeds
     if given is None:
         raise UsageError("over speed the page needs the entries speeds: and excitations: of the model")
-    speeds, thinned = _thinned(np.array(given.values), ROUGH if rough else len(given.values))
+    speeds, thinned = _thinned(np.array(given.values), ROUGH_SPEEDS if rough else len(given.values))
     run = rig.order_response(output, speeds=speeds)
     unit = run.outputs[0].unit
     return {
         "output": run.outputs[0].name,
-        "units": {angle: shown.unit(unit) for angle, shown in SHOWN.items()},
-        "scales": {angle: shown.scale(unit) for angle, shown in SHOWN.items()},
+        "units": {angle: shown.unit(unit) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
+        "scales": {angle: shown.scale(unit) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
         "reference": run.reference,
         "rated": float(given.rated) * RPM if given.rated else None,
         "range": [min(given.values) * RPM, max(given.values) * RPM],
-        "rpm": numbers(run.rpm),
+        "rpm": json_numbers(run.rpm),
         "total": "all orders, half range" if run.revolutions is not None else "half ranges, added",
-        "half_range": numbers(run.half_range[:, 0]),
+        "half_range": json_numbers(run.half_range[:, 0]),
         "orders": _largest(run),
         "count": len(run.lines),
         "thinned": thinned,
@@ -61,14 +62,14 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
 
 
 def _thinned(speeds: FloatArray, most: int) -> tuple[FloatArray, bool]:
-    """Every so many of the speeds, the first and the last among them, and whether any were left out."""
+    """Selection of at most ``most`` speeds, the first and the last among them, and whether any were left out."""
     if len(speeds) <= most:
         return speeds, False
     return speeds[np.linspace(0, len(speeds) - 1, most).round().astype(int)], True
 
 
 def _largest(run: OrderResponse) -> list[dict[str, Any]]:
-    """The orders with the largest amplitudes, the largest one first."""
+    """Names and amplitudes of the orders with the largest amplitudes, the largest one first."""
     sizes = np.abs(run.values[:, :, 0])
     chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:MOST_ORDERS]
-    return [{"name": str(run.lines[line]), "magnitude": numbers(sizes[:, line])} for line in chosen.tolist()]
+    return [{"name": str(run.lines[line]), "magnitude": json_numbers(sizes[:, line])} for line in chosen.tolist()]

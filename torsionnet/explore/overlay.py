@@ -1,4 +1,4 @@
-"""A measured response over the calculated one."""
+"""The measured response that the page lays over the calculated one, and the misfit between both."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import ORDERS, FloatArray
 
 MOST_LINES = 4000
+"""Largest number of measured frequencies that are drawn and compared; a screen has fewer columns of pixels."""
 
 
-def matching(overlay: FrequencyResponse | None, state: State) -> FrequencyResponse | None:
-    """The pair of a test that is the response shown, in the quantity shown; None if the test holds no such pair."""
+def matching_response(overlay: FrequencyResponse | None, state: State) -> FrequencyResponse | None:
+    """Measured response of the output and input shown, in the quantity shown; None if the test holds no such pair."""
     if overlay is None:
         return None
     try:
@@ -29,8 +30,8 @@ def matching(overlay: FrequencyResponse | None, state: State) -> FrequencyRespon
 
 
 def overlay_data(overlay: FrequencyResponse | None, state: State) -> dict[str, Any] | None:
-    """Frequencies, magnitude in SI, phase in degrees and which lines are good, at most :data:`MOST_LINES` of them."""
-    pair = matching(overlay, state)
+    """Measured frequencies in Hz, magnitude in SI, phase in degrees and trust, at most :data:`MOST_LINES` of each."""
+    pair = matching_response(overlay, state)
     if pair is None:
         return None
     step = -(-len(pair.frequencies) // MOST_LINES) or 1
@@ -67,7 +68,7 @@ def misfit(
 
     None where there is no test of this response, or no line that can be trusted.
     """
-    pair = matching(overlay, state)
+    pair = matching_response(overlay, state)
     if pair is None:
         return None
     from torsionnet.signals.comparison import difference, frac

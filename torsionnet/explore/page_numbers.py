@@ -1,4 +1,4 @@
-"""Numbers as the page takes them."""
+"""Numbers and units as the page shows them."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from torsionnet.response import Conventions
 
-SHOWN = {angle: Conventions(angle=angle) for angle in ("rad", "deg")}
+CONVENTIONS_BY_ANGLE = {angle: Conventions(angle=angle) for angle in ("rad", "deg")}
 """Conventions by the unit of angles that is chosen on the page."""
 
 
-def numbers(values: NDArray[np.float64]) -> list[float | None]:
-    """A list for JSON, which has neither nan nor inf."""
+def json_numbers(values: NDArray[np.float64]) -> list[float | None]:
+    """List of numbers for JSON, with None for nan and inf, which JSON lacks."""
     if np.isfinite(values).all():
         return list(values.tolist())
     return [float(value) if np.isfinite(value) else None for value in values]

@@ -1,4 +1,4 @@
-"""The server of one page, for the browser on this machine only."""
+"""HTTP server of the page for the browser on this machine only."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import RequestError
 
-LARGEST = 100_000
-"""Bytes of a request; a state of 2000 parameters has about that many."""
-PATIENCE = 20.0
-"""Seconds that a request may take to come in, from the moment the connection waits for it, and an answer to go out."""
+LARGEST_REQUEST = 100_000
+"""Most bytes of a request; a state of 2000 parameters has about that many."""
+REQUEST_SECONDS = 20.0
+"""Longest time in seconds for a request to come in, once the connection waits for it, and for an answer to go out."""
 MOST_CONNECTIONS = 32
-"""At a time, each of which takes a thread; a browser opens six."""
+"""Most connections at a time, each of which takes a thread; a browser opens six."""
 JSON = "application/json"
+"""Media type of requests and answers."""
 
 
 STATIC = Path(__file__).parent / "static"
@@ -41,7 +42,7 @@ INDEX = "index.html"
 
 
 class ExploreServer(ThreadingHTTPServer):
-    """Listens on 127.0.0.1 from the moment it exists; ``serve_forever`` answers.
+    """Server that listens on 127.0.0.1 from the moment it exists; ``serve_forever`` answers.
 
     Parameters
     ----------
@@ -79,11 +80,11 @@ class ExploreServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """What to open in a browser, with the token in it."""
+        """Address to open in a browser, with the token in it."""
         return self.guard.address
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        """Answer in a thread, while there are not too many."""
+        """Answer a connection in a thread of its own, or with status 503 where too many are open."""
         if self._places.acquire(blocking=False):
             super().process_request(request, client_address)
             return
@@ -93,34 +94,34 @@ class ExploreServer(ThreadingHTTPServer):
         self.shutdown_request(request)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
-        """Answer, and leave the place to another connection."""
+        """Answer a connection and free its place for another one."""
         try:
             super().process_request_thread(request, client_address)
         finally:
             self._places.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A browser that closes a connection early is no event."""
+        """Print nothing where a browser closes a connection early."""
 
 
 class Handler(BaseHTTPRequestHandler):
-    """GET for files of the page, POST for questions; anything else is refused in a sentence."""
+    """Answers to GET for the files of the page and to POST for its requests; other methods are refused."""
 
     server: ExploreServer
     protocol_version = "HTTP/1.1"
     server_version, sys_version = "torsionnet", ""
-    timeout = PATIENCE
+    timeout = REQUEST_SECONDS
     disable_nagle_algorithm = True  # else small answers wait for the acknowledgement of the one before
 
     def setup(self) -> None:
-        """Read requests against a limit of time for the whole of each, not for every few bytes of it."""
+        """Read requests with a time limit for the whole of each, not for every few bytes of it."""
         super().setup()
         self._incoming = _Incoming(self.connection)
         self.rfile.close()
         self.rfile = BufferedReader(self._incoming)
 
     def handle_one_request(self) -> None:
-        """Answer one request, whose time begins now."""
+        """Answer one request, whose time limit begins now."""
         self._incoming.begin()
         super().handle_one_request()
 
@@ -131,7 +132,7 @@ class Handler(BaseHTTPRequestHandler):
         self._guarded(self._answer)
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """What the base class refuses before any of the methods above: other methods, lines that are no HTTP."""
+        """Send the refusal of a request that the base class could not read: another method, or no HTTP."""
         del explain
         self.close_connection = True
         is_method = code == HTTPStatus.NOT_IMPLEMENTED
@@ -161,46 +162,46 @@ class Handler(BaseHTTPRequestHandler):
     def _page(self, path: str) -> None:
         page = pages().get(path)
         if page is None:
-            raise RefusedError(HTTPStatus.NOT_FOUND, "there is nothing here")
+            raise RefusedError(HTTPStatus.NOT_FOUND, "the page has no such file; open the address that was printed")
         self._send(HTTPStatus.OK, page.content, page.media_type)
 
     def _answer(self, path: str) -> None:
         if path not in QUESTIONS:
-            raise RefusedError(HTTPStatus.NOT_FOUND, "there is no such question")
+            raise RefusedError(HTTPStatus.NOT_FOUND, f"no such request; there are {', '.join(QUESTIONS)}")
         if (self.headers.get_content_type() if "Content-Type" in self.headers else "") != JSON:
-            raise RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"a question is {JSON}")
+            raise RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"the content type of a request is {JSON}")
         self._send(HTTPStatus.OK, reply(self.server.session, path, self._body()), JSON)
 
     def _body(self) -> bytes:
         length = self.headers.get("Content-Length", "")
         if "Transfer-Encoding" in self.headers or not (length.isascii() and length.isdigit()):
-            raise RefusedError(HTTPStatus.LENGTH_REQUIRED, "a question says how long it is")
-        if len(length) > len(str(LARGEST)) or int(length) > LARGEST:
-            raise RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a question has at most {LARGEST} bytes")
+            raise RefusedError(HTTPStatus.LENGTH_REQUIRED, "a request needs its Content-Length")
+        if len(length) > len(str(LARGEST_REQUEST)) or int(length) > LARGEST_REQUEST:
+            raise RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request has at most {LARGEST_REQUEST} bytes")
         return self.rfile.read(int(length))
 
     def _send(self, status: HTTPStatus, content: bytes, media_type: str, **headers: str) -> None:
-        """Everything in one write, so that it goes out in one piece."""
+        """Send an answer in one write, so that it goes out in one piece."""
         more = {"Content-Type": media_type, "Content-Length": str(len(content))}
         more |= {"Connection": "close"} if self.close_connection else {}
         lines = [f"{name}: {value}" for name, value in (HEADERS | more | headers).items()]
-        self.connection.settimeout(PATIENCE)
+        self.connection.settimeout(REQUEST_SECONDS)
         head = "\r\n".join([f"{self.protocol_version} {status.value} {status.phrase}", *lines, "", ""])
         self.wfile.write(head.encode("latin-1") + content)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """The terminal stays quiet."""
+        """Print no line in the terminal for a request."""
 
 
 class _Incoming(RawIOBase):
-    """What a connection sends, until the time of its request is over."""
+    """Stream of the bytes of a connection that ends with TimeoutError when the time of its request is over."""
 
     def __init__(self, connection: socket) -> None:
         self._connection = connection
         self.begin()
 
     def begin(self) -> None:
-        self._until = time.monotonic() + PATIENCE
+        self._until = time.monotonic() + REQUEST_SECONDS
 
     def readable(self) -> bool:
         return True
@@ -225,7 +226,7 @@ def _words(text: str) -> bytes:
 
 @dataclass(frozen=True)
 class Page:
-    """Content and its media type."""
+    """Content of a file of the page and its media type."""
 
     content: bytes
     media_type: str
@@ -233,7 +234,7 @@ class Page:
 
 @cache
 def pages() -> dict[str, Page]:
-    """Every file by its path, the first page also by the empty one. A path that is not in the table is nowhere.
+    """Files of the page by their paths, the first page also by the empty one.
 
     >>> sorted(path for path in pages() if path.endswith((".html", ".css")))
     ['index.html', 'style.css', 'vendor/uPlot.min.css']

@@ -1,4 +1,4 @@
-"""One model on one page: what the server keeps between requests."""
+"""The model of the page with its start state and test, which the server keeps between requests."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.solve.responses.grid import opening_range
 
 MOST_SURVEYED = 24
-"""Configurations whose modes are looked at to find the first band of frequencies."""
+"""Number of configurations whose modes are calculated to find the first frequency band; each costs a solution."""
 
 
 @dataclass(frozen=True, eq=False)
 class Session:
-    """A model, its text and the state a page begins with.
+    """Model, its text and the state that the page begins with.
 
     Attributes
     ----------
     model : str
-        As it was named on the command line.
+        Name or path on the command line.
     file : str
         Name of its file, without folders.
     text : str
@@ -63,16 +63,18 @@ class Session:
     folder: Path | None = None
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
-    def chosen(self, choice: Mapping[str, str]) -> Drivetrain:
-        """The model in a configuration, with the values of its file."""
+    def model_in(self, choice: Mapping[str, str]) -> Drivetrain:
+        """Drivetrain in a configuration, with the values of its file."""
         name = ",".join(f"{axis}={alternative}" for axis, alternative in choice.items())
         if name not in self._chosen:
             self._chosen[name] = self.base.configured(name) if name else self.base
         return self._chosen[name]
 
-    def varied(self, state: State) -> Drivetrain:
-        """The model in the configuration and with the values of a state; UsageError for an expression as a value."""
-        changed = self.chosen(state.choice).configured(**state.values) if state.values else self.chosen(state.choice)
+    def model_for(self, state: State) -> Drivetrain:
+        """Drivetrain in the configuration and with the values of a state; UsageError for an expression as a value."""
+        changed = (
+            self.model_in(state.choice).configured(**state.values) if state.values else self.model_in(state.choice)
+        )
         for name in state.values:
             if changed.parameter_definitions[name].is_derived:
                 raise UsageError(
@@ -80,8 +82,8 @@ class Session:
                 )
         return changed
 
-    def completed(self, state: State) -> State:
-        """The state with the response and the excitation that an empty name stands for.
+    def with_defaults(self, state: State) -> State:
+        """Copy of the state with the response and the excitation that an empty name stands for.
 
         Of a state whose input is no sensor the excitation is empty.
         """
@@ -93,7 +95,7 @@ class Session:
         return replace(state, output=output, input=into, excitation=excitation)
 
     def describe(self) -> dict[str, Any]:
-        """What stays as it is while the page is open."""
+        """Data of the model that stay the same while the page is open, for JSON."""
         return {
             "name": self.base.name,
             "source": self.base.source,
@@ -109,22 +111,22 @@ class Session:
             "overlay": self.overlay_name,
         }
 
-    def overlaid(self, state: State) -> dict[str, Any] | None:
-        """The test where it is of the response shown."""
-        return overlay_data(self.overlay, self.completed(state))
+    def overlay_for(self, state: State) -> dict[str, Any] | None:
+        """Data of the measured response in the state's output and input; None without one."""
+        return overlay_data(self.overlay, self.with_defaults(state))
 
     @property
-    def saved_file(self) -> str:
-        """Name of the file with changed values: another one than the author's."""
+    def saved_file_name(self) -> str:
+        """Name of the file that the page saves, which differs from that of the model file."""
         path = Path(self.file)
         return f"{path.stem}_changed{path.suffix}"
 
-    def saved(self, state: State) -> str:
-        """The model file with the values of a state.
+    def changed_file_text(self, state: State) -> str:
+        """Text of the model file with the values of a state.
 
         A value that the configuration chosen sets is changed there, any other one in the table of parameters.
         """
-        changed = self.varied(state).parameter_definitions
+        changed = self.model_for(state).parameter_definitions
         changes = {place_of(self.base.definition, state.choice, name): changed[name].value for name in state.values}
         return changed_text(self.text, self.base.definition, changes, self.file, self.folder)
 
@@ -139,7 +141,7 @@ def open_session(
     text: str | None = None,
     over_speed: Sequence[str] = (),
 ) -> Session:
-    """Read a model, and a test to lay over it.
+    """Read a model, and a measured response to draw with the calculated one.
 
     Parameters
     ----------
@@ -186,7 +188,7 @@ def open_session(
     name = "" if overlay is None else Path(overlay).name
     session = Session(str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder)
     for pair in pairs:
-        asked = session.completed(replace(start, output=pair.output, input=pair.input))
+        asked = session.with_defaults(replace(start, output=pair.output, input=pair.input))
         base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)
     return session
 

@@ -1,4 +1,4 @@
-"""Parameters as things to drag: a unit, a range, linear or by equal factors."""
+"""Sliders of the page: unit, value and range of every parameter of a model."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.parameters import Parameter
 
-AROUND = 10.0
-"""Without bounds, a slider goes from a tenth of a value to ten times it."""
+RANGE_FACTOR = 10.0
+"""Factor from the value of a parameter without bounds to both ends of its slider, a decade up and down."""
 
 
 @dataclass(frozen=True)
 class Slider:
-    """A parameter of the page; numbers are in ``unit``, which is the one its author wrote.
+    """Slider of a parameter; numbers are in ``unit``, the one written in the model.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Slider:
     low, high : float
         Ends of the slider.
     logarithmic : bool
-        Equal ways are equal factors; both ends have one sign.
+        Whether equal distances on the slider are equal factors; both ends have the same sign.
     changed : bool
     expression : str
         Of a derived parameter, which follows others and has no slider, or what one follows with the operating point;
@@ -62,14 +62,14 @@ class Slider:
 
 
 def sliders(plain: Drivetrain, changed: Drivetrain, values: Mapping[str, Any]) -> list[Slider]:
-    """Every parameter of the model, in the order of the file.
+    """Sliders of all parameters of the model, in the order of its file.
 
     Parameters
     ----------
     plain : Drivetrain
         In the configuration chosen.
     changed : Drivetrain
-        The same with ``values``.
+        In that configuration with ``values``.
     values : mapping
         Parameter -> value given by hand.
 
@@ -112,12 +112,12 @@ def _slider(name: str, plain: Drivetrain, changed: Drivetrain, units: Mapping[st
 
 
 def _followed(own: Parameter) -> str:
-    """What a parameter follows, as ``by load of propeller``."""
+    """Words for the operating point that a parameter follows, as ``by load of propeller``."""
     return f"by {str(own.by).replace('_', ' ')}" + (f" of {own.of}" if own.of else "")
 
 
 def written_unit(value: Expression) -> str:
-    """The unit behind a number as its author wrote it, or an empty string.
+    """Unit behind a number in the model file; empty where none is written.
 
     >>> from torsionnet.core.expression_reading import scalar
     >>> written_unit(scalar("0.46 kN*m/rad")), written_unit(scalar(3))
@@ -134,7 +134,7 @@ def written_unit(value: Expression) -> str:
 
 
 def _over(value: Any, factor: Any) -> float:
-    """Exact as long as it can be, so that 0.46 kN*m/rad stays 0.46."""
+    """Value over a factor, exact where both are fractions, so that 0.46 kN*m/rad stays 0.46."""
     exact = isinstance(value, int | Fraction) and isinstance(factor, Fraction)
     return float(Fraction(value) / factor) if exact else float(value) / float(factor)
 
@@ -145,18 +145,18 @@ def _range(name: str, plain: Drivetrain, units: Mapping[str, str], factor: float
         return bounds[0] / factor, bounds[1] / factor
     value = plain.parameters[name] / factor
     if value:
-        ends = (value / AROUND, value * AROUND)
+        ends = (value / RANGE_FACTOR, value * RANGE_FACTOR)
         return min(ends), max(ends)
     return 0.0, _size(name, plain, units) / factor
 
 
 def _size(name: str, plain: Drivetrain, units: Mapping[str, str]) -> float:
-    """Of what is 0 now: what an alternative makes of it, else the largest parameter of the same unit, else 1."""
+    """Upper end in SI of the slider of a parameter that is 0: by its alternatives, parameters of its unit, or 1."""
     overlays = [overlay for axis in plain.definition.configurations.values() for overlay in axis.values()]
     numbers = [overlay.parameters[name] for overlay in overlays if name in overlay.parameters]
     found = [abs(float(number.value)) for number in numbers if isinstance(number, Number)]
     if max(found, default=0.0) > 0:
-        return AROUND * max(found)
+        return RANGE_FACTOR * max(found)
     alike = [abs(plain.parameters[other]) for other in units if units[other] and units[other] == units[name]]
     largest = max(alike, default=0.0)
     return largest if 0 < largest < math.inf else 1.0

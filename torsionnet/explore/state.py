@@ -1,4 +1,4 @@
-"""What a page asks for: a choice of configuration, values of parameters, one response, a band of frequencies."""
+"""State of the page: configuration, values of parameters, the response shown and the frequency band."""
 
 from __future__ import annotations
 
@@ -14,20 +14,23 @@ from torsionnet.model.files.yaml_scalars import plain_value
 AXES = ("frequency", "speed")
 QUANTITIES = ("", "receptance", "mobility", "accelerance")
 ANGLES = ("rad", "deg")
-LONGEST = 200
+LONGEST_TEXT = 200
+"""Most characters of a name or value in a request; none in a real model comes near, and messages quote them."""
 MOST_VALUES = 2000
-HIGHEST = 1e9
+"""Most values in a table of a request, so many that no model with sliders has more parameters."""
+HIGHEST_FREQUENCY = 1e9
+"""Upper bound of the frequency band in Hz, far above any torsional vibration."""
 
 Value: TypeAlias = int | float | str
 
 
 class RequestError(ValueError):
-    """A request that no page of ours would send; the text says what is wrong with it."""
+    """A request that the page would not send; the text says what is wrong with it."""
 
 
 @dataclass(frozen=True)
 class State:
-    """One state of the page.
+    """Choices made on the page that determine what it shows.
 
     Attributes
     ----------
@@ -44,11 +47,11 @@ class State:
     angle : str
         ``rad`` or ``deg``; only the command line takes it from here.
     decibels : bool
-        Likewise.
+        Whether magnitudes are in dB; only the command line takes it from here.
     axis : str
-        ``frequency``: a response; ``speed``: what running machinery does to the output, without an input.
+        ``frequency``: a response; ``speed``: the vibration of the output over the speed of the machinery.
     rough : bool
-        Fewer speeds will do, as the next state is on its way.
+        Whether fewer speeds are calculated, as the next state is on its way.
     """
 
     choice: Mapping[str, str] = field(default_factory=dict)
@@ -64,17 +67,17 @@ class State:
     rough: bool = False
 
     def to_data(self) -> dict[str, Json]:
-        """The state as JSON holds it."""
+        """Attributes of the state as JSON data."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)} | {"band": list(self.band)}
 
 
 def read_state(raw: object) -> State:
-    """The state in a request.
+    """State of the page in a request.
 
     Raises
     ------
     RequestError
-        Something in it is no state, whatever the model.
+        An entry is unknown or has a wrong form, whatever the model.
 
     Examples
     --------
@@ -86,7 +89,7 @@ def read_state(raw: object) -> State:
     known = [entry.name for entry in fields(State)]
     for key in raw:
         if key not in known:
-            raise RequestError(f'"{str(key)[:LONGEST]}" is no part of a state{did_you_mean(str(key), known)}')
+            raise RequestError(f'"{str(key)[:LONGEST_TEXT]}" is no entry of a state{did_you_mean(str(key), known)}')
     given: dict[str, Any] = {
         key: _text(raw, key) for key in ("axis", "output", "input", "excitation", "quantity", "angle") if key in raw
     }
@@ -101,8 +104,8 @@ def read_state(raw: object) -> State:
 
 
 def _text(raw: Mapping[str, Any], key: str) -> str:
-    if not isinstance(raw[key], str) or len(raw[key]) > LONGEST:
-        raise RequestError(f"{key} is a text of at most {LONGEST} characters")
+    if not isinstance(raw[key], str) or len(raw[key]) > LONGEST_TEXT:
+        raise RequestError(f"{key} is a text of at most {LONGEST_TEXT} characters")
     return str(raw[key])
 
 
@@ -125,7 +128,7 @@ def _table(raw: Mapping[str, Any], key: str) -> dict[str, Value]:
 
 
 def _value(what: str, value: Any, key: str) -> Value:
-    if isinstance(value, str) and len(value) <= LONGEST:
+    if isinstance(value, str) and len(value) <= LONGEST_TEXT:
         number = plain_value(value.strip()) if key == "values" else None
         return number if isinstance(number, int | float) and not isinstance(number, bool) else value
     if key == "values" and isinstance(value, int | float) and not isinstance(value, bool):
@@ -144,8 +147,8 @@ def _band(raw: object) -> tuple[float, float]:
     ):
         raise RequestError("a band is [lowest, highest] frequency in Hz")
     low, high = raw
-    if (low, high) != (0, 0) and not 0 < low < high <= HIGHEST:
+    if (low, high) != (0, 0) and not 0 < low < high <= HIGHEST_FREQUENCY:
         raise RequestError(
-            f"a band of frequencies needs 0 < lowest < highest <= {HIGHEST:g} Hz, got {low:g} and {high:g}"
+            f"a band of frequencies needs 0 < lowest < highest <= {HIGHEST_FREQUENCY:g} Hz, got {low:g} and {high:g}"
         )
     return float(low), float(high)

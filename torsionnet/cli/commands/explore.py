@@ -46,12 +46,12 @@ class ExploreCommand(ModelCommand):
     no_browser: bool = option("--no-browser", help="Only print the address.")
 
     def answer(self) -> Answer:
-        from torsionnet.explore.state import HIGHEST
+        from torsionnet.explore.state import HIGHEST_FREQUENCY
 
         self.require_one("the page begins with one configuration: name one with -c; all of them are tabs of the page")
-        if self.band and not 0 < self.band[0] < self.band[1] <= HIGHEST:
+        if self.band and not 0 < self.band[0] < self.band[1] <= HIGHEST_FREQUENCY:
             given = f"{self.band[0]:g} {self.band[1]:g}"
-            raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST:g} Hz, got {given}")
+            raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST_FREQUENCY:g} Hz, got {given}")
         from torsionnet.explore import ExploreServer, open_session
         from torsionnet.explore.choices import read_pair
 
