@@ -839,7 +839,10 @@ def test_sensitivity_shows_the_ten_largest():
 
 
 def test_sensitivity_of_a_mode_there_is_not():
-    assert "there is no mode 99 to move; there are 1, 2" in run("sensitivity", "amt_rig", "--mode", "99", code=2).stderr
+    assert (
+        "there is no mode 99; the model has the modes 1, 2"
+        in run("sensitivity", "amt_rig", "--mode", "99", code=2).stderr
+    )
 
 
 def test_screens_are_120_columns_wide():

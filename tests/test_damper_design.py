@@ -219,5 +219,5 @@ class TestCommand:
     def test_half_a_band_and_half_a_range(self, tmp_path):
         running(0.5).to_yaml(tmp_path / "plant.yaml")
         words = ["damper", tmp_path / "plant.yaml", "--output", "a"]
-        assert "a band has both ends" in run(*words, "--vary", "c", "--input", "a", "--from", 5, code=2).stderr
+        assert "a band needs both ends" in run(*words, "--vary", "c", "--input", "a", "--from", 5, code=2).stderr
         assert "expected NAME[=LOW..HIGH]" in run(*words, "--vary", "c=5", code=2).stderr

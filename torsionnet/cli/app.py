@@ -1,4 +1,4 @@
-"""The group of commands; each is imported when it is called, so that help and ``check`` start quickly."""
+"""Click group of all commands; a command is imported when it is called, so that help and ``check`` start quickly."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
 
 
 class LazyGroup(click.Group):
-    """Commands by name, each in a module of its own."""
+    """Click group that imports the module of a command when the command is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx

@@ -1,4 +1,4 @@
-"""The drivetrains a command is about: one model in the configurations chosen, with the parameters set."""
+"""Drivetrains that a command calculates: one model in the configurations chosen, with the parameters set."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.table import Table
 
-MOST_NAMES = 12
+CONFIGURATIONS_NAMED = 12
+"""Configurations that a note names before it ends in "...": about two lines of a terminal."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class ConfiguredCase:
 
 
 class ModelCommand(Command):
-    """A command about a model in some of its configurations."""
+    """Arguments of a command that calculates a model in some of its configurations."""
 
     model: str = argument("MODEL")
     configurations: tuple[str, ...] = option(
@@ -44,7 +45,7 @@ class ModelCommand(Command):
     settings: tuple[tuple[str, str], ...] = SETTINGS
 
     def cases(self) -> list[ConfiguredCase]:
-        """The model in every configuration asked for; what is worth knowing about it goes to stderr."""
+        """Drivetrains in every configuration asked for; warnings and notes about the model go to stderr."""
         rig = load_model(self.model)
         found = list(rig.check())
         names = _names(rig, self.configurations)
@@ -58,16 +59,16 @@ class ModelCommand(Command):
         return cases
 
     def require_one(self, why: str) -> None:
-        """Refuse several configurations."""
+        """Refuse several configurations with the message given."""
         from torsionnet.model.configurations import EVERY
 
         if len(self.configurations) > 1 or EVERY in self.configurations:
             raise click.UsageError(why)
 
     def joined(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
-        """One table out of one per case, with the configuration in the first column if one was named.
+        """Rows of the tables of all cases as one table, the configuration in the first column if one was named.
 
-        Equal notes stand once; those that are not of all cases begin with the configurations they are of.
+        Equal notes stand once; a note that is not on all cases begins with the names of its configurations.
         """
         from torsionnet.response.equal_remarks import concerned, gathered
         from torsionnet.response.table import Column
@@ -98,7 +99,7 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
     available = rig.configurations
     if not configurations:
         if available:
-            names = listed(available, MOST_NAMES, ", ...")
+            names = listed(available, CONFIGURATIONS_NAMED, ", ...")
             message("note", f"parameters as written; configurations: {names} (-c NAME, or -c all)")
         return [""]
     if EVERY in configurations and EVERY not in available:

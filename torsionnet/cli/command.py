@@ -1,7 +1,7 @@
-"""A command: arguments, an answer to them, and the one way in which answers are given.
+"""Base class of commands, their answers, and the function that writes and prints an answer.
 
-Files are written before anything is printed, and nothing is written before every picture is drawn, so that what is
-refused is refused first. Of an answer only those forms are made that are asked for.
+Files are written before anything is printed, and nothing is written before every picture is drawn, so that an error
+leaves no files behind. Of an answer only the forms asked for are made.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 JSON = ("as_json",)
 NUMBERS = (*JSON, "digits")
 TABLE = ("as_json", "csv_file", "digits")
-"""Forms of commands that print words, numbers, one table."""
+"""Output options of a command that prints one table; JSON and NUMBERS: of commands that print words, or numbers."""
 
 
 class Output(Arguments):
-    """The forms of a result that are asked for, beside a file that is the result."""
+    """Output options that commands share: JSON, CSV, digits, picture."""
 
     as_json: bool = option("--json", help="Print JSON instead of tables.")
     csv_file: str | None = option("--csv", type=OutputFile(), help="Write the table as CSV, in full precision.")
@@ -43,22 +43,22 @@ class Output(Arguments):
     plot_file: str | None = plot_option("a picture")
 
     def sized(self, table: Table) -> Table:
-        """The table with the digits asked for."""
+        """Copy of a table with the digits asked for."""
         return table.with_digits(self.digits) if self.digits else table
 
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a command found, in every form it has.
+    """Result of a command as functions for each form: screen, JSON data, CSV tables, pictures, files; and exit code.
 
-    Tables and pictures for files have the name of what they are about, which tells several files apart.
+    Tables and pictures for files have a name (of a configuration or channel), which becomes part of the file's name.
     """
 
     screen: Callable[[], Iterable[Table | str | tuple[Any, ...]]] = tuple
     data: Callable[[], Any] = tuple
     csv: Callable[[], Sequence[tuple[str, Table]]] = tuple
     figures: Callable[[ModuleType], Iterable[tuple[str, Figure]]] = lambda _: ()
-    """By :mod:`torsionnet.plot`, which is imported where a picture is asked for."""
+    """Names and figures, drawn by :mod:`torsionnet.plot`, which is imported only if a picture is asked for."""
     files: Sequence[tuple[str | Path | None, Callable[[Any], Any]]] = ()
     exit_code: int = 0
 
@@ -67,24 +67,24 @@ class Command(Arguments):
     """Arguments of a command; the text of the class is its help."""
 
     forms: ClassVar[tuple[str, ...]] = ()
-    """Options of :class:`Output` that the command has."""
+    """Names of the options of :class:`Output` that the command has."""
     picture: ClassVar[str] = ""
-    """What ``--plot`` draws."""
+    """Words for the help of ``--plot``; empty: the command draws nothing."""
 
     output: Output
 
     def answer(self) -> Answer:
-        """Do what is asked for."""
+        """Calculate the result of the command."""
         raise NotImplementedError
 
 
 def click_command(name: str, declared: type[Command]) -> click.Command:
-    """The command as click runs it."""
+    """Click command of a class of arguments."""
 
     def run(**values: Any) -> None:
         command = declared(**values)
         if command.output.as_json and command.output.digits:
-            raise click.UsageError("--digits is about tables; --json has all digits")
+            raise click.UsageError("--digits rounds tables and --json has all digits: leave one of them out")
         emit(command.answer(), command.output)
 
     forms = {one.name: one for one in parameters(Output)}
@@ -95,7 +95,7 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
 
 
 def emit(answer: Answer, output: Output) -> None:
-    """Give an answer in the forms asked for."""
+    """Write and print an answer in the forms asked for."""
     figures: list[tuple[str, Figure]] = []
     if output.plot_file:
         import torsionnet.plot as plot
@@ -131,7 +131,7 @@ def _print(part: Table | str | tuple[Any, ...], output: Output) -> None:
 
 
 def beside(file: str, name: str, count: int) -> str:
-    """The file itself for a single result, else one for each: ``shapes.png`` -> ``shapes_gear_V_clutch_open.png``."""
+    """Path of one of several result files, as ``shapes_gear_V_clutch_open.png``; ``file`` itself if there is one."""
     if count == 1:
         return file
     path = Path(file)
@@ -139,7 +139,7 @@ def beside(file: str, name: str, count: int) -> str:
 
 
 def text_answer(text: str, file: str | None) -> Answer:
-    """A text that is the result itself: in a file, or else printed as it is."""
+    """Answer of a command whose result is a text: written to a file, or printed if none is given."""
     if file is None:
         click.echo(text, nl=False)
     return Answer(files=[(file, lambda path: write_text(path, text))])

@@ -1,7 +1,7 @@
-"""Arguments of a command as fields of a class: words, type and help stand beside the name that holds the value.
+"""Command-line arguments as fields of a class: option words, type and help stand beside the name of the value.
 
-What the type of a field says already (a flag, repeatable, required, a number) is not said again. An option of several
-commands is a constant in ``cli/options.py``; several that go together are a class of their own, and a field of that.
+The type of a field implies a flag, a repeatable or required option, or a number. An option of several commands is a
+constant in ``cli/options.py``; options that go together are a class of their own, and a field of that class.
 
 >>> class Run(Arguments):
 ...     seed: int | None = option("--seed", type=int)
@@ -20,21 +20,21 @@ import click
 
 
 class Declaration:
-    """What :class:`click.Option` or :class:`click.Argument` are made with."""
+    """Settings from which a :class:`click.Option` or :class:`click.Argument` is made."""
 
     def __init__(self, makes: type[click.Parameter], words: tuple[str, ...], settings: dict[str, Any]) -> None:
         self.makes, self.words, self.settings = makes, words, settings
 
     def parameter(self, name: str, hint: Any) -> click.Parameter:
-        """What click reads, handed over under the name given."""
+        """Click option or argument whose value has the name given; ``hint`` is the type of the field."""
         return self.makes([*self.words, name], **{**self._implied(hint), **self.settings})
 
-    def absent(self, hint: Any) -> Any:
-        """The value where nothing is said."""
+    def default(self, hint: Any) -> Any:
+        """Value of an option that is not on the command line."""
         return self.settings.get("default", () if get_origin(hint) is tuple else False if hint is bool else None)
 
     def _implied(self, hint: Any) -> dict[str, Any]:
-        """What the type of the value says."""
+        """Settings of click that follow from the type of the field."""
         if self.makes is click.Argument:
             return {"nargs": -1, "required": True} if get_origin(hint) is tuple else {}
         if hint is bool:
@@ -47,28 +47,28 @@ class Declaration:
 
 
 def option(*words: str, **settings: Any) -> Any:
-    """An option of these words; settings are those of :class:`click.Option`."""
+    """Declare an option with its words (``--seed``); settings are those of :class:`click.Option`."""
     return Declaration(click.Option, words, settings)
 
 
 def argument(metavar: str) -> Any:
-    """An argument by its place."""
+    """Declare a positional argument, shown in the help by its metavar."""
     return Declaration(click.Argument, (), {"metavar": metavar})
 
 
 class Arguments:
-    """Arguments that are handed over together; those that are not given have their defaults."""
+    """Base of classes whose fields are command-line arguments; fields that are not given have their defaults."""
 
     def __init__(self, **values: Any) -> None:
         for name, hint, declared in _fields(type(self)):
             if declared is None:
                 vars(self)[name] = hint(**values)
             else:
-                vars(self)[name] = values.get(name, declared.absent(hint))
+                vars(self)[name] = values.get(name, declared.default(hint))
 
 
 def parameters(declared: type[Arguments]) -> Iterator[click.Parameter]:
-    """What click reads for a class of arguments, bases first."""
+    """Click options and arguments of a class of arguments, those of base classes first."""
     for name, hint, one in _fields(declared):
         if one is None:
             yield from parameters(hint)
@@ -77,7 +77,7 @@ def parameters(declared: type[Arguments]) -> Iterator[click.Parameter]:
 
 
 def _fields(declared: type[Arguments]) -> Iterator[tuple[str, Any, Declaration | None]]:
-    """Names, types, declarations; a field without one is a class of arguments itself."""
+    """Name, type and declaration of each field; None as the declaration of a field that is a class of arguments."""
     for name, hint in get_type_hints(declared).items():
         found = getattr(declared, name, None)
         if isinstance(found, Declaration):

@@ -1,4 +1,4 @@
-"""Exceptions and warnings as messages on stderr and exit codes; never a traceback unless one asks for it."""
+"""Exceptions and warnings as messages on stderr and exit codes; a traceback only with TORSIONNET_DEBUG set."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import Any, TextIO
 
 import click
 
-BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130
+BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130  # exit codes: EX_SOFTWARE and EX_IOERR of sysexits.h, 128 + SIGINT
 DEBUG = "TORSIONNET_DEBUG"
 
 
 @contextlib.contextmanager
 def guarded() -> Iterator[None]:
-    """Run a command: whatever it raises becomes a message and an exit code."""
+    """Context in which an exception becomes a message on stderr and an exit code."""
     from torsionnet.core.errors import TorsionnetWarning
 
     with warnings.catch_warnings():
@@ -86,23 +86,23 @@ class _Warnings:
 
 
 class Printed:
-    """A stream of text that ends where its reader stops reading: what is printed after that goes nowhere.
+    """Text stream that drops what is printed after its reader has closed the pipe, instead of raising.
 
-    ``torsionnet frf ... --csv all.csv | head -2`` writes its file like any other. A program started without any
-    output (``>&-``) has a reader that never began.
+    ``torsionnet frf ... --csv all.csv | head -2`` still writes its file. Without any output (``>&-``) everything is
+    dropped.
     """
 
     def __init__(self, stream: TextIO | None) -> None:
         self._stream = io.StringIO() if stream is None else stream
 
     def write(self, text: str) -> int:
-        """Write, if anybody reads."""
+        """Write a text, unless the reader has closed the pipe."""
         with self._until_closed():
             self._stream.write(text)
         return len(text)
 
     def flush(self) -> None:
-        """Pass on what was written, if anybody reads."""
+        """Flush the stream, unless the reader has closed the pipe."""
         with self._until_closed():
             self._stream.flush()
 

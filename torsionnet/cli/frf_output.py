@@ -1,4 +1,4 @@
-"""Frequency responses as tables and data."""
+"""Frequency responses as tables for the screen and CSV, and as data for JSON."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from torsionnet.solve.responses.peaks import Peak, Solver, peaks, static_value
 
 @dataclass(frozen=True)
 class Shown:
-    """Units, and whether magnitudes are levels."""
+    """Units in which responses are shown, and whether magnitudes are in dB."""
 
     conventions: Conventions
     decibels: bool
 
     def magnitude(self, value: float, scale: float) -> float:
-        """An SI magnitude as shown."""
+        """Magnitude in the unit shown, or in dB, from an SI value and the scale of its unit."""
         if not self.decibels:
             return value * scale
         if math.isnan(value):
@@ -30,18 +30,19 @@ class Shown:
         return 20 * math.log10(value * scale / self.conventions.db_reference) if value else -math.inf
 
     def unit(self, unit: str) -> str:
+        """Unit as text, with its dB reference if magnitudes are in dB."""
         return f"dB re {self.conventions.db_reference:g} {unit}" if self.decibels else unit
 
 
 def pairs(response: FrequencyResponse) -> Iterator[tuple[int, int, str]]:
-    """Every output over every input, with a label."""
+    """Index of output, index of input and label "output/input" of every transfer function."""
     for o, out in enumerate(response.outputs):
         for i, into in enumerate(response.inputs):
             yield o, i, f"{out.name}/{into.name}"
 
 
 def peak_table(response: FrequencyResponse, solve: Solver, shown: Shown) -> Table:
-    """A row for the static value and one for each peak."""
+    """Table of a response with a row for the static value and for each peak of every transfer function."""
     conventions = shown.conventions
     columns = (
         Column("response"),
@@ -70,7 +71,7 @@ def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Itera
 
 
 def full_table(response: FrequencyResponse, shown: Shown) -> Table:
-    """Every frequency; magnitudes as levels if asked for."""
+    """Table of a response with a row per frequency; magnitudes in dB if asked for."""
     table = response.table(shown.conventions)
     if not shown.decibels:
         return table
@@ -88,7 +89,7 @@ def full_table(response: FrequencyResponse, shown: Shown) -> Table:
 def as_data(
     case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
 ) -> dict[str, Any]:
-    """Everything for a program: complex values in the angle unit chosen, frequencies in Hz and rad/s aside."""
+    """JSON data of a response: complex values in the angle unit chosen, static values, peaks; frequencies in Hz."""
     return {
         "title": response.title,
         "configuration": case.configuration,
@@ -109,7 +110,7 @@ def _pair(response: FrequencyResponse, solve: Solver, conventions: Conventions, 
 
 
 def curve_data(response: FrequencyResponse, conventions: Conventions, o: int, i: int, **about: Any) -> dict[str, Any]:
-    """One output over one input, in the angle unit chosen, with what is known about it."""
+    """JSON data of one transfer function in the angle unit chosen; ``about`` is added between unit and values."""
     values = response.values[:, o, i] * response.scale(conventions, o, i)
     return {
         "output": response.outputs[o].name,

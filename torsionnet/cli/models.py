@@ -1,4 +1,4 @@
-"""Models by file, by name in the library, or from standard input."""
+"""Models loaded by file, by name in the library, or from standard input."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ SHOWN = "<stdin>"
 
 
 def load_model(model: str) -> Drivetrain:
-    """The drivetrain of a model file, of a library model, or of what is piped in as ``-``."""
+    """Drivetrain of a model file or library model; ``-`` reads the model from standard input."""
     from torsionnet.loading import load, loads
 
     return loads(piped(), SHOWN) if model == STANDARD_INPUT else load(model)
 
 
 def checked_model(model: str) -> list[Fault]:
-    """Every finding on a model, modes that grow in one of its configurations among them."""
+    """Errors, warnings and notes on a model, with unstable modes of any of its configurations."""
     from torsionnet.model.files import read_file
     from torsionnet.model.files.reader import read_text
 
@@ -33,7 +33,7 @@ def checked_model(model: str) -> list[Fault]:
 
 
 def _growing(definition: Definition) -> list[Fault]:
-    """Of all configurations; none where no element can feed a vibration."""
+    """Warnings about unstable modes in all configurations; none if no element can feed energy into a vibration."""
     from torsionnet.model.checks import variants
 
     found: list[Fault] = []
@@ -50,7 +50,7 @@ def _growing(definition: Definition) -> list[Fault]:
 
 
 def piped() -> str:
-    """What is piped in."""
+    """Text read from standard input."""
     from torsionnet.model.files.decoding import decode
 
     return decode(sys.stdin.buffer.read(), SHOWN)

@@ -1,4 +1,4 @@
-"""Types of values, and options that several commands share, refused before anything is calculated."""
+"""Types of option values, which refuse wrong values before anything is calculated, and options of several commands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PRESETS = ("paper",)
 
 
 class WordPair(PairType):
-    """``LEFT=RIGHT``."""
+    """Type of an option value ``LEFT=RIGHT``: a pair of texts."""
 
     def __init__(self, left: str, right: str, example: str) -> None:
         self.name, self.example = f"{left}={right}", example
@@ -35,7 +35,7 @@ class WordPair(PairType):
 
 
 class CommandSettings(WordPair):
-    """``NAME=VALUE``, with a value that can be read."""
+    """Type of ``--set NAME=VALUE``: a parameter and its value as text, refused if it is no value with a known unit."""
 
     def __init__(self) -> None:
         super().__init__("NAME", "VALUE", "c_O=360 N*m*s/rad")
@@ -53,7 +53,7 @@ class CommandSettings(WordPair):
 
 
 class StepsOption(WordPair):
-    """``CHANNEL=STEPS``, a number above 0."""
+    """Type of an option value ``CHANNEL=STEPS``: a channel and its steps per revolution, above 0."""
 
     def __init__(self) -> None:
         super().__init__("CHANNEL", "STEPS", "n1=60")
@@ -70,7 +70,10 @@ class StepsOption(WordPair):
 
 
 class Written(EntryType):
-    """What an entry of a file may be, as ``module:name`` of its specification, which is imported where it is used."""
+    """Type of an option value that is read like an entry of a model file.
+
+    ``entry`` is the ``module:name`` of the specification of that entry, imported when a value is read.
+    """
 
     def __init__(self, name: str, entry: str) -> None:
         self.name, self.entry = name, entry
@@ -88,7 +91,7 @@ class Written(EntryType):
 
 
 class Finite(click.FloatRange):
-    """A number within limits; not a number is within none."""
+    """Type of a finite number within limits; nan and inf are refused."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         number = super().convert(value, param, ctx)
@@ -98,7 +101,7 @@ class Finite(click.FloatRange):
 
 
 class OutputFile(FileType):
-    """A file that could be written, with one of the endings if there is a choice."""
+    """Type of the path of a file to be written, refused if its folder is missing or its ending is not allowed."""
 
     name = "FILE"
 
@@ -117,7 +120,7 @@ class OutputFile(FileType):
 
 
 class OutputFolder(FileType):
-    """A folder that is there or could be made."""
+    """Type of the path of a folder that exists or can be made."""
 
     name = "FOLDER"
 
@@ -131,12 +134,12 @@ class OutputFolder(FileType):
 
 
 def file_option(text: str, endings: tuple[str, ...] = ()) -> Any:
-    """``-o``, ``--output-file``: what a command makes, if that is a file."""
+    """Declare the option ``-o``, ``--output-file`` of a command that makes a file."""
     return option("-o", "--output-file", type=OutputFile(endings), help=text)
 
 
 def plot_option(what: str) -> Any:
-    """``--plot``: the picture of a result."""
+    """Declare the option ``--plot``; ``what`` are the words for the picture in its help."""
     text = f"Write {what} as {', '.join(ending[1:].upper() for ending in PLOT_ENDINGS)}, by the ending."
     return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
 

@@ -1,4 +1,4 @@
-"""Progress bars on stderr, where somebody looks at it."""
+"""Progress bars on stderr, shown only in a terminal."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ if TYPE_CHECKING:
 
 
 class Show(Protocol):
-    """Tells how far a stage is: its name, how much is done and of how much; None if nobody knows."""
+    """Function that shows how far a stage is: name, amount done, total amount (None: unknown)."""
 
     def __call__(self, stage: str, done: float, total: float | None, words: str = "") -> None:
-        """With words beside the bar instead of the name."""
+        """Update the bar of a stage; ``words``, if given, stand beside the bar instead of the name of the stage."""
         ...
 
 
 @contextlib.contextmanager
 def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]]:
-    """A bar that is full when the calls of the function given have added up to ``total``; it only moves without one."""
+    """Progress bar as a context; yields a function that adds an amount, up to ``total`` (None: unknown)."""
     done = 0.0
 
     def advance(amount: float) -> None:
@@ -36,7 +36,7 @@ def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]
 
 @contextlib.contextmanager
 def stages() -> Iterator[Show]:
-    """A bar for one stage after the other."""
+    """Progress bars of stages one after the other; yields a function that shows how far a stage is."""
     if not sys.stderr.isatty():
         yield lambda stage, done, total, words="": None  # noqa: ARG005  (a Show that shows nothing)
         return

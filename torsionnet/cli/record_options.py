@@ -1,4 +1,4 @@
-"""Options about a file of recorded signals, and about the spectra estimated from it."""
+"""Options on how a file of recorded signals is read, and how spectra are estimated from the record."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ESTIMATORS = ("H1", "H2", "Hv", "Hs", "Hr")
 
 
 class RecordReading(Arguments):
-    """How a file of signals is read."""
+    """Options on reading a file of signals: quantities, units, sampling rate, text format, encoder pulses."""
 
     quantities: tuple[tuple[str, str], ...] = option(
         "--quantity",
@@ -43,7 +43,7 @@ class RecordReading(Arguments):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """For :func:`read_recording`."""
+        """Keyword arguments of :func:`read_recording` from these options."""
         dialect = {"separator": self.separator, "decimal": self.decimal}
         return {
             "quantities": dict(self.quantities),
@@ -55,7 +55,7 @@ class RecordReading(Arguments):
 
 
 class Averaging(Arguments):
-    """How spectra are averaged: a preset, and what is said against it."""
+    """Options on averaging spectra: a preset, and settings that replace some of the preset."""
 
     preset: str | None = option(
         "--preset", type=click.Choice(PRESETS), help="Start from these settings; paper: Galvagno (2015)."
@@ -75,7 +75,7 @@ class Averaging(Arguments):
     )
 
     def settings(self, **more: Any) -> Welch:
-        """Settings of Welch's method, with what else is said."""
+        """Settings of Welch's method from these options, with further settings given by keyword."""
         from torsionnet.signals.welch import PAPER, Welch  # loads numpy
 
         base = PAPER if self.preset == "paper" else Welch()
@@ -85,7 +85,7 @@ class Averaging(Arguments):
 
 
 class Estimator(Arguments):
-    """Which estimate of a response."""
+    """Options on the estimator of a frequency response (H1, H2, Hv, Hs, Hr)."""
 
     estimator: str | None = option(
         "--estimator",
@@ -100,14 +100,14 @@ class Estimator(Arguments):
 
 
 class RecordCommand(Command):
-    """A command about a record."""
+    """Arguments of a command that reads a record of signals."""
 
     record: str = argument("RECORD")
     reading: RecordReading
 
 
 class EstimateArguments(RecordCommand):
-    """A command about responses that are estimated from a record."""
+    """Arguments of a command that estimates frequency responses from a record."""
 
     outputs: tuple[str, ...] = option("--output", metavar="CHANNEL", required=True, help="Repeatable.")
     inputs: tuple[str, ...] = option("--input", metavar="CHANNEL", required=True, help="Repeatable.")

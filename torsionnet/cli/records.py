@@ -1,4 +1,4 @@
-"""Recordings for the commands: read, checked, in blocks where they are large."""
+"""Recordings read and checked for commands; a large file is read in blocks."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
 
-LARGE = 300_000_000
-"""Bytes; a larger file is read in blocks."""
-BLOCK = 60.0
+LARGE_FILE = 300_000_000
+"""Bytes above which a file is read in blocks; a larger value takes more memory, a smaller one blocks needlessly."""
+BLOCK_SECONDS = 60.0
+"""Duration in s of a block of a large file; a longer block takes more memory, a shorter one more reads."""
 
 
 def load_record(
     path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Recordings:
-    """The channels named of a record that is fit to be processed; what is doubtful goes to stderr.
+    """Channels named of a checked record, or an iterator of its blocks if the file is large; warnings go to stderr.
 
     Raises
     ------
@@ -31,7 +32,7 @@ def load_record(
         The record is faulty; all faults are listed.
     """
     wanted = None if names is None else list(dict.fromkeys(names))
-    if Path(path).is_file() and Path(path).stat().st_size > LARGE and not reading.pulses:
+    if Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE and not reading.pulses:
         return _checked_blocks(path, reading, wanted, window, advance)
     record = read_recording(path, names=wanted, **reading.arguments)
     for note in record.notes:
@@ -46,9 +47,9 @@ def load_record(
 def _checked_blocks(
     path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Iterator[Recording]:
-    """A large record block by block; that a block is short is no fault of the record."""
-    message("note", f"{path} is large: read in blocks of {BLOCK:g} s")
-    for block in iter_blocks(path, BLOCK, names=names, **reading.arguments):
+    """Yield checked blocks of a large record; a short last block is not reported as a fault."""
+    message("note", f"{path} is large: read in blocks of {BLOCK_SECONDS:g} s")
+    for block in iter_blocks(path, BLOCK_SECONDS, names=names, **reading.arguments):
         even = _even(block, reading, path)
         _refuse([fault for fault in check_recording(even, window) if fault.path != ("channels",)], path)
         yield even
@@ -73,6 +74,6 @@ def _refuse(faults: Sequence[Fault], path: str) -> None:
 
 
 def _named(fault: Fault) -> Fault:
-    """The fault with the channel in its message, which has no place in a file."""
+    """Copy of a fault with the name of its channel in the message instead of a place in a file."""
     where = fault.path[-1] if len(fault.path) > 1 else ""
     return replace(fault, message=f"{where}: {fault.message}" if where else fault.message, path=())

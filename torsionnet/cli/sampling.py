@@ -1,4 +1,4 @@
-"""Which frequencies: a list, a range, or one that suits the modes."""
+"""Frequencies of a response from the command line: a list, a range, or a range chosen from the modes."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ if TYPE_CHECKING:
     from torsionnet.cli.cases import ConfiguredCase
     from torsionnet.response.frequency_response import FloatArray
 
-POINTS, MOST_POINTS = 500, 1_000_000
+DEFAULT_POINTS, MOST_POINTS = 500, 1_000_000
+"""Frequencies of a range unless ``--points`` is given, and the most that a list may have."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Frequencies asked for on the command line, in the unit chosen there; None: not said."""
+    """Options on frequencies as given on the command line, in the unit chosen there; None: not given."""
 
     start: float | None = None
     stop: float | None = None
@@ -31,7 +32,7 @@ class Sampling:
     listed: str | None = None
 
     def frequencies(self, cases: Sequence[ConfiguredCase], scale: float) -> FloatArray:
-        """In Hz; ``scale`` is the unit chosen over Hz."""
+        """Frequencies in Hz, shape (n_f,); ``scale`` converts Hz to the unit chosen."""
         if self.listed is not None:
             if any(given is not None for given in (self.start, self.stop, self.points, self.logarithmic)):
                 raise UsageError("give --frequencies, or --from, --to and --points, not both")
@@ -41,11 +42,14 @@ class Sampling:
             low, high = vibration_range(*(case.drivetrain.modes() for case in cases))
             start = min(low * scale, stop / BELOW if stop else math.inf) if start is None else start
             stop = max(high * scale, start * BELOW) if stop is None else stop
-        return spaced(start, stop, self.points or POINTS, self.logarithmic) / scale
+        return spaced(start, stop, self.points or DEFAULT_POINTS, self.logarithmic) / scale
 
 
 def spaced(start: float, stop: float, points: int, logarithmic: bool | None) -> FloatArray:
-    """Evenly, or by equal factors: unless said, where the range is more than a decade and does not begin at 0."""
+    """Frequencies of a range, linearly or logarithmically spaced, shape (points,).
+
+    ``logarithmic`` None: if the range is more than a decade and does not begin at 0.
+    """
     if not (math.isfinite(start) and math.isfinite(stop) and 0 <= start < stop):
         raise UsageError(f"--from must not be negative and must be smaller than --to, got {start:g} and {stop:g}")
     if logarithmic is None:
@@ -82,7 +86,9 @@ def _part(part: str, text: str) -> FloatArray:
         raise _unreadable(text)
     count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
     if count > MOST_POINTS:
-        raise UsageError(f'"{part}" are {count} frequencies; at most {MOST_POINTS} are calculated at once')
+        raise UsageError(
+            f'"{part}" are {count} frequencies, and at most {MOST_POINTS} are calculated at once: take a larger step'
+        )
     return np.asarray(start + step * np.arange(count), dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""What is printed: messages, tables for people, JSON for programs."""
+"""Printing to the terminal: messages on stderr, tables and JSON on stdout."""
 
 from __future__ import annotations
 
@@ -21,31 +21,33 @@ if TYPE_CHECKING:
     from torsionnet.response.table import Table
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
-NARROWEST, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
-LEAST_ROOM = 30
-"""Characters below which a text is not folded into a column."""
-WIDTH = 120
-"""Columns of a screen that reading does without scrolling."""
+NARROWEST_HEADING, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
+"""Characters: least width of a heading before it is broken, least width of a framed text column, gap of columns."""
+NARROWEST_FOLDED = 30
+"""Least width in characters of a column into which long texts are folded; narrower ones are hard to read."""
+SCREEN_WIDTH = 120
+"""Characters of a line; tables are folded or split to this width so that a usual terminal does not wrap them."""
 
 
 def message(kind: str, text: str) -> None:
-    """``kind: text`` on stderr."""
+    """Print ``kind: text`` on stderr."""
     head = click.style(f"{kind}:", fg=COLOURS.get(kind), bold=True) if _coloured(sys.stderr) else f"{kind}:"
     click.echo(f"{head} {visible(text)}", err=True)
 
 
 def say(text: str = "") -> None:
-    """A line on stdout."""
+    """Print a line on stdout."""
     click.echo(visible(text))
 
 
 def wrote(path: str) -> None:
+    """Print on stderr that a file was written."""
     message("wrote", path)
 
 
 def tell(faults: Iterable[Fault]) -> None:
-    """Warnings and notes about a model, a line each, on stderr."""
-    # A solver that meets the same doubt warns of it once more; what shows warnings leaves out what was seen.
+    """Print warnings and notes about a model on stderr, a line each."""
+    # A solver may warn of the same finding again; marked as seen here, it is not printed twice.
     seen: set[str] = getattr(warnings.showwarning, "seen", set())
     for fault in faults:
         seen.add(fault.text)
@@ -54,7 +56,7 @@ def tell(faults: Iterable[Fault]) -> None:
 
 
 def tell_warnings(notes: Iterable[str]) -> None:
-    """Those of the notes to a result that warn of something, on stderr."""
+    """Print on stderr the notes of a result that begin with "warning: "."""
     for note in notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":
@@ -62,14 +64,14 @@ def tell_warnings(notes: Iterable[str]) -> None:
 
 
 def print_json(data: Any) -> None:
-    """JSON on stdout; numbers that JSON lacks become null."""
+    """Print data as JSON on stdout; inf and nan become null."""
     import json
 
     click.echo(json.dumps(finite(data), indent=1))
 
 
 def print_table(table: Table) -> None:
-    """A framed table on a terminal, aligned text in a pipe or file."""
+    """Print a table with its notes on stdout: framed in a terminal, aligned text in a pipe or file."""
     table = _safe(table)
     if sys.stdout.isatty():
         _print_framed(table)
@@ -81,12 +83,12 @@ def print_table(table: Table) -> None:
 
 
 def width_of(table: Table) -> int:
-    """Characters in the longest line of a table as it is printed in a pipe."""
+    """Number of characters of the longest line of a table printed as aligned text."""
     return max(map(len, _aligned(table)), default=0)
 
 
 def _safe(table: Table) -> Table:
-    """With texts of files as they can be shown."""
+    """Copy of a table with control characters in its texts made visible."""
     return replace(table, title=visible(table.title), rows=tuple(tuple(map(_safe_cell, row)) for row in table.rows))
 
 
@@ -101,13 +103,13 @@ def _coloured(stream: Any) -> bool:
 
 
 def _aligned(table: Table) -> list[str]:
-    """Title, headings broken into lines, rows; numbers to the right, text to the left, folded if it is long."""
+    """Lines of a table as aligned text: title, broken headings, rows; numbers to the right, long texts folded."""
     cells = table.cells()
     right = [table.is_numeric(index) for index in range(len(table.columns))]
     widths, headings = [], []
     for index, column in enumerate(table.columns):
         content = max((len(row[index]) for row in cells), default=0)
-        lines = _broken(column.name, column.unit, max(content, NARROWEST))
+        lines = _broken(column.name, column.unit, max(content, NARROWEST_HEADING))
         headings.append(lines)
         widths.append(max([content, *map(len, lines)]))
     narrower = _narrower(widths, right)
@@ -120,18 +122,18 @@ def _aligned(table: Table) -> list[str]:
 
 
 def _narrower(widths: list[int], right: list[bool]) -> list[int]:
-    """Less for the text of the last column, or of the last two where one alone leaves too little room."""
+    """Widths of columns with the last text column, or the last two, made narrower to fit the screen."""
     for count in (1, 2):
         if len(widths) < count or any(right[-count:]):
             break
-        room = (WIDTH - sum(widths[:-count]) - BETWEEN_COLUMNS * (len(widths) - 1)) // count
-        if room >= LEAST_ROOM:
+        room = (SCREEN_WIDTH - sum(widths[:-count]) - BETWEEN_COLUMNS * (len(widths) - 1)) // count
+        if room >= NARROWEST_FOLDED:
             return [*widths[:-count], *(min(room, width) for width in widths[-count:])]
     return widths
 
 
 def _folded(cells: list[list[str]], widths: list[int]) -> list[list[str]]:
-    """Texts over as many lines as they need."""
+    """Rows of cells with long texts folded over several rows."""
     folded = []
     for row in cells:
         lines = [wrapped(cell, width) if len(cell) > width else [cell] for cell, width in zip(row, widths, strict=True)]
@@ -139,8 +141,8 @@ def _folded(cells: list[list[str]], widths: list[int]) -> list[list[str]]:
     return folded
 
 
-def wrapped(text: str, width: int = WIDTH, indent: str = "") -> list[str]:
-    """Lines of a text; a number stays with its percent sign, and words stay whole."""
+def wrapped(text: str, width: int = SCREEN_WIDTH, indent: str = "") -> list[str]:
+    """Lines of a text wrapped to a width; a number stays with its percent sign, and words stay whole."""
     kept = text.replace(" %", "\N{NO-BREAK SPACE}%")
     lines = textwrap.wrap(kept, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
     return [line.replace("\N{NO-BREAK SPACE}%", " %") for line in lines]
@@ -182,7 +184,7 @@ def _print_framed(table: Table) -> None:
     cells, least = table.cells(), BETWEEN_COLUMNS
     for index, column in enumerate(table.columns):
         number, widest = table.is_numeric(index), max((len(row[index]) for row in cells), default=0)
-        heading = _broken(column.name, column.unit, max(widest, NARROWEST))
+        heading = _broken(column.name, column.unit, max(widest, NARROWEST_HEADING))
         needed = max([widest if number else min(widest, NARROWEST_TEXT), *map(len, heading)])
         framed.add_column(Text("\n".join(heading)), justify="right" if number else "left", min_width=needed)
         least += needed + BETWEEN_COLUMNS

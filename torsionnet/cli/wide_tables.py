@@ -1,4 +1,4 @@
-"""Tables that are wider than a screen, as several below each other."""
+"""Tables wider than the screen, split into several below each other."""
 
 from __future__ import annotations
 
@@ -6,18 +6,21 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.cli.terminal import WIDTH, width_of
+from torsionnet.cli.terminal import SCREEN_WIDTH, width_of
 
 if TYPE_CHECKING:
     from torsionnet.response.table import Table
 
 
 def in_blocks(table: Table, group: int) -> Iterator[Table]:
-    """The first column with as many groups of ``group`` columns as fit; the title stands over the first block alone."""
+    """Split a table into blocks that fit the screen: the first column, and whole groups of ``group`` columns.
+
+    The title stands over the first block, the notes below the last one.
+    """
     start, count = 1, len(table.columns)
     while start < count:
         end = start + group
-        while end < count and width_of(_columns(table, start, end + group)) <= WIDTH:
+        while end < count and width_of(_columns(table, start, end + group)) <= SCREEN_WIDTH:
             end += group
         block = _columns(table, start, end)
         yield replace(block, title=table.title if start == 1 else "", notes=table.notes if end >= count else ())
@@ -29,6 +32,6 @@ def _columns(table: Table, start: int, end: int) -> Table:
 
 
 def shares_on_screen(table: Table) -> Table:
-    """Percentages to two decimals, and nothing where there is none."""
+    """Copy of a table of energy shares with two decimals and empty cells for zeros."""
     rows = tuple((row[0], *(share or None for share in row[1:])) for row in table.rows)
     return replace(table, columns=tuple(replace(one, decimals=2) for one in table.columns), rows=rows)

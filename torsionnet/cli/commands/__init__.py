@@ -1,1 +1,1 @@
-"""The commands, each in a file of its name."""
+"""Commands of the command line, each in a module of its name."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from torsionnet.response.recording import Recording
 
     Result = tuple[str, str, Recording]
-    """Configuration, file, record."""
+    """Name of the configuration, path of the file, record."""
 
 
 class BenchCommand(Command):

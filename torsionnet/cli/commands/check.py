@@ -12,7 +12,7 @@ from torsionnet.cli.models import checked_model
 from torsionnet.cli.terminal import message
 from torsionnet.core.errors import Fault, UsageError
 
-WRONG_MODEL, WRONG_USAGE = 1, 2
+WRONG_MODEL, WRONG_USAGE = 1, 2  # exit codes
 
 
 class CheckCommand(Command):
@@ -51,7 +51,7 @@ def _lines(reports: dict[str, Sequence[Fault]]) -> Iterator[str]:
 
 
 def summary(faults: Sequence[Fault]) -> str:
-    """``2 errors, 1 note``; errors are always counted, the rest if there is any.
+    """Text that counts errors, warnings and notes, as ``2 errors, 1 note``; warnings and notes only if there are any.
 
     >>> summary([Fault("x", severity="note"), Fault("y", severity="note")])
     'no errors, 2 notes'

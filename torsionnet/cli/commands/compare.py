@@ -66,7 +66,7 @@ class CompareCommand(ModelCommand, RecordCommand):
 def _calculated(
     drivetrain: Drivetrain, test: FrequencyResponse, output: str, into: str, excitation: str | None
 ) -> FrequencyResponse:
-    """The model's response at the frequencies of the test, under the names of the test."""
+    """Response of the model at the frequencies of the test, with the channel names of the test."""
     from dataclasses import replace
 
     found = drivetrain.frequency_response(output, into, test.frequencies, excitation=excitation)
@@ -78,19 +78,19 @@ def _calculated(
 
 
 def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
-    """Every frequency: test, model, coherence, differences."""
+    """Table of test, model, differences and coherence with a row per frequency."""
     from torsionnet.response import Column, Table
     from torsionnet.signals.comparison import difference
 
-    apart, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
+    differences, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
     data = {
         ("frequency", "Hz"): test.frequencies,
         ("|test|", unit): test.magnitude[:, 0, 0] * scale,
         ("phase test", "deg"): test.phase[:, 0, 0],
         ("|model|", unit): model.magnitude[:, 0, 0] * scale,
         ("phase model", "deg"): model.phase[:, 0, 0],
-        ("difference", "dB"): apart.decibels[:, 0, 0],
-        ("difference of phase", "deg"): apart.degrees[:, 0, 0],
+        ("difference", "dB"): differences.decibels[:, 0, 0],
+        ("difference of phase", "deg"): differences.degrees[:, 0, 0],
     }
     if test.coherence is not None:
         data[("coherence", "1")] = test.coherence[:, 0, 0]

@@ -23,7 +23,7 @@ STATES = ("as_modelled", "free", "locked", "half")
 
 
 class CriticalSpeedsCommand(ModelCommand):
-    """Where orders of what runs meet natural frequencies, how far from the operating range, and what is excited there.
+    """Critical speeds: where orders meet natural frequencies, their margin to the operating range, and the excitation.
 
     The model says what runs and at which speeds in its entries excitations: and speeds:. With several configurations
     a crossing that one of them does not excite says which others do.

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 
 class Sought(PairType):
-    """``NAME`` or ``NAME=LOW..HIGH``; a unit after the second end is that of the first, too."""
+    """Type of an option value ``NAME`` or ``NAME=LOW..HIGH``: a parameter and its bounds.
+
+    A unit after the second bound is that of the first, too.
+    """
 
     name = "NAME[=LOW..HIGH]"
 
@@ -66,7 +69,7 @@ class DamperCommand(ModelCommand):
         from torsionnet.response import Conventions
 
         if (self.start is None) != (self.stop is None):
-            raise UsageError("a band has both ends: --from and --to")
+            raise UsageError("a band needs both ends: give --from and --to, or neither")
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
         found = [self._designed(case) for case in cases]

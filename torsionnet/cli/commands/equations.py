@@ -1,4 +1,4 @@
-"""``torsionnet equations``; the equations of motion and matrices that ``show`` prints, too."""
+"""``torsionnet equations``; also texts and tables of equations and matrices for ``torsionnet show``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ MATRICES = (
     ("C", "N*m*s/rad", "Damping matrix"),
     ("K", "N*m/rad", "Stiffness matrix"),
 )
-WIDTH = 100
+EQUATION_WIDTH = 100
+"""Characters after which an equation is continued on the next line."""
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded", "python")
 
 
@@ -115,7 +116,7 @@ class EquationsCommand(ModelCommand):
 
 
 def equations_text(rig: Drivetrain) -> str:
-    """An equation for each coordinate, the other nodes in terms of these, and what was taken to be zero."""
+    """Text of the equations of motion, of the angles of dependent nodes, and of terms taken to be zero."""
     from torsionnet.symbolic.shown import shown
 
     system = rig.symbolic()
@@ -133,17 +134,17 @@ def equations_text(rig: Drivetrain) -> str:
 
 
 def _folded(equation: str) -> list[str]:
-    """Lines of whole terms."""
+    """Lines of an equation, broken between terms and indented."""
     lines = [" " * 4]
     for term in _terms(equation):
-        if len(lines[-1]) + len(term) >= WIDTH:
+        if len(lines[-1]) + len(term) >= EQUATION_WIDTH:
             lines.append(" " * 8)
         lines[-1] += term if lines[-1].isspace() else f" {term}"
     return lines
 
 
 def _terms(equation: str) -> list[str]:
-    """The text apart before every +, - and = outside parentheses."""
+    """Terms of an equation: its text split before every +, - and = outside parentheses."""
     terms: list[str] = []
     depth = 0
     for word in equation.split(" "):
@@ -156,7 +157,7 @@ def _terms(equation: str) -> list[str]:
 
 
 def _dependent(system: Any) -> dict[str, str]:
-    """Angles of the nodes that are no coordinates."""
+    """Angles of the nodes that are no coordinates, as text in terms of the coordinates, by node."""
     found = {}
     for row, node in enumerate(system.nodes):
         if node not in system.coordinates:
@@ -176,7 +177,7 @@ def _product(coefficient: Any, name: str) -> str:
 
 
 def matrix_tables(rig: Drivetrain) -> list[Table]:
-    """M, C, K with named rows and columns."""
+    """Tables of the matrices M, C and K with the coordinates as names of rows and columns."""
     coordinates = rig.assembly.kinematics.coordinates
     columns = (Column(""), *(Column(name) for name in coordinates))
     notes: tuple[str, ...] = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()

@@ -65,7 +65,7 @@ def estimated(
     estimator: Estimator,
     band: tuple[float, float | None],
 ) -> FrequencyResponse:
-    """The response between two frequencies; warnings about it go to stderr."""
+    """Frequency response estimated from a record in a band (Hz); its warnings go to stderr."""
     from torsionnet.cli.progress import progress
     from torsionnet.cli.records import load_record
     from torsionnet.signals.estimators import estimate
@@ -81,7 +81,7 @@ def estimated(
 
 
 def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
-    """A row for the first line and one for every peak that stands out where the response can be used."""
+    """Table of an estimate with a row for the first line and for every peak in the usable frequency range."""
     from torsionnet.cli.frf_output import pairs
     from torsionnet.response import Column, Table
     from torsionnet.response.frequency_response import SIGN_NOTE, limit_line
@@ -117,7 +117,7 @@ def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]
 
 
 def as_data(response: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
-    """Everything for a program: complex values in the angle unit chosen."""
+    """JSON data of an estimated response: complex values in the angle unit chosen, and coherence."""
     from torsionnet.cli.frf_output import curve_data, pairs
 
     coherence = response.coherence

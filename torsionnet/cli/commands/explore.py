@@ -72,7 +72,7 @@ class ExploreCommand(ModelCommand):
 
 
 def _serve(server: ExploreServer, *, open_browser: bool) -> None:
-    """Until Ctrl-C, which is the proper end."""
+    """Serve the page until Ctrl-C."""
     say(server.address)
     message("note", "the page is on this machine only; Ctrl-C ends it")
     if open_browser:

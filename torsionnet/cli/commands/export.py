@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica",
            ".fmu": "fmu", ".csv": "sheet"}  # fmt: skip
-"""Format by the ending of the file."""
-OWN = {"step": ("--step", "fmu", "an FMU"), "version": ("--fmi", "fmu", "an FMU"),
+"""Format of a model file by its ending."""
+FORMAT_OPTIONS = {"step": ("--step", "fmu", "an FMU"), "version": ("--fmi", "fmu", "an FMU"),
        "referred_to": ("--referred-to", "sheet", "a mass-elastic sheet (.csv)")}  # fmt: skip
-"""Options that one format has: their words, the format, and what it makes."""
-ONLY_HERE = '; pip install "torsionnet[fmu]" brings a compiler for the others'
+"""Options that belong to one format: by name, their words, the format, and the kind of file it makes."""
+ONE_PLATFORM_HINT = '; pip install "torsionnet[fmu]" brings a compiler for the others'
 
 
 class ExportCommand(ModelCommand):
@@ -70,11 +70,11 @@ class ExportCommand(ModelCommand):
 
     def answer(self) -> Answer:
         chosen = _format(Path(self.output_file).suffix.lower(), self.form)
-        more = {name: value for name in OWN if (value := getattr(self, name)) is not None}
+        more = {name: value for name in FORMAT_OPTIONS if (value := getattr(self, name)) is not None}
         for name in more:
-            word, form, what = OWN[name]
+            word, form, what = FORMAT_OPTIONS[name]
             if form != chosen:
-                raise click.UsageError(f"{word} belongs to {what}")
+                raise click.UsageError(f"{word} applies only to {what}: leave it out, or choose that format")
         cases = self.cases()
         import torsionnet.io as io
 
@@ -90,7 +90,7 @@ class ExportCommand(ModelCommand):
             target = beside(self.output_file, case.configuration, len(cases))
             platforms = self._write(writers[chosen], case.drivetrain, target, more)
             if platforms:
-                message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONLY_HERE}")
+                message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONE_PLATFORM_HINT}")
             wrote(target)
         return Answer()
 

@@ -74,7 +74,7 @@ class FitCommand(Command):
         )
 
     def _ranked(self, ranking: Ranking) -> Answer:
-        """The ranking alone, where nothing is to be found."""
+        """Answer with the ranking of causes alone, for a fit file without parameters."""
         asked = {
             "--profile": self.profile,
             "-o": self.output_file,
@@ -115,7 +115,7 @@ def _lack(found: Fit) -> dict[str, Any] | None:
 
 
 def _announce(plan: FitPlan) -> None:
-    """How records are decimated, and the memory that the fit takes if that is much."""
+    """Print notes on the decimation of records, and on the memory of the fit if that is large."""
     from torsionnet.cli.memory_note import announce
     from torsionnet.identification.residuals.memory import demand, total
     from torsionnet.response.recording import Recording

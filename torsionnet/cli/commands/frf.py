@@ -108,7 +108,7 @@ class FrfCommand(ModelCommand):
 def _answered(
     request: FrfCommand, cases: list[ConfiguredCase], frequencies: FloatArray
 ) -> tuple[list[ConfiguredCase], list[Solver], list[FrequencyResponse]]:
-    """The cases that have what is asked for; the others are named, unless there is none."""
+    """Cases with the outputs and inputs asked for, their solvers and responses; notes name the cases left out."""
     found: list[tuple[ConfiguredCase, Solver, FrequencyResponse]] = []
     refusals: dict[str, UsageError] = {}
     for case in cases:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 SHEETS = (".csv", ".txt", ".tsv")
-"""Endings of mass-elastic sheets."""
+"""File endings of mass-elastic sheets."""
 
 
 class ImportCommand(Command):
@@ -40,7 +40,7 @@ class ImportCommand(Command):
 
 
 def _of_sheet(source: str) -> Drivetrain:
-    """The drivetrain of a sheet, with a report of what was read."""
+    """Drivetrain of a mass-elastic sheet; the meaning and unit taken for each column go to stderr."""
     from torsionnet.io.mass_elastic_reading import mass_elastic_report, sheet_drivetrain
 
     sheet = mass_elastic_report(source)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from torsionnet.response.limit_conclusion import LimitConclusion
     from torsionnet.response.table import Table
 
-EXCEEDED, OPEN_END = 5, 6
-"""Exit codes where a limit does not hold, and where none fails but not everything was examined or judged."""
+LIMIT_FAILS, NOT_ALL_JUDGED = 5, 6
+"""Exit codes if a limit fails, and if none fails but not all limits and configurations were examined or judged."""
 
 
 class LimitsCommand(ModelCommand):
@@ -88,7 +88,7 @@ class LimitsCommand(ModelCommand):
 def _exit_code(verdict: str) -> int:
     from torsionnet.response.limit_check import FAIL, INCOMPLETE, OPEN
 
-    return EXCEEDED if verdict == FAIL else OPEN_END if verdict in (INCOMPLETE, OPEN) else 0
+    return LIMIT_FAILS if verdict == FAIL else NOT_ALL_JUDGED if verdict in (INCOMPLETE, OPEN) else 0
 
 
 def _as_data(check: LimitCheck, overall: LimitConclusion) -> dict[str, Any]:

@@ -82,7 +82,7 @@ class ModesCommand(ModelCommand):
         )
 
     def _referred(self, case: ConfiguredCase, modes: Modes) -> Modes:
-        """With shapes referred to the shaft asked for."""
+        """Modes with shapes referred to the shaft asked for."""
         if self.referred_to is None:
             return modes
         from torsionnet.solve.modes.referred_shapes import referred_shapes
@@ -90,7 +90,7 @@ class ModesCommand(ModelCommand):
         return referred_shapes(case.drivetrain, modes, self.referred_to)
 
     def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
-        """What is printed of one configuration."""
+        """Tables printed for one configuration: modes, and shapes and energy shares if asked for."""
         yield on_screen(table)
         if self.shapes:
             yield from in_blocks(self.output.sized(modes.shape_table()), 2)
@@ -99,7 +99,7 @@ class ModesCommand(ModelCommand):
 
 
 def on_screen(table: Table) -> Table:
-    """Without the eigenvalues, which say the same again; files have them."""
+    """Copy of the table of modes without the columns of eigenvalues, which only files have."""
     return table.chosen([index for index, one in enumerate(table.columns) if one.name not in EIGENVALUES])
 
 

@@ -30,7 +30,7 @@ PICTURES = ("orders", "waterfall", "waveform")
 
 
 class OrdersCommand(ModelCommand):
-    """What engines, propellers and other excitations do to a drivetrain over its speed.
+    """Vibration of a drivetrain over its speed under engines, propellers and other excitations, order by order.
 
     The model says which in its entries excitations: and speeds:. On the screen each output has its worst speed and the
     orders that make it, whatever the step of the speeds; --csv writes the complex amplitude of every order at every
@@ -93,7 +93,7 @@ class OrdersCommand(ModelCommand):
     def _pictures(
         self, plot: ModuleType, run: OrderResponse, tests: Tests, conventions: Any
     ) -> Iterator[tuple[str, Figure]]:
-        """One with all outputs, or one for each."""
+        """Endings of file names and figures: one with all outputs, or one for each output."""
         if tests:
             yield "", plot.order_overlay(run, tests, conventions=conventions)
             return
@@ -109,7 +109,7 @@ class OrdersCommand(ModelCommand):
                 yield ending, plot.waveform(run, channel.name, rpm=worst, conventions=conventions)
 
     def _tests(self, case: ConfiguredCase, run: OrderResponse) -> Tests:
-        """The measured orders of each output."""
+        """Measured orders of each output, by name."""
         from torsionnet.io.order_tables import read_orders
 
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
@@ -183,7 +183,7 @@ def _complex(values: ComplexArray) -> dict[str, list[float]]:
 
 
 def _over_angles(run: OrderResponse, place: int) -> dict[str, Any]:
-    """Angles between engines that are not fixed to each other with the largest half range, and the smallest one."""
+    """JSON data on the phase angles between independent engines that make the half range largest and smallest."""
     from torsionnet.response.worst_response import WorstResponse
 
     if not isinstance(run, WorstResponse) or not run.angles:

@@ -133,7 +133,7 @@ def _fit(name: str) -> Fit:
 
 
 def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
-    """Studies of the model, calculated as far as they are not."""
+    """Results of the studies named, calculated as far as their folders do not have them."""
     if not names:
         return []
     from torsionnet.report.own_studies import require_own_studies
@@ -159,7 +159,7 @@ def _measured(
     averaging: Averaging,
     band: tuple[float, float] | None,
 ) -> Measured:
-    """A test in the band where it is compared."""
+    """Measured response of a test, cut to the band where it is compared."""
     from torsionnet.core.errors import UsageError
     from torsionnet.report.request import Measured
 
@@ -174,7 +174,7 @@ def _measured(
 
 
 def split(name: str, rig: Drivetrain) -> tuple[str, str]:
-    """Configuration and file: ``V=test.npz``, or the file alone."""
+    """Configuration and file named by ``--record``: ``V=test.npz``, or the file alone."""
     from torsionnet.core.errors import ModelError, UsageError
 
     before, equals, after = name.rpartition("=")
@@ -187,7 +187,7 @@ def split(name: str, rig: Drivetrain) -> tuple[str, str]:
 
 
 def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:
-    """A measured response as it is in its file, or estimated from a record."""
+    """Measured response read from its file, or estimated from a record."""
     from torsionnet.core.errors import ModelError, UsageError
 
     try:

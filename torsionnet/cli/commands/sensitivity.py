@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from torsionnet.response import Table
     from torsionnet.solve.sensitivity import ModeSensitivities
 
-ROUNDING = 1e-9
-MOST = 10
-"""Effects on the screen unless some are asked for."""
+NEGLIGIBLE_EFFECT = 1e-9
+"""Percent of frequency or damping per percent of a parameter up to which an effect is rounding and left out."""
+EFFECTS_SHOWN = 10
+"""Effects on the screen unless modes, parameters or all are asked for."""
 
 
 class SensitivityCommand(ModelCommand):
@@ -41,7 +42,7 @@ class SensitivityCommand(ModelCommand):
         "--measured-input", metavar="SENSOR", help="Poles of responses against this sensor instead."
     )
     excitation: str | None = EXCITATION
-    full: bool = option("--full", help=f"Print every effect instead of the {MOST} largest.")
+    full: bool = option("--full", help=f"Print every effect instead of the {EFFECTS_SHOWN} largest.")
 
     def answer(self) -> Answer:
         cases = self.cases()
@@ -75,14 +76,18 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
     known = sorted(number for number in every if number is not None)
     for mode in modes:
         if mode not in known:
-            raise UsageError(f"there is no mode {mode} to move; there are {', '.join(map(str, known)) or 'none'}")
+            raise UsageError(
+                f"there is no mode {mode}; the model has the modes {', '.join(map(str, known)) or '(none)'}"
+            )
 
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
-    """Only some modes, of them what moves at all."""
+    """Table of the effects on the modes chosen (default: all), without those that are rounding."""
     table = found.table()
     rows = tuple(
-        row for row in table.rows if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > ROUNDING
+        row
+        for row in table.rows
+        if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > NEGLIGIBLE_EFFECT
     )
     words, rest = table.notes[: len(found.poles)], table.notes[len(found.poles) :]
     notes = (*(note for index, note in enumerate(words) if not modes or found.number(index) in modes), *rest)
@@ -90,15 +95,15 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
 
 
 def _largest(table: Table) -> Table:
-    """The effects that move an eigenvalue farthest for its size, and what is said of their modes."""
+    """Table of the effects that change an eigenvalue most relative to its size, with the notes on their modes."""
     from torsionnet.response.mode_numbers import COUNTING
 
-    if len(table.rows) <= MOST:
+    if len(table.rows) <= EFFECTS_SHOWN:
         return table
-    rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:MOST]
+    rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:EFFECTS_SHOWN]
     seen = tuple({f"{'real pole' if row[0] is None else f'mode {row[0]}'} ({row[1]:.4g} Hz" for row in rows})
     notes = [note for note in table.notes if note.startswith(seen) or note == COUNTING]
-    rest = f"the {MOST} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
+    rest = f"the {EFFECTS_SHOWN} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
 
 

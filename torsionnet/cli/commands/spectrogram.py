@@ -49,7 +49,7 @@ class SpectrogramCommand(RecordCommand):
         )
 
     def transformed(self) -> list[Spectrogram]:
-        """A spectrogram of every channel."""
+        """Spectrograms of the channels asked for."""
         from torsionnet.cli.progress import progress
         from torsionnet.cli.records import load_record
         from torsionnet.response.recording import Recording
@@ -76,7 +76,7 @@ def _joined(blocks: list[Recording]) -> Recording:
 
 
 def _table(seen: Spectrogram, *, every: bool = False) -> Table:
-    """The strongest line at every time; on the screen at about twenty of them."""
+    """Table of the strongest line over time: at every time, or at about twenty for the screen."""
     from torsionnet.response import Column, Table
 
     columns = (

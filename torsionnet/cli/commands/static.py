@@ -49,7 +49,7 @@ class StaticCommand(ModelCommand):
         )
 
     def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:
-        """The cases in which the load determines mean torques; of several, others are named."""
+        """Cases in which the load determines mean torques, and their states; notes name the cases left out."""
         from torsionnet.model.load.external_torques import CutOffError
 
         asked = self.cases()

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
-WORTH_SAYING = 10.0
-"""Seconds from which on it is said beforehand how long a study takes."""
+LONG_STUDY = 10.0
+"""Seconds of calculation above which the time of a study is announced before it starts."""
 
 
-SHOWN_LINES, FIRST_LINES = 100, 10
-"""More lines than that are no table for a screen: only the first ones are shown."""
+LONGEST_TABLE, LINES_OF_LONG_TABLE = 100, 10
+"""Lines up to which a table is printed whole, and lines printed of a longer one."""
 
 
 class StudyCommand(Command):
@@ -123,14 +123,14 @@ def _counted(answer: str, done: int) -> str:
 
 
 def _kept(folder: Path | None) -> str:
-    """What is left of a study that was stopped."""
+    """Message on what a stopped study has kept, and how to go on."""
     if folder is None:
         return "stopped; nothing is kept without a folder, and with -o FOLDER a study goes on from where it was stopped"
     return f"stopped; what is done is in {folder}, and the same command goes on from there"
 
 
 def _announce(workload: Workload) -> None:
-    if workload.total > WORTH_SAYING:
+    if workload.total > LONG_STUDY:
         message("note", workload.words)
 
 
@@ -145,14 +145,14 @@ def _screen(result: StudyResult | None, conclusions: Conclusions) -> Iterator[Ta
 
 
 def _beginning(table: Table) -> Table:
-    """A long table's first lines, with how many there are and where."""
+    """Copy of a table cut to its first lines if it is long, with a note on where the rest is."""
     from dataclasses import replace
 
     total = len(table.rows)
-    if total <= SHOWN_LINES:
+    if total <= LONGEST_TABLE:
         return table
-    left_out = f"{FIRST_LINES} of {total} lines; --csv FILE and --json have all"
-    return replace(table, rows=table.rows[:FIRST_LINES], notes=(left_out, *table.notes))
+    left_out = f"{LINES_OF_LONG_TABLE} of {total} lines; --csv FILE and --json have all"
+    return replace(table, rows=table.rows[:LINES_OF_LONG_TABLE], notes=(left_out, *table.notes))
 
 
 def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[str, Table]]:
@@ -161,7 +161,7 @@ def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[
 
 
 def _usual(study: Study, result: StudyResult | None) -> Conclusions:
-    """What is drawn where nothing is to be concluded: bands of curves, numbers over parameters."""
+    """Pictures of a study without answers: percentile bands of curves, scatter of numbers over parameters."""
     from contextlib import suppress
 
     from torsionnet.core.errors import SolveError, UsageError
@@ -178,7 +178,9 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
         with suppress(SolveError):  # too few variants for a correlation
             found["scatter"] = Scatter().found(study, result)
     if not found:
-        raise UsageError("there is nothing to draw: numbers of ten variants and more, curves, or answers are")
+        raise UsageError(
+            "there is nothing to draw: ask for curves, for numbers of at least ten variants, or for answers"
+        )
     return found
 
 
