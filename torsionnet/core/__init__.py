@@ -1,1 +1,1 @@
-"""What everything rests on: errors, units, expressions, files written as a whole. Nothing here knows a drivetrain."""
+"""Base of the package without any knowledge of drivetrains: errors, units, expressions, warnings, atomic writing."""

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all; pipes and devices get the bytes as they are."""
+"""Writing of files as a whole or not at all; pipes and devices get the bytes as they are."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from pathlib import Path
 from typing import BinaryIO
 
 PATIENCE = 10.0
-"""Seconds that a pipe waits for somebody to read it."""
+"""Seconds for which writing to a pipe waits for a reader; long enough for a program that starts meanwhile."""
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write UTF-8 text with Unix line ends beside ``path``, then rename it into place."""
+    """Write UTF-8 text with Unix line ends to ``path``, atomically: beside it, then renamed into place."""
     write_bytes(path, text.encode())
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes | memoryview) -> None:
-    """Write ``data`` beside ``path``, then rename it into place; a failure leaves nothing behind.
+    """Write bytes to ``path`` atomically: beside it, then renamed into place; a failure leaves nothing behind.
 
     A file that is replaced keeps its permissions; a link is followed, not replaced.
     """
@@ -33,7 +33,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes | memoryview) -> None:
 
 @contextlib.contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give the path of an empty file to be written; it takes the place of ``path`` at the end.
+    """Context manager that gives the path of an empty temporary file, which replaces ``path`` at the end.
 
     For libraries that write files themselves. It lies beside ``path`` and has its ending, and goes if the writing fails
     or the program is told to end. What is there and is no regular file (a pipe, a device) is not replaced: the bytes
@@ -73,7 +73,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def _behind_links(path: str | os.PathLike[str]) -> Path:
-    """The file that a path leads to, which need not be there yet."""
+    """Path of the file that a chain of symbolic links leads to, which need not exist yet."""
     try:
         target = Path(path).resolve()
         loops = target.is_symlink()
@@ -91,7 +91,7 @@ def _pour(source: Path, target: Path) -> None:
 
 
 def _opened(target: Path) -> BinaryIO:
-    """A pipe or device open for writing; a pipe that nobody opens for reading is waited for, but not for ever."""
+    """Stream to a pipe or device, open for writing; waits a limited time for a reader of a pipe."""
     if not stat.S_ISFIFO(target.stat().st_mode):
         return target.open("wb")
     until = time.monotonic() + PATIENCE

@@ -1,4 +1,4 @@
-"""Warnings kept instead of shown, whichever thread they come from."""
+"""Warnings of the package counted instead of shown, whichever thread they come from."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from typing import Any
 from torsionnet.core.errors import TorsionnetWarning
 
 _COLLECTING: ContextVar[Counter[str] | None] = ContextVar("collecting", default=None)
+"""Counter of warning texts in the current context, None where warnings are shown as usual."""
 
 
 class _Collectors:
-    """What stands in place of Python's own way of showing warnings as long as anybody collects some.
+    """Replacement of ``warnings.showwarning`` while at least one caller collects warnings.
 
     That way is one for all threads: the first who collects puts the replacement in, the last takes it out.
     """
@@ -26,6 +27,7 @@ class _Collectors:
         self.before: Any = None
 
     def enter(self) -> None:
+        """Count one more collecting caller; the first one installs the replacement."""
         with self.lock:
             self.count += 1
             if self.count == 1:
@@ -44,6 +46,7 @@ class _Collectors:
                 warnings.simplefilter("always", TorsionnetWarning)
 
     def leave(self) -> None:
+        """Count one collecting caller less; the last one restores Python's own function."""
         with self.lock:
             self.count -= 1
             if self.count == 0:
@@ -55,7 +58,7 @@ _COLLECTORS = _Collectors()
 
 @contextmanager
 def collected_warnings(found: Counter[str]) -> Iterator[None]:
-    """Count the texts of the package's own warnings in ``found``; others are shown as ever.
+    """Context manager that counts the texts of the package's own warnings in ``found``; others are shown as usual.
 
     >>> texts = Counter()
     >>> with collected_warnings(texts):

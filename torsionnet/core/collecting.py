@@ -1,4 +1,4 @@
-"""Pauses of Python's collector of reference cycles.
+"""Pauses of Python's garbage collector of reference cycles.
 
 Reading and checking a large model makes a million small objects that all stay, none in a cycle. The collector goes
 through all of them again and again as they become more, which takes a third of the time.
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def collector_paused() -> Iterator[None]:
-    """No search for cycles meanwhile; also as a decorator.
+    """Context manager or decorator that pauses the garbage collector of reference cycles.
 
     >>> with collector_paused():
     ...     gc.isenabled()

@@ -25,12 +25,12 @@ from torsionnet.core.units import DIMENSIONS
 
 
 class DampingError(TorsionnetError, ValueError):
-    """A measure of damping that does not exist, or cannot be converted with what is given."""
+    """Error in a damping measure: it does not exist, or cannot be converted with what is given."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """One measure; both functions take the value, the algebra, and omega/k, which only ``c`` needs."""
+    """Damping measure, with the functions that convert its value to the loss factor and back."""
 
     symbol: str
     description: str
@@ -72,6 +72,7 @@ MEASURES: dict[str, Measure] = {
         "damping",
     ),
 }
+"""Damping measures by the name they have in model files."""
 
 
 def _measure(name: str) -> Measure:
@@ -84,7 +85,7 @@ def _measure(name: str) -> Measure:
 def convert_damping(
     value: float, measure: str, to: str, *, stiffness: float | None = None, frequency: float | None = None
 ) -> float:
-    """Convert between measures of damping; ``c`` needs the stiffness in N*m/rad and the frequency in Hz.
+    """Convert a value between damping measures; ``c`` needs the stiffness in N*m/rad and the frequency in Hz.
 
     >>> round(convert_damping(0.05, "eta", "c", stiffness=1000.0, frequency=10.0), 6)
     0.795775
@@ -123,7 +124,7 @@ def _is_zero(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class DampingMeasure:
-    """What a spring's damping may be instead of c: a measure, its value, and the frequency in Hz where it holds.
+    """Damping of a spring by a measure instead of c: the measure, its value, and the frequency in Hz where it holds.
 
     >>> quality = DampingMeasure("Q", Number(20), Number(50))
     >>> round(quality.viscous(1000.0, {}, FLOAT), 6)
@@ -142,11 +143,11 @@ class DampingMeasure:
 
     @property
     def names(self) -> frozenset[str]:
-        """Give the names of the parameters in the value and in the frequency."""
+        """Names of the parameters in the value and in the frequency."""
         return self.value.names | (self.at.names if self.at else frozenset())
 
     def loss_factor(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Calculate eta; ``c`` has none without a stiffness and a frequency."""
+        """Loss factor eta in the given algebra; ``c`` has none without a stiffness and a frequency."""
         if self.measure == "c":
             raise DampingError("c has a loss factor only at a stiffness and a frequency; use convert_damping")
         value = self.value.evaluate(values, algebra)
@@ -155,7 +156,7 @@ class DampingMeasure:
         return MEASURES[self.measure].to_loss_factor(value, algebra, None)
 
     def viscous(self, stiffness: Any, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Calculate c = eta*k/(2*pi*f) in any algebra; the value itself for the measure ``c``."""
+        """Viscous damping c = eta*k/(2*pi*f) in the given algebra; the value itself for the measure ``c``."""
         if self.measure == "c":
             return self.value.evaluate(values, algebra)
         if self.at is None:

@@ -1,4 +1,4 @@
-"""What can go wrong, said so that an engineer can act on it.
+"""Errors, faults and warnings of the package, worded so that an engineer can act on them.
 
 Every error the package raises on purpose derives from :class:`TorsionnetError` and carries the exit code of the
 command line. A wrong model gives one :class:`ModelError` that holds *all* its faults, each with the path of the entry
@@ -14,14 +14,16 @@ from functools import lru_cache
 from typing import TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
+"""Path to an entry of a model: keys and indices from the outside in."""
 
 LEAST_LIKENESS = 0.6
-"""Of a name and what it may have been meant to be, between 0 and 1."""
+"""Smallest ``difflib`` ratio (0 to 1) at which a known name is suggested for a misspelled one; lower values suggest
+names that have nothing in common."""
 
 
 @dataclass(frozen=True)
 class Position:
-    """A stretch of one line in a file; line and columns count from 1, ``end_column`` is exclusive."""
+    """Stretch of one line in a file; line and columns count from 1, ``end_column`` is exclusive."""
 
     file: str
     line: int
@@ -36,7 +38,7 @@ USELESS = "useless"
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing that is wrong (``severity="error"``) or worth knowing (``"warning"``, ``"note"``) in a model.
+    """Fault in a model (``severity="error"``), or remark on it (``"warning"``, ``"note"``), with the path of its entry.
 
     ``path`` names the entry in the model's own structure; a reader of files adds ``position``.
     ``on_key`` marks the entry's name instead of its value. ``kind`` is ``"unknown key"``, ``"missing key"``,
@@ -61,15 +63,16 @@ class Fault:
     defined_at: Position | None = None
 
     def under(self, *prefix: str | int) -> Fault:
-        """The fault with its path below ``prefix``."""
+        """Copy of the fault with its path below ``prefix``."""
         return replace(self, path=(*prefix, *self.path))
 
     def at(self, position: Position | None) -> Fault:
+        """Copy of the fault with its position in a file."""
         return replace(self, position=position)
 
     @property
     def text(self) -> str:
-        """The message with the configuration it holds in."""
+        """Message of the fault, with the configuration in which it holds."""
         return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
 
     def __str__(self) -> str:
@@ -101,7 +104,7 @@ def _cut(text: str, start: int, end: int) -> tuple[str, str, str]:
 
 
 def visible(text: str) -> str:
-    r"""Text of a file, safe to show: what would steer a terminal or turn the direction of reading is written out.
+    r"""Text of a file made safe to show: characters that steer a terminal or turn the reading direction are escaped.
 
     >>> print(visible("a\x1b[31mb\u202ec"))
     a\x1b[31mb\u202ec
@@ -124,7 +127,7 @@ class TorsionnetError(Exception):
 
 
 class ModelError(TorsionnetError, ValueError):
-    """The model (or the question asked of it) is wrong; ``faults`` lists everything found, not only the first."""
+    """Error of a model, or of a question asked of it; ``faults`` lists all faults, not only the first."""
 
     outcome = "Nothing was calculated."
 
@@ -143,29 +146,29 @@ class ModelError(TorsionnetError, ValueError):
 
 
 class UsageError(TorsionnetError, ValueError):
-    """A name or option in the question does not exist or does not fit (exit code 2 on the command line)."""
+    """Error of a name or option that does not exist or does not fit (exit code 2 on the command line)."""
 
     exit_code = 2
 
 
 class SolveError(TorsionnetError, ArithmeticError):
-    """The numbers have no answer, or none that can be trusted."""
+    """Error of a calculation that has no solution, or none that can be trusted."""
 
     exit_code = 3
 
 
 class MissingExtraError(TorsionnetError, ImportError):
-    """An optional package is needed; the message names the pip command."""
+    """Error that an optional package is missing; the message names the pip command."""
 
     exit_code = 4
 
 
 class TorsionnetWarning(UserWarning):
-    """Something worth knowing about a result that was calculated all the same."""
+    """Warning about a result that was calculated all the same."""
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """The candidate ``name`` was probably meant to be, or the empty string.
+    """Candidate that ``name`` was probably meant to be, or the empty string.
 
     The likeness is that of :mod:`difflib`. It is at most that of the letters without their order, which are quickly
     compared: the most promising candidates come first, and most of many need no closer look.
@@ -193,7 +196,7 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
 
 @lru_cache(maxsize=2**15)
 def _letters(text: str) -> int:
-    """A bit for each letter and how often it came before; letters that share a bit only make texts look more alike."""
+    """Bit mask of the letters of a text with their counts; letters that share a bit only make texts look more alike."""
     seen: dict[int, int] = {}
     bits = 0
     for letter in text:
@@ -204,7 +207,7 @@ def _letters(text: str) -> int:
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """Text ``; did you mean "x"?`` for the nearest candidate, or the empty string.
+    """Text that asks ``; did you mean "x"?`` with the nearest candidate, or the empty string.
 
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
@@ -213,7 +216,7 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
 
 
 def meant_or(name: str, candidates: Iterable[str], rest: str) -> str:
-    """As :func:`did_you_mean`, and after it what there is.
+    """Text that asks ``; did you mean "x"?`` with the nearest candidate, if there is any, followed by ``rest``.
 
     >>> meant_or("gerbox", ["gearbox"], "known: gearbox"), meant_or("x", ["gearbox"], "known: gearbox")
     ('; did you mean "gearbox"? known: gearbox', '; known: gearbox')
@@ -226,7 +229,7 @@ def _question(meant: str) -> str:
 
 
 def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
-    """Fault of a key that means nothing there; ``rest`` says which keys do."""
+    """Fault of a key that does not exist there; ``rest`` says which keys do."""
     name = str(key)
     meant = nearest(name, known)
     text = f'unknown key "{name}"{_question(meant)}; {rest}'.replace("?; ", "? ")

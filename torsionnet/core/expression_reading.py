@@ -1,4 +1,4 @@
-"""Expressions out of the texts of model files, through a whitelist: numbers, names, + - * / powers, sqrt and pi.
+"""Parser of expressions in model files, with a whitelist: numbers, names, + - * / powers, sqrt and pi.
 
 ``ast`` only takes the text apart; nothing is ever compiled or evaluated by Python.
 
@@ -30,11 +30,12 @@ RESERVED = {
     "pi": "the number 3.14159",
     "sqrt": "the square root",
 }
-"""Words that no parameter, element or part can be named, and what they mean in expressions."""
+"""Words that no parameter, element or part may be named, with their meaning in expressions."""
 RESERVED_NAMES = frozenset(RESERVED)
 _MAX_LENGTH, _MAX_NODES, _MAX_DEPTH, _MAX_EXPONENT = 200, 60, 20, 4
 _CHARACTERS = re.compile(r"[A-Za-z0-9_+\-*/(). ^]*")
 _DOTTED = r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*"
+"""Regular expression of a name with dots."""
 _PIECE = re.compile(rf"(?P<number>{NUMERAL.pattern.replace('([+-]?)', '()', 1)})|(?P<name>{_DOTTED})|.")
 _OPERATION = re.compile(r"\s*[-+*/^()]")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*")
@@ -42,7 +43,7 @@ _SIGNS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "
 
 
 def check_name(name: str) -> str | None:
-    """Tell why a name cannot be that of a parameter, or None if it can.
+    """Message why a name cannot be that of a parameter, or None if it can.
 
     That of a parameter of a part comes after the name under which the part is used, and a dot.
 
@@ -65,7 +66,7 @@ def _word_fault(word: str) -> str | None:
 
 @lru_cache(maxsize=4096)
 def parse_expression(text: str) -> Expression:
-    """Read an expression without units; raises :class:`ExpressionError` with the offset of the fault.
+    """Parse an expression without units; raises :class:`ExpressionError` with the offset of the fault.
 
     Allowed are ``+ - * /``, ``**`` (or ``^``) with an exponent that is whole or half and at most 4, parentheses,
     ``sqrt``, ``pi``, decimal numbers, taken exactly, and names of parameters.
@@ -89,7 +90,7 @@ def _short(text: str) -> str:
 
 
 class _Reader:
-    """Turns one text into a tree; ``columns`` leads from its source, with ``**`` for ``^``, back to the text."""
+    """Parser of one expression; ``columns`` leads from its source, with ``**`` for ``^``, back to the text."""
 
     def __init__(self, text: str) -> None:
         if not 0 < len(text.strip()) <= len(text) <= _MAX_LENGTH:
@@ -104,7 +105,7 @@ class _Reader:
         return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)])
 
     def check_pieces(self) -> None:
-        """Refuse by character and word what ``ast`` need not see, or would only call a syntax error."""
+        """Refuse characters and words that ``ast`` need not see, or would only call a syntax error."""
         good = _CHARACTERS.match(self.source)
         if good and good.end() < len(self.source):
             raise self.fault(f'"{self.source[good.end()]}" is not allowed in an expression', good.end())
@@ -189,7 +190,7 @@ def _has_power(tree: Expression) -> bool:
 
 
 def scalar(value: object) -> Expression:
-    """Take anything a model value may be given as; raises :class:`ExpressionError` for everything else.
+    """Expression from a number, a text or a pint quantity; raises :class:`ExpressionError` for everything else.
 
     A float is taken for the decimal it is written as; a text is a number, a quantity or an expression; a pint
     quantity is read by its unit.

@@ -27,7 +27,7 @@ _Kind = Dimension | Literal["bare", "unknown"]
 
 
 class ExpressionError(TorsionnetError, ValueError):
-    """An expression that cannot be read or evaluated; ``offset`` is the column in the text, from 0, or None."""
+    """Error of an expression that cannot be read or evaluated; ``offset`` is the column from 0, or None."""
 
     def __init__(self, message: str, offset: int | None = None) -> None:
         super().__init__(message)
@@ -36,7 +36,7 @@ class ExpressionError(TorsionnetError, ValueError):
 
 @dataclass(frozen=True)
 class Algebra:
-    """What an expression is evaluated in: how numbers enter, and the two things that are not arithmetic."""
+    """Number system in which an expression is evaluated: how numbers enter it, its square root and its pi."""
 
     number: Callable[[Fraction], Any]
     sqrt: Callable[[Any], Any]
@@ -44,16 +44,18 @@ class Algebra:
 
 
 RATIONAL = Algebra(number=lambda number: number, sqrt=exact_sqrt, pi=math.pi)
+"""Algebra of exact fractions, with floats where a root or pi needs them."""
 FLOAT = Algebra(number=float, sqrt=exact_sqrt, pi=math.pi)
+"""Algebra of floats."""
 
 
 @dataclass(frozen=True)
 class Expression:
-    """A tree of numbers, names and arithmetic; ``str`` gives a text that parses back to an equal tree."""
+    """Tree of numbers, names and arithmetic; ``str`` gives a text that parses back to an equal tree."""
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Give the names of all parameters in the expression."""
+        """Names of all parameters in the expression."""
         raise NotImplementedError
 
     def evaluate(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:
@@ -70,28 +72,28 @@ class Expression:
         return result
 
     def dimension(self, dimensions: Mapping[str, Dimension | None]) -> Dimension | None:
-        """Derive the dimension; None is a bare number, or a product with a parameter of unknown dimension."""
+        """Physical dimension of the value; None for a bare number, or where a parameter's dimension is unknown."""
         kind = self.kind_of(dimensions)
         return kind if isinstance(kind, Dimension) else None
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Calculate the value of this node."""
+        """Value of this node of the tree in an algebra."""
         raise NotImplementedError
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
-        """Tell the dimension, and for None which of the two it is: a bare number or unknown."""
+        """Physical dimension of the value, or which of two it is without one: a bare number or unknown."""
         raise NotImplementedError
 
     def renamed(self, name: Callable[[str], str]) -> Expression:
-        """Give the same of parameters with other names."""
+        """Copy of the expression whose parameters are renamed."""
         raise NotImplementedError
 
     def written(self) -> tuple[str, int]:
-        """Give the text and how strongly its outermost operator binds."""
+        """Text of the expression, and how strongly its outermost operator binds."""
         raise NotImplementedError
 
     def within(self, level: int) -> str:
-        """Give the text, in parentheses if it binds less than ``level``."""
+        """Text of the expression, in parentheses if it binds less than ``level``."""
         text, own = self.written()
         return f"({text})" if own < level else text
 
@@ -101,7 +103,7 @@ class Expression:
 
 @dataclass(frozen=True)
 class Number(Expression):
-    """An exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
+    """Exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
 
     value: Any  # a real number; stored as a Fraction
     unit_dimension: Dimension | None = None
@@ -113,7 +115,7 @@ class Number(Expression):
 
     @property
     def unit_written(self) -> str:
-        """The unit behind the number as it was written; empty where there is none.
+        """Unit behind the number as it was written; empty where there is none.
 
         >>> Number(460, units.DIMENSIONS["stiffness"], "0.46 kN*m/rad").unit_written
         'kN*m/rad'
@@ -147,13 +149,13 @@ class Number(Expression):
 
 @dataclass(frozen=True)
 class Name(Expression):
-    """A parameter."""
+    """Parameter in an expression."""
 
     name: str
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Give the name itself."""
+        """Name of the parameter, as a set."""
         return frozenset({self.name})
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:  # noqa: ARG002
@@ -176,14 +178,14 @@ class Name(Expression):
 
 @dataclass(frozen=True)
 class Compound(Expression):
-    """What an operator, a function or a constant makes of its operands; ``sign`` is a key of :data:`RULES`."""
+    """Operator, function or constant with its operands; ``sign`` is a key of :data:`RULES`."""
 
     sign: str
     operands: tuple[Expression, ...] = ()
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Give the names of all parameters in the operands."""
+        """Names of all parameters in the operands."""
         return frozenset[str]().union(*(operand.names for operand in self.operands))
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
@@ -206,7 +208,7 @@ class Compound(Expression):
 
 @dataclass(frozen=True)
 class Rule:
-    """What an compound does.
+    """Rule of an operator, a function or a constant: how its value, dimension and text follow from the operands.
 
     ``value(compound, algebra, *values)`` and ``kind(compound, *kinds)`` are of the values and dimensions of the
     operands; ``text(compound)`` is what parses back to it; ``strength`` is how strongly it binds.
@@ -224,7 +226,7 @@ def _quotient(compound: Compound, _: Algebra, left: Any, right: Any) -> Any:
 
 
 def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> Any:
-    """A power; a root has no second operand."""
+    """Value of a power, or of a square root, which has no second operand."""
     source, exponent = compound.operands[0], _exponent(compound)
     if exponent < 0:
         _refuse_zero(base, source)
@@ -283,7 +285,7 @@ def _raised_text(compound: Compound) -> str:
 
 
 def _apart(operand: Expression) -> str:
-    """Write a numeral with a plus sign, which keeps the parser from making one number of it and its neighbour."""
+    """Numeral with a plus sign, which keeps the parser from merging it with its neighbour; empty for other operands."""
     text, level = operand.written()
     return f"(+{text})" if isinstance(operand, Number) and level == _ATOM else ""
 
@@ -303,4 +305,4 @@ RULES = {
     "sqrt": Rule(_ATOM, _power, _raised_kind, lambda compound: f"sqrt({compound.operands[0].within(_SUM)})"),
     "pi": Rule(_ATOM, lambda _, algebra: algebra.pi, lambda _: "bare", lambda _: "pi"),
 }
-"""Operators, functions and constants; the exponent of a power is a number, whole or half, of at most 4."""
+"""Rules of operators, functions and constants by their sign; the exponent of a power is whole or half, at most 4."""

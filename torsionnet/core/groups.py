@@ -1,4 +1,4 @@
-"""Which names hang together, as they are joined one pair after the other."""
+"""Connected groups of names, joined one pair after the other (union-find)."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Groups(Generic[T]):
         self.home: dict[T, list[T]] = {name: [name] for name in names}
 
     def of(self, name: T) -> list[T]:
-        """The group of a name."""
+        """Group in which a name is, as a list."""
         return self.home.setdefault(name, [name])
 
     def join(self, first: T, *others: T) -> bool:
-        """Make one group of all of these; False if some of them were together before."""
+        """Merge the groups of these names; False if some of them were together before."""
         self.of(first)
         were_apart = [self._joined(first, other) for other in others]
         return all(were_apart)
@@ -49,5 +49,5 @@ class Groups(Generic[T]):
         return True
 
     def groups(self) -> list[list[T]]:
-        """Every group once, in the order of their names first mentioned."""
+        """List of all groups, in the order of their names first mentioned."""
         return list({id(group): group for group in self.home.values()}.values())

@@ -1,4 +1,4 @@
-"""Packages whose names are imported where they are first used, so that starting up stays quick.
+"""Lazy imports: packages whose public names are imported at first use, so that starting up stays quick.
 
 What a package offers is said once, in the table that it hands to :func:`offered`. The stub beside it, in which type
 checkers and editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
@@ -11,13 +11,13 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 
 TABLES: dict[str, dict[str, str]] = {}
-"""Package -> public name -> what it is: ``module:name``, or a module."""
+"""Public names of every package: package -> name -> where it comes from, ``module:name`` or a module."""
 
 
 def offered(
     package: str, homes: Mapping[str, str], modules: Iterable[str] = ()
 ) -> tuple[list[str], Callable[[str], object], Callable[[], list[str]]]:
-    """``__all__``, ``__getattr__`` and ``__dir__`` of a package.
+    """Return ``__all__``, ``__getattr__`` and ``__dir__`` of a package that imports its names at first use.
 
     Parameters
     ----------

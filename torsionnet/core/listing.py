@@ -1,4 +1,4 @@
-"""Names in a sentence."""
+"""Lists of names in a sentence."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 def listed(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:
-    """Names with commas, of many the first.
+    """Text of names with commas between them, shortened to the first of them where there are many.
 
     Parameters
     ----------

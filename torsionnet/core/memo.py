@@ -1,4 +1,4 @@
-"""What is worked out once and kept: the one place where results live on beside frozen values."""
+"""Cache of results that are computed once and kept beside frozen values."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class Memo:
-    """Results by their type and a key; whoever shares the memo shares them.
+    """Cache of results by their type and a key; whoever shares the memo shares them.
 
     Examples
     --------
@@ -22,7 +22,7 @@ class Memo:
         self._kept: dict[tuple[type, Hashable], object] = {}
 
     def once(self, kind: type[T], key: Hashable, make: Callable[[], T]) -> T:
-        """The result of this type that is kept under the key, made if there is none.
+        """Cached result of this type under the key, computed by ``make`` if there is none.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Of which sizes numbers may be, and roots that stay exact where they can."""
+"""Range of sizes that numbers may have, and roots that stay exact where they can."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from fractions import Fraction
 from typing import Any
 
 SMALLEST, LARGEST = 1e-40, 1e40
-"""Sizes in SI: beyond these the square of a value, or its product with another one, leaves the range of numbers."""
+"""Bounds of the size of a value in SI units: beyond them its square, or its product with another value, leaves the
+range of floats."""
 
 
 def is_beyond_range(value: Any) -> bool:
-    """Whether a value is of no size that anything in a drivetrain has; 0 is one.
+    """Whether a value is too small or too large for anything in a drivetrain; 0 is not.
 
     >>> is_beyond_range(1e300), is_beyond_range(0.0)
     (True, False)
@@ -20,18 +21,19 @@ def is_beyond_range(value: Any) -> bool:
 
 
 MOST_BITS = 4096
-"""Of an exact fraction: with more, powers of powers would double them without end, and a float says all there is."""
+"""Largest number of bits of an exact fraction: with more, powers of powers would double them without end, and a float
+has all the digits that matter."""
 
 
 def limited(value: Any) -> Any:
-    """A value as it is, but a float for an exact fraction of too many digits."""
+    """Value unchanged, but converted to a float where it is an exact fraction of too many digits."""
     if isinstance(value, Fraction) and value.numerator.bit_length() + value.denominator.bit_length() > MOST_BITS:
         return float(value)
     return value
 
 
 def exact_sqrt(value: Fraction | float) -> Fraction | float:
-    """The root, as a fraction if it is one."""
+    """Square root of a number, as a fraction where the root is one."""
     if value < 0:
         raise ArithmeticError(f"there is no root of {float(value):.4g}")
     if not isinstance(value, Fraction | int):

@@ -1,4 +1,4 @@
-"""Numbers, units and what is missing as a reader sees them: on the screen, in files, in documents and pictures.
+"""Text of numbers, units and missing values: on the screen, in files, in documents and pictures.
 
 Whoever shows a table asks here. A screen has plain characters only (``-`` for nothing, ``1e+06``), a document has
 typeset ones (``–``, ``10⁶``), a file all digits and an empty cell.
@@ -12,24 +12,27 @@ from dataclasses import dataclass
 from typing import Any
 
 SMALLEST, LARGEST = 1e-4, 1e6
-"""Sizes between which a number is written without a power of ten, where it is typeset."""
+"""Sizes between which a typeset number is written without a power of ten."""
 MISSING, MISSING_TYPESET = "-", "–"
+"""Dash for a missing value, on a screen and in a document."""
 MOST_DECIMALS = 4
+"""Most decimals of an aligned column, as long as its largest value then has all its digits."""
 LARGE, SMALL, SPREAD = 1e5, 1e-3, 1e4
-"""Sizes and spread of a column beyond which each number has digits of its own."""
+"""Largest and smallest value of a column, and their ratio, beyond which each number has its own digits."""
 EXACT = 1e-6
-"""Standard errors below this share of their value say that there is none."""
+"""Relative standard error below which an error is taken for zero: rounding of an exact fit leaves about as much."""
 USUAL, FEWEST, MOST = 5, 2, 9
-"""Digits of a value whose error is not known, and limits of those that an error allows."""
+"""Significant digits of a value whose error is not known, and fewest and most digits that an error allows."""
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def is_missing(value: Any) -> bool:
+    """Whether a value is None or NaN."""
     return value is None or (isinstance(value, float) and math.isnan(value))
 
 
 def on_screen(value: Any, digits: int = 6) -> str:
-    """A value in plain characters; a tuple is a text with numbers in it.
+    """Text of a value in plain characters; the parts of a tuple are joined to one text.
 
     >>> on_screen(1 / 3, 3), on_screen(None), on_screen(7, 2), on_screen(("k = ", 460.0, " N*m/rad"))
     ('0.333', '-', '7', 'k = 460 N*m/rad')
@@ -42,14 +45,14 @@ def on_screen(value: Any, digits: int = 6) -> str:
 
 
 def exact(value: Any) -> Any:
-    """A value for a file of columns: all digits, and nothing where nothing is."""
+    """Value for a cell of a CSV file: all digits, and an empty text where it is missing."""
     if isinstance(value, tuple):
         return on_screen(value)
     return "" if is_missing(value) else repr(value) if isinstance(value, float) else value
 
 
 def finite(data: Any) -> Any:
-    """Data for JSON: null for the numbers it lacks."""
+    """Data for JSON, with null for every number that is not finite."""
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     if isinstance(data, dict):
@@ -60,12 +63,12 @@ def finite(data: Any) -> Any:
 
 
 def bracketed(unit: str) -> str:
-    """``[Hz]`` behind the head of a column, nothing where there is no unit."""
+    """Unit in brackets, ``[Hz]``, for the heading of a column; empty where there is no unit."""
     return "" if unit in ("", MISSING_TYPESET) else f"[{unit}]"
 
 
 def typeset_unit(unit: str) -> str:
-    """An SI unit as it is printed.
+    """SI unit as it is printed in documents.
 
     >>> typeset_unit("rad/(N*m)"), typeset_unit("kg*m^2")
     ('rad/(N·m)', 'kg·m²')
@@ -75,7 +78,7 @@ def typeset_unit(unit: str) -> str:
 
 @dataclass(frozen=True)
 class NumberText:
-    """A number with so many significant digits, or with so many decimals.
+    """Number to be typeset, with a number of significant digits or of decimals.
 
     Examples
     --------
@@ -89,7 +92,7 @@ class NumberText:
 
     @property
     def exponent(self) -> int | None:
-        """Power of ten, None where the number is written without."""
+        """Power of ten of the typeset number, None where it is written without."""
         if self.value is None or not math.isfinite(self.value) or self.value == 0:
             return None
         if SMALLEST <= abs(self.value) < LARGEST or self.decimals is not None:
@@ -98,7 +101,7 @@ class NumberText:
 
     @property
     def mantissa(self) -> str:
-        """The digits, with an ASCII minus; a dash where there is no number."""
+        """Digits of the number, with an ASCII minus; a dash where there is none."""
         if self.value is None or math.isnan(self.value):
             return MISSING_TYPESET
         if math.isinf(self.value):
@@ -114,11 +117,11 @@ class NumberText:
 
     @property
     def decimals_shown(self) -> int:
-        """Digits behind the point, for setting columns."""
+        """Number of digits behind the point, for setting columns."""
         return len(self.mantissa.partition(".")[2]) if self.exponent is None else 0
 
     def __str__(self) -> str:
-        """In one line of typeset characters.
+        """Number in one line of typeset characters.
 
         >>> str(NumberText(-2.5e-5)), str(NumberText(float("nan")))
         ('−2.5·10⁻⁵', '–')
@@ -150,7 +153,7 @@ def aligned(values: Sequence[float | None], digits: int = 4) -> list[NumberText]
 
 
 def digits_to_error(value: float, error: float) -> int:
-    """Significant digits of a value down to the second one of its standard error.
+    """Number of significant digits of a value down to the second digit of its standard error.
 
     >>> digits_to_error(169.9971, 0.0541), digits_to_error(4.0, math.inf), digits_to_error(1.5, 0.0)
     (6, 5, 5)
@@ -161,7 +164,7 @@ def digits_to_error(value: float, error: float) -> int:
 
 
 def with_error(value: float, error: float) -> str:
-    """A value to the second digit of its standard error.
+    """Text of a value and its standard error, ``0.8031 ± 0.0098``, to the second digit of the error.
 
     >>> with_error(0.80312, 0.0098), with_error(459.96, 1.73), with_error(4.0, 1e-12)
     ('0.8031 ± 0.0098', '460.0 ± 1.7', '4 ± 1e-12')

@@ -1,4 +1,4 @@
-"""Tables as functions: straight lines between rows; exact with their slopes, as floats, and in any algebra."""
+"""Piecewise linear interpolation of tables: exact with slopes, as floats, and in any algebra."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Algebra, Number
 
 Rows: TypeAlias = tuple[tuple[Number, ...], ...]
-"""Rows by rising first value."""
+"""Rows of numbers, sorted by their first column."""
 
 
 def outside(rows: Rows, at: Any) -> str:
-    """Why a table has no value there, or an empty text."""
+    """Message that a value lies outside a table, or an empty text."""
     if rows[0][0].value <= at <= rows[-1][0].value:
         return ""
     return f"the table goes from {rows[0][0]} to {rows[-1][0]}"
 
 
 def value_at(rows: Rows, at: Any, column: int = 1) -> Any:
-    """The value at ``at``, a number of any algebra whose numbers have an order; it lies in the table.
+    """Interpolated value at ``at``, a number of any algebra whose numbers have an order; it lies in the table.
 
     >>> rows = ((Number(Fraction(1)), Number(Fraction(10))), (Number(Fraction(3)), Number(Fraction(30))))
     >>> value_at(rows, Fraction("2.5")), slope_at(rows, 2.5)
@@ -33,7 +33,7 @@ def value_at(rows: Rows, at: Any, column: int = 1) -> Any:
 
 
 def slope_at(rows: Rows, at: Any, column: int = 1) -> Fraction:
-    """The slope at ``at``; at a row that of the piece above it, at the last row that of the last piece."""
+    """Slope of the table at ``at``; at a row that of the piece above it, at the last row that of the last piece."""
     lower, upper = _piece(rows, at)
     return Fraction((upper[column].value - lower[column].value) / (upper[0].value - lower[0].value))
 
@@ -44,12 +44,12 @@ def _piece(rows: Rows, at: Any) -> tuple[tuple[Number, ...], tuple[Number, ...]]
 
 
 def _place(keys: Sequence[Any], at: Any) -> int:
-    """The row that ends the piece on which ``at`` lies."""
+    """Index of the row that ends the piece on which ``at`` lies."""
     return min(max(bisect_right(keys, at), 1), len(keys) - 1)
 
 
 def interpolated(rows: Rows, at: float) -> float:
-    """The value at ``at`` as a float; an excess of rounding is none.
+    """Interpolated value at ``at`` as a float; outside by no more than a rounding error is allowed.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def interpolated(rows: Rows, at: float) -> float:
 
 
 def in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
-    """The value at ``at``, a number of ``algebra``; beyond the ends that of the nearest row.
+    """Interpolated value at ``at``, a number of ``algebra``; beyond the ends that of the nearest row.
 
     A sum of ramps, (x - x_i + |x - x_i|)/2 times the change of slope at each row, needs no comparison and so works for
     symbols and for numbers with derivatives; at a row the derivative is the mean of both sides.

@@ -1,4 +1,4 @@
-"""Names that another program takes: each plain, each once."""
+"""Names for other programs, made of letters, digits and _, each unique."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": 
 
 
 class Names:
-    """Hands out names of letters, digits and _, none of them twice and none that is reserved.
+    """Generator of names of letters, digits and _, none of them twice and none that is reserved.
 
     >>> names = Names(reserved=["model"])
     >>> [names.new(wish) for wish in ("Disk 1", "Disk-1", "model", "2nd")]
@@ -21,14 +21,14 @@ class Names:
         self.taken: set[str] = set(reserved)
 
     def new(self, wish: str) -> str:
-        """A free name as near to ``wish`` as can be."""
+        """Unused name as near to ``wish`` as possible."""
         name = free_name(plain_name(wish), self.taken)
         self.taken.add(name)
         return name
 
 
 def plain_name(wish: str) -> str:
-    """A name of letters, digits and _ as near to ``wish`` as can be.
+    """Name of letters, digits and _ as near to ``wish`` as possible.
 
     >>> plain_name("Zyl. 1"), plain_name("Kühlerlüfter"), plain_name("2nd")
     ('Zyl_1', 'Kuehlerluefter', 'n2nd')
@@ -38,6 +38,6 @@ def plain_name(wish: str) -> str:
 
 
 def free_name(wish: str, taken: Container[str]) -> str:
-    """The name itself, or else with the first number from 2 that is free."""
+    """Name ``wish`` itself, or with the first number from 2 at which it is not taken."""
     numbered = (f"{wish}_{number}" for number in count(2))
     return next(name for name in chain([wish], numbered) if name not in taken)

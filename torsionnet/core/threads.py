@@ -1,4 +1,4 @@
-"""One thread for linear algebra of small matrices.
+"""Context that limits linear algebra of small matrices to a single thread.
 
 BLAS divides a product of some hundred numbers among threads that must all be running before it can begin: alone on a
 machine that gains nothing, on a busy one the calculation waits for its own threads, many times over.
@@ -14,14 +14,14 @@ from typing import Any
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Let BLAS and LAPACK use one thread here; also as a decorator."""
+    """Context manager or decorator that limits BLAS and LAPACK to one thread."""
     with _controller().limit(limits=1, user_api="blas"):
         yield
 
 
 @cache
 def _controller() -> Any:
-    """Handles of the libraries; finding them takes milliseconds."""
+    """Controller of the threads of the loaded BLAS libraries; finding them takes milliseconds."""
     import scipy.linalg  # noqa: F401  (numpy and scipy each bring a library, which must be loaded to be found)
     from threadpoolctl import ThreadpoolController
 

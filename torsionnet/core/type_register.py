@@ -1,4 +1,4 @@
-"""Registers of types, each in a file of a package, that import no more files than are asked for."""
+"""Registers of types, each type in a file of a package, that import only the files asked for."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class TypeRegister(MutableMapping[str, T], Generic[T]):
-    """Kind -> type, in the order of the kinds, whatever the order in which files were imported.
+    """Register of types by kind, in alphabetical order, whatever the order in which files were imported.
 
     A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name, or of
     the one whose name begins with the kind and ``_of_``; where there is none, out of the first family that has it. Only
@@ -58,7 +58,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
 
     @cached_property
     def _files(self) -> dict[str, str]:
-        """File -> package that it is in."""
+        """Package of every file, by file name."""
         return {
             module.name: package
             for package in self.packages

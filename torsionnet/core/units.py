@@ -39,18 +39,18 @@ __all__ = [
 
 Real = Fraction | float
 RPM = 60 / (2 * math.pi)
-"""r/min of 1 rad/s."""
+"""Speed of 1 rad/s in r/min."""
 _MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 330, 10
 _SAFE_LENGTH = 40  # so few digits, and a unit so short, stay far inside the range of a float
 
 
 class UnitError(TorsionnetError, ValueError):
-    """A unit or quantity that cannot be read, or has the wrong dimension."""
+    """Error of a unit or quantity that cannot be read, or has the wrong dimension."""
 
 
 @dataclass(frozen=True)
 class Dimension:
-    """Exponents of kg, m, s, cycle and kelvin; the radian counts as 1.
+    """Physical dimension: exponents of kg, m, s, cycle and kelvin; the radian counts as 1.
 
     >>> str(Dimension(kg=Fraction(1), m=Fraction(2)))
     'kg*m^2'
@@ -83,7 +83,7 @@ class Dimension:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit as a factor to SI and a dimension; the factor is exact unless it contains pi."""
+    """Unit as a factor to SI and a dimension; the factor is exact unless it contains pi."""
 
     factor: Real
     dimension: Dimension
@@ -92,7 +92,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A value in SI units; ``dimension`` is None for a bare number, ``text`` is what was written."""
+    """Value in SI units with its dimension; ``dimension`` is None for a bare number, ``text`` is what was written."""
 
     value: Real
     dimension: Dimension | None
@@ -137,7 +137,7 @@ _JOINED = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN 
            "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm", "tm^2": "t m m",
            "kgm2": "kg m m"}  # fmt: skip
 ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name != "%")
-"""Units of angle."""
+"""Names of the units of angle."""
 _ANGULAR = {*ANGLES, "rpm", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
 
@@ -151,7 +151,7 @@ def _product(names: str) -> _Atom:
 
 _ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
 _SUGGESTED = tuple(name for name in _ATOMS if name != "K")
-"""For a misread unit: a letter alone is rather meant to go on than to be a temperature."""
+"""Units suggested for a misread one, without K: a lone letter is rather a cut unit than a temperature."""
 _SQUARED = "|".join(sorted((name[:-2] for name in _JOINED if name.endswith("^2")), key=len, reverse=True))
 _TOKEN = re.compile(
     rf"\s*(?:(?P<power>(?:\^|\*\*)\s*(?P<exponent>[+-]?\d+|\([+-]?\d+(?:/\d+)?\)))|(?P<atom>(?:{_SQUARED})(?:\^|\*\*)2"
@@ -160,7 +160,8 @@ _TOKEN = re.compile(
 _MEAN = {"lbin": "lbf*in", "inlb": "lbf*in", "lbft": "lbf*ft", "ftlb": "lbf*ft", "sec": "s", "Kg": "kg", "KNm": "kNm",
          "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg"}  # fmt: skip
 CELSIUS = "degC"
-"""Of a temperature, not of a difference: it stands alone after a number, and has an offset instead of a factor."""
+"""Unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset instead of a
+factor."""
 _ICE = Fraction("273.15")
 _SIGNS = str.maketrans({"·": "*", "⋅": "*", "∙": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg",
                         "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ", "−": "-"})  # fmt: skip
@@ -174,7 +175,7 @@ def _plain(text: str) -> str:
 
 
 class _Parser:
-    """Recursive descent over ``product := power (("*" | "/" | nothing) power)*``."""
+    """Recursive-descent parser of units: ``product := power (("*" | "/" | nothing) power)*``."""
 
     def __init__(self, text: str, written: str) -> None:
         self.written, self.tokens, self.at, self.powers, self.angular = written, list[re.Match[str]](), 0, 0, False
@@ -261,7 +262,7 @@ def _hint(name: str) -> str:
 
 @lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit:
-    """Read a unit; raises :class:`UnitError`.
+    """Parse a unit; raises :class:`UnitError`.
 
     >>> parse_unit("lbf·in·s²").dimension == parse_unit("kg*m^2").dimension
     True
@@ -289,7 +290,7 @@ NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+)
 
 
 def parse_number(text: str) -> Fraction:
-    """Give the exact value of a decimal numeral; a huge exponent is refused, not calculated.
+    """Exact value of a decimal numeral; a huge exponent is refused, not calculated.
 
     >>> parse_number("2.5e-3")
     Fraction(1, 400)
@@ -314,7 +315,7 @@ def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
 
 @lru_cache(maxsize=4096)
 def parse_quantity(text: str) -> Quantity:
-    """Read a number with or without a unit; raises :class:`UnitError`.
+    """Parse a number with or without a unit; raises :class:`UnitError`.
 
     >>> parse_quantity("0.078 kgm²").value
     Fraction(39, 500)

@@ -1,1 +1,1 @@
-"""Text files with columns of numbers: how they separate and write them, what is above them, and where one is wrong."""
+"""Reading of text files with columns of numbers: separators, decimal signs, headings, units, time stamps, faults."""

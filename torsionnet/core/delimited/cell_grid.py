@@ -1,4 +1,4 @@
-"""Spreadsheets as text: rows of cells with their places, whatever separates them, and the remarks around them."""
+"""Spreadsheets as text: rows of cells with their line and column, and the comment lines around them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from torsionnet.core.delimited.dialect import encoding_of
 from torsionnet.core.errors import Fault, ModelError, Position
 
 SEPARATING = (";", "\t", "|", ",")
+"""Cell separators that are tried, in this order."""
 MARKS = ("#", "%", "//")
-"""What a line of remarks begins with."""
+"""Beginnings of comment lines."""
 MOST_ROWS = 5000
+"""Largest number of rows of a sheet; a drivetrain has some hundred masses, more is some other file."""
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
-"""How files of spreadsheet programs begin."""
+"""First bytes of files of spreadsheet programs (xlsx and xls), which are no text."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a cell, and the line and column, from 1, where it begins."""
+    """Text of one cell, and the line and column, from 1, where it begins."""
 
     text: str
     line: int
@@ -29,7 +31,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class CellGrid:
-    """The cells of a file that hold something, by row; ``remarks`` are its lines that are comments."""
+    """Filled cells of a text file, by row; ``remarks`` are its comment lines."""
 
     file: str
     separator: str
@@ -38,14 +40,14 @@ class CellGrid:
     lines: tuple[str, ...]
 
     def fault(self, text: str, cell: Cell, severity: str = "error") -> Fault:
-        """What is wrong with a cell, with its place."""
+        """Fault in a cell, with its position in the file."""
         source = self.lines[cell.line - 1][:200].replace("\t", " ") if cell.line <= len(self.lines) else ""
         end = cell.column + max(len(cell.text), 1)
         return Fault(text, severity=severity, position=Position(self.file, cell.line, cell.column, end, source))
 
 
 def read_grid(path: Path) -> CellGrid:
-    """The cells of a text file.
+    """Read the cells of a text file whose separator is detected.
 
     Raises
     ------
@@ -61,7 +63,7 @@ def read_grid(path: Path) -> CellGrid:
 
 
 def grid_of(lines: Sequence[str], file: str) -> CellGrid:
-    """The cells in lines of text.
+    """Cells in lines of text, whose separator is detected.
 
     >>> grid = grid_of(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
     >>> grid.separator, [cell.text for cell in grid.rows[1]], grid.rows[1][1].column, grid.remarks
@@ -100,7 +102,7 @@ def _rows(body: Sequence[tuple[int, str]], separator: str) -> list[tuple[Cell, .
 
 
 def _placed(cells: Sequence[str], number: int, line: str) -> tuple[Cell, ...]:
-    """Cells with their columns; one of several lines is one line of text."""
+    """Cells of one row with their columns; text over several lines is joined to one line."""
     placed, at = [], 0
     for cell in cells:
         text = " ".join(cell.split())

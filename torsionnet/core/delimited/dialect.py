@@ -1,4 +1,4 @@
-"""How a text file separates its cells and writes its numbers: sniffed, never silently."""
+"""Detection of a text file's cell separator, decimal sign and encoding."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from pathlib import Path
 from torsionnet.core.delimited.stamp_forms import is_date, is_stamp
 
 SEPARATORS = (";", "\t", ",", " ")
+"""Cell separators that are tried, in this order; a blank stands for any white space."""
 _NAMES = {";": "semicolon", "\t": "tab", ",": "comma", " ": "white space"}
 _NUMBER = r"[+-]?(?:(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eEdD][+-]?\d+)?|inf(?:inity)?|nan)"
+"""Regular expression of a decimal number; the braces stand for the decimal sign."""
 _NUMBERS = {
     ".": re.compile(_NUMBER.format(r"\."), re.IGNORECASE),
     ",": re.compile(_NUMBER.format(",").replace(",\\d*", ",\\d+"), re.IGNORECASE),
@@ -23,14 +25,14 @@ _NUMBERS = {
 
 @dataclass(frozen=True)
 class Dialect:
-    """Separator of cells (a blank stands for any white space), sign of decimals, whether rows may hold time stamps."""
+    """Format of a table of text: cell separator (a blank is any white space), decimal sign, use of time stamps."""
 
     separator: str
     decimal: str = "."
     stamps: bool = False
 
     def cells(self, line: str) -> list[str]:
-        """The cells of a line without blanks and quotes around them."""
+        """Cells of a line, without blanks and quotes around them."""
         bare = line.rstrip("\r\n")
         if self.separator == " ":
             parts = line.split()
@@ -41,10 +43,11 @@ class Dialect:
         return [part.strip().strip('"').strip() for part in parts]
 
     def is_number(self, cell: str) -> bool:
+        """Whether a cell is a number with the decimal sign of this dialect."""
         return _NUMBERS[self.decimal].fullmatch(cell) is not None
 
     def is_data(self, line: str) -> bool:
-        """Whether a line has numbers, and nothing but numbers, time stamps where there may be any, and empty cells."""
+        """Whether a line holds only numbers, empty cells and, where allowed, time stamps, and at least one number."""
         filled = [cell for cell in self.cells(line) if cell]
         others = [cell for cell in filled if not self.is_number(cell)]
         return len(others) < len(filled) and (
@@ -68,7 +71,7 @@ class Dialect:
 def sniffed(
     lines: Sequence[str], separator: str | None = None, decimal: str | None = None, *, stamps: bool = False
 ) -> Dialect:
-    """The dialect in which most lines are rows of numbers like their heading; what is given is kept.
+    """Detect the dialect in which most lines are rows of numbers like their heading; given separators are kept.
 
     >>> str(sniffed(["t;M", "0,1;2,5", "0,2;2,6"]))
     'cells between semicolons, decimal comma'
@@ -103,14 +106,14 @@ def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, int, int, bool]
 
 
 def data_start(dialect: Dialect, lines: Sequence[str]) -> int:
-    """Index of the first row of numbers as wide as most of them; ``len(lines)`` where there is none."""
+    """Index of the first row of numbers that has the usual number of cells; ``len(lines)`` where there is none."""
     widths = [len(dialect.cells(line)) if dialect.is_data(line) else 0 for line in lines]
     usual = Counter(filter(None, widths)).most_common(1)
     return widths.index(usual[0][0]) if usual else len(lines)
 
 
 def encoding_of(path: Path) -> str:
-    """How the characters of a text file are stored, by its beginning."""
+    """Encoding of a text file for ``open``, guessed from its first 64 KiB."""
     with path.open("rb") as file:
         start = file.read(1 << 16)
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):

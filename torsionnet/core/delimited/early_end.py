@@ -1,4 +1,4 @@
-"""Whether a table of text ends early: within its last row, or within the last number of it."""
+"""Detection of a table of text that ends early, within its last row or within its last number."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import re
 from collections.abc import Sequence
 
 ENOUGH = 3
-"""Rows of equally many decimals, of which the last row may not differ."""
+"""Number of rows above the last one that must all have equally many decimals before a shorter number counts as cut;
+with fewer, numbers of varying length would be taken for cut ones."""
 _DECIMALS = re.compile(r"[+-]?\d*[.,](?P<decimals>\d+)(?P<exponent>[eEdD][+-]?\d+)?")
 _BEGUN = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d*)?(?:[eEdD][+-]?)?")
 
 
 def early_end(cells: Sequence[str], above: Sequence[Sequence[str]], names: Sequence[str], *, own: bool = False) -> str:
-    """What is missing, of a last row that no end of line follows; empty where it may be whole.
+    """Message that the last row of a file without a final line end is cut; empty where the row may be complete.
 
     ``above`` are rows before it; a file of this package's ``own`` ends with the end of a line.
 
@@ -33,14 +34,14 @@ def early_end(cells: Sequence[str], above: Sequence[Sequence[str]], names: Seque
 
 
 def _is_begun(cell: str, others: Sequence[str]) -> bool:
-    """``-``, ``1.2e-``, or nothing where there were numbers: the beginning of a number and none itself."""
+    """Whether a cell is only the beginning of a number: ``-``, ``1.2e-``, or nothing where there were numbers."""
     if not cell:
         return bool(others) and all(others)
     return _BEGUN.fullmatch(cell) is not None and cell[-1] not in "0123456789.,"
 
 
 def _is_shorter(cell: str, others: Sequence[str]) -> bool:
-    """Fewer decimals, or no exponent, where all rows above have equally many."""
+    """Whether a number has fewer decimals, or no exponent, where all rows above have equally many."""
     forms = {_form(other) for other in others}
     if len(others) < ENOUGH or len(forms) != 1:
         return False
@@ -49,6 +50,6 @@ def _is_shorter(cell: str, others: Sequence[str]) -> bool:
 
 
 def _form(cell: str) -> tuple[int, int] | None:
-    """Digits behind the decimal sign, and characters of the exponent."""
+    """Number of digits behind the decimal sign, and of characters of the exponent."""
     found = _DECIMALS.fullmatch(cell)
     return (len(found["decimals"]), len(found["exponent"] or "")) if found else None

@@ -1,4 +1,4 @@
-"""Rows of numbers in a text file, parsed in pieces, with the place of every cell that is none."""
+"""Rows of numbers in a text file, parsed in pieces, with the position of every cell that is not a number."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from torsionnet.core.errors import Fault, ModelError, Position
 
 FloatArray = NDArray[np.float64]
 PIECE = 20_000
+"""Lines parsed at once: larger pieces take more memory, smaller ones more calls of ``numpy.loadtxt``."""
 MOST_FAULTS = 20
-"""Of one kind in one file; more say nothing new."""
+"""Faults reported for one file at most; more of the same kind say nothing new."""
 
 
 def _other_width(cells: int, width: int) -> str:
@@ -30,7 +31,7 @@ def _no_number(cell: str) -> str:
 
 @dataclass
 class NumberRows:
-    """Reads numbers from the lines of ``stream``; faults and counts grow while it does.
+    """Reader of numbers from the lines of a stream; its faults and counts grow while it reads.
 
     ``other_width`` and ``no_number`` word the refusal of a row of so many cells instead of so many, and of a cell.
     Columns ``unread`` hold no numbers and are NaN; a row may lack those of them that end it. Those of ``stamped`` hold
@@ -65,7 +66,7 @@ class NumberRows:
         self._least = used[-1] + 1 if used else self.width
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        """Blocks of ``count`` rows, or everything; raises :class:`ModelError` with all faults of a block."""
+        """Blocks of ``count`` rows, or all rows in one; raises :class:`ModelError` with all faults of a block."""
         while True:
             pieces = list(self._pieces(columns, count))
             if self.faults:
@@ -148,7 +149,7 @@ class NumberRows:
             self._fault(text, numbers[row], line, at, max(len(texts[row]), 1))
 
     def _check_end(self, lines: list[str]) -> None:
-        """The last line of the file, which no end of a line follows."""
+        """Add a fault where the last line of a file without a final line end is cut."""
         above = [self.dialect.cells(line)[: self._least] for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
         last = self.dialect.cells(lines[-1])
         text = early_end(

@@ -1,4 +1,4 @@
-"""Numbers as spreadsheets of several countries write them: which sign is the decimal one is told by all together."""
+"""Numbers as spreadsheets of several countries write them; all numbers of a sheet together decide its decimal sign."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ _BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
 _LIKE_NUMBER = re.compile(rf"[+\-−]?[\d.,'’ {_BLANKS}]*\d[.,]?(?:[eE][+\-−]?\d+)?")
 _EXPONENT = re.compile(r"[eE].*")
 _GROUP = 3
+"""Digits in a group of thousands."""
 
 
 def is_like_number(text: str) -> bool:
-    """Whether nothing but digits, signs and separators stands there."""
+    """Whether a cell holds nothing but digits, signs and separators."""
     return _LIKE_NUMBER.fullmatch(text) is not None
 
 
 def decimal_sign(cells: Iterable[Cell]) -> tuple[str, tuple[Cell, str] | None]:
-    """The decimal sign of numbers, and the first one that does not fit it or may mean two things, with what is wrong.
+    """Decimal sign of the numbers of a sheet, and the first cell that does not fit it or is ambiguous, with a message.
 
     >>> decimal_sign([Cell("1.250,5", 1, 1), Cell("36.000", 2, 1)])
     (',', None)
@@ -42,7 +43,7 @@ def decimal_sign(cells: Iterable[Cell]) -> tuple[str, tuple[Cell, str] | None]:
 
 
 def _hints(text: str) -> Iterable[str]:
-    """``,`` or ``.`` where only that can be the decimal sign; ``1,234`` where a comma may be or not."""
+    """``,`` or ``.`` where only that can be the decimal sign of a number; ``1,234`` where a comma may be one or not."""
     commas, points = text.count(","), text.count(".")
     if commas and points:
         yield "," if text.rindex(",") > text.rindex(".") else "."
@@ -58,7 +59,7 @@ def _hints(text: str) -> Iterable[str]:
 
 
 def plain_number_text(text: str, decimal: str) -> str | None:
-    """A number with a decimal point and nothing else, None for what is no number.
+    """Number written with a decimal point and without groups of thousands; None for a text that is no number.
 
     >>> plain_number_text("1.250,5", ","), plain_number_text("12'000", "."), plain_number_text("1.2.3", ".")
     ('1250.5', '12000', None)

@@ -1,4 +1,4 @@
-"""Units as sheets write them: with powers of ten before them, points for products, and in headings without brackets."""
+"""Units as sheets write them: with powers of ten, points for products, and in headings without brackets."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from torsionnet.core.units import DIMENSIONS, Dimension, Real, UnitError, parse_
 
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _POWER = r"(?:10\s*(?:\^|\*\*)?\s*\(?(?P<ten{0}>[+-]?[1-9]\d?)\)?|1?\s?[eE](?P<e{0}>[+-]?\d\d?))"
+"""Regular expression of a power of ten before or after a unit; the braces number its groups."""
 _BEFORE = re.compile(rf"[x×*·]?\s*{_POWER.format(1)}\s*[*·x×]?\s*(?P<unit>[A-Za-z(1µμ°].*)")
 _AFTER = re.compile(rf"(?P<unit>.*\S)\s*[*·x×]\s*{_POWER.format(2)}")
 _DOUBTFUL = re.compile(r"10\s?[eE][+-]?\d+")
@@ -19,7 +20,7 @@ _KNOWN = {DIMENSIONS[name] for name in ("inertia", "stiffness", "compliance", "d
 
 @dataclass(frozen=True)
 class SheetUnit:
-    """A unit as its factor to SI; ``text`` is what a model file would write, with a power of ten after the number."""
+    """Unit of a sheet column as factor to SI and dimension; ``text`` and ``power`` (of ten) are for a model file."""
 
     factor: Real
     dimension: Dimension
@@ -47,7 +48,7 @@ def sheet_unit(text: str) -> SheetUnit:
 
 
 def _spelled(text: str) -> str:
-    """As the parser of units reads it: points and hyphens are products, and what follows a slash belongs below it."""
+    """Unit in a spelling for ``parse_unit``: points and hyphens are products, all after a slash is below it."""
     spelled = re.sub(r"(?<=[A-Za-z0-9²³])\s*[.\-]\s*(?=[A-Za-z])", "*", plain_unit(text))
     spelled = re.sub(r"\b(mm|cm|m|s|in|ft)([23])\b", r"\1^\2", re.sub(r"\bsec(?=\b|\d)", "s", spelled))
     if _dimension(spelled) in _KNOWN:
@@ -67,7 +68,7 @@ def _dimension(text: str) -> Dimension | None:
 
 
 def named_unit(heading: str) -> tuple[str, str]:
-    """Name and unit of a heading, also where no bracket tells them apart, or more follows it.
+    """Name and unit of a heading, also where no bracket separates them or more text follows the unit.
 
     >>> named_unit("compliance 1e-9 rad/Nm"), named_unit("Inertia, kgm2"), named_unit("D outer")
     (('compliance', '1e-9 rad/Nm'), ('Inertia', 'kgm2'), ('D outer', ''))

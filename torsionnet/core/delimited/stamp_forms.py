@@ -1,4 +1,4 @@
-"""How dates and times of day are written in a cell of text, and what one of them is worth."""
+"""Formats of dates and times of day in cells of text, and the values of their parts."""
 
 from __future__ import annotations
 
@@ -11,18 +11,21 @@ _DATE = (
     r"|(?P<dots>\d{1,2}\.\d{1,2}\.(?:\d{4}|\d{2}))"
     r"|(?P<either>\d{1,2}(?P<sign>[/-])\d{1,2}(?P=sign)(?:\d{4}|\d{2}))"
 )
+"""Regular expression of a date: year first, with points (day first), or ambiguous in day and month."""
 _CLOCK = (
     r"(?P<hours>[01]?\d|2[0-3]):(?P<minutes>[0-5]\d):(?P<seconds>[0-5]\d|60)"
     r"(?:(?P<mark>[.,])(?P<part>\d+))?(?P<half> ?[AaPp]\.?[Mm]\.?)?"
 )
+"""Regular expression of a time of day."""
 _ZONE = r"(?P<zone>Z| ?UTC| ?[+-]\d{2}:?\d{2})?"
+"""Regular expression of a time zone."""
 _DATES = re.compile(_DATE)
 STAMP = re.compile(rf"(?:(?:{_DATE})(?P<joint>[Tt]| +))?{_CLOCK}{_ZONE}")
 NANO, DAY = 10**9, 86_400 * 10**9
 
 
 def is_date(text: str) -> bool:
-    """Whether a text is a date without a time."""
+    """Whether a text is a date without a time of day."""
     return _DATES.fullmatch(text) is not None
 
 
@@ -36,7 +39,7 @@ def is_stamp(text: str) -> bool:
 
 
 def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
-    """Columns of a row that hold time stamps, two of them where the date is in one of its own."""
+    """Indices of the columns of a row that hold time stamps; a pair where date and time have a column each."""
     found: list[tuple[int, ...]] = []
     for at, cell in enumerate(cells):
         if is_stamp(cell):
@@ -46,17 +49,19 @@ def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
 
 
 def form_of(found: re.Match[str]) -> tuple[str, ...]:
-    """What all stamps of a column have in common: order and signs of the date, what joins it, zone and half."""
+    """Format that all time stamps of a column share: order and signs of the date, joint, zone, a.m. or p.m."""
     kind = next((name for name in ("iso", "dots", "either") if found[name]), "")
     joint = (found["joint"] or "").strip().upper()
     return kind, found["between"] or found["sign"] or "", joint, str(bool(found["zone"])), str(bool(found["half"]))
 
 
 def date_of(found: re.Match[str]) -> str:
+    """Date in a matched time stamp as it is written, empty where there is none."""
     return found["iso"] or found["dots"] or found["either"] or ""
 
 
 def nanoseconds(found: re.Match[str]) -> int:
+    """Time of day of a matched stamp in nanoseconds of UTC, without its date."""
     hours = int(found["hours"])
     half = (found["half"] or "").strip().casefold()
     if half:
@@ -66,19 +71,19 @@ def nanoseconds(found: re.Match[str]) -> int:
 
 
 def zone_of(text: str | None) -> int:
-    """Seconds that a clock is ahead of UTC."""
+    """Seconds by which the clock of a time zone is ahead of UTC."""
     digits = re.sub(r"\D", "", text or "")
     return (-1 if "-" in (text or "") else 1) * (int(digits[:2]) * 60 + int(digits[2:])) * 60 if digits else 0
 
 
 def order_of(text: str) -> str:
-    """Whether day or month comes first, where a number above 12 tells."""
+    """Order of day and month in a date, empty where neither number is above 12."""
     first, second = (int(part) for part in re.split(r"\D", text)[:2])
     return "dots" if first > 12 else "month first" if second > 12 else ""
 
 
 def ordinal(text: str, order: str) -> int | None:
-    """Number of a day, None where there is no such day."""
+    """Proleptic Gregorian ordinal of a date, None where there is no such day."""
     one, two, three = (int(part) for part in re.split(r"\D", text))
     year, month, day = (one, two, three) if order == "iso" else (three, two, one)
     if order == "month first":
@@ -90,4 +95,5 @@ def ordinal(text: str, order: str) -> int | None:
 
 
 def no_date(text: str) -> str:
+    """Message that a text is not a valid date."""
     return f'"{text}" is no date'

@@ -1,4 +1,4 @@
-"""Times of day, with or without a date, in columns of text: seconds from the first one."""
+"""Columns of time stamps, with or without a date, as seconds from the first stamp."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass
 class StampReader:
-    """Reads stamps in order, all of one form; what is wrong with one is said once, in ``faults`` by its index."""
+    """Reader of a column of time stamps, which all have one format; ``first`` is the first of them."""
 
     first: str = ""
     _form: tuple[str, ...] = ()
@@ -40,7 +40,7 @@ class StampReader:
     _dates: dict[str, int] = field(default_factory=dict)
 
     def seconds(self, texts: Sequence[str]) -> tuple[FloatArray, list[tuple[int, str]]]:
-        """Seconds since the first stamp of all, NaN where there is none, and what is wrong with which stamp."""
+        """Seconds since the first stamp of the column, NaN for empty cells, and (index, message) of faulty stamps."""
         if texts and not self.first and (begins := STAMP.fullmatch(texts[0])):
             self._unlike(texts[0], begins)
             self._learn_date(date_of(begins), texts[:1])
@@ -80,7 +80,7 @@ class StampReader:
         return found
 
     def _unlike(self, text: str, found: re.Match[str] | None) -> str:
-        """What is wrong with the form of a stamp; the first one says how all are written."""
+        """Message about a stamp whose format differs; the first stamp sets the format of all."""
         if found is None:
             return f'"{text}" is no time stamp' + (f' like "{self.first}"' if self.first else "")
         form, mark = form_of(found), found["mark"] or ""
@@ -92,7 +92,7 @@ class StampReader:
         return ""
 
     def _learn_date(self, text: str, left: Sequence[str]) -> str:
-        """What is wrong with a date, or else its days from the first date are known from now on."""
+        """Message about a date that cannot be read; a good date is stored as days from the first date."""
         if not text:
             return ""
         order = self._form[0]
@@ -115,7 +115,7 @@ class StampReader:
         return ""
 
     def _alike(self, texts: Sequence[str]) -> NDArray[np.int64] | None:
-        """Nanoseconds of stamps that differ in nothing but the digits of their times, like the first of them."""
+        """Nanoseconds of stamps that differ only in the digits of their times; None for all others."""
         found = STAMP.fullmatch(texts[0]) if texts else None
         date_text = date_of(found) if found else ""
         if found is None or found["half"] or (date_text and date_text not in self._dates):

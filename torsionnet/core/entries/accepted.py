@@ -1,4 +1,4 @@
-"""What Python may give where a file has a number, a pair or a table: the names in signatures that type checkers see.
+"""Types for signatures: Python objects accepted where a file has a number, a pair or a table.
 
 Nothing imports this while the program runs. Where a list is accepted, no ``Sequence`` is said: a text is one.
 """
@@ -16,55 +16,55 @@ from torsionnet.core.piecewise_linear import Rows
 
 
 class QuantityWithUnit(Protocol):
-    """A quantity of pint."""
+    """Quantity of pint."""
 
     @property
     def magnitude(self) -> Any:
-        """The number."""
+        """Number without its unit."""
 
     @property
     def units(self) -> Any:
-        """Its unit."""
+        """Unit of the quantity."""
 
 
 class GivenTransferFunction(Protocol):
-    """A transfer function of python-control or scipy."""
+    """Transfer function of python-control or scipy."""
 
     @property
     def num(self) -> Any:
-        """Coefficients above, the highest power of s first."""
+        """Coefficients of the numerator, the highest power of s first."""
 
     @property
     def den(self) -> Any:
-        """Coefficients below."""
+        """Coefficients of the denominator, the highest power of s first."""
 
 
 class GivenStateSpace(Protocol):
-    """A system of python-control or scipy in state space."""
+    """State-space system of python-control or scipy."""
 
     @property
     def A(self) -> Any:
-        """From states to their rates."""
+        """State matrix of the system."""
 
     @property
     def B(self) -> Any:
-        """From what is sensed."""
+        """Input matrix, from the sensed quantity."""
 
     @property
     def C(self) -> Any:
-        """To what acts."""
+        """Output matrix, to the torque that acts."""
 
     @property
     def D(self) -> Any:
-        """From what is sensed to what acts."""
+        """Feedthrough matrix, from the sensed quantity to the torque."""
 
 
 WholeNumber: TypeAlias = int | np.integer[Any]
 Scalar: TypeAlias = float | str | Fraction | Expression | QuantityWithUnit | np.integer[Any] | np.floating[Any]
-"""A number in SI, a text with a unit or an expression of parameters, a quantity of pint."""
+"""Number in SI units, text with a unit, expression of parameters, or quantity of pint."""
 Scalars: TypeAlias = tuple[Scalar, ...] | list[Scalar] | list[float] | list[int] | list[str] | list[float | str]
 TwoNames: TypeAlias = tuple[str, str] | list[str]
 Entries: TypeAlias = Mapping[str, Any]
-"""What a model file has between braces."""
+"""Mapping of entries as a model file has between braces."""
 NumberRows: TypeAlias = Sequence[Scalars] | np.ndarray[Any, Any] | Rows
 NumberByNumber: TypeAlias = Mapping[str, Scalar] | Mapping[float, Scalar] | Mapping[float | str, Scalar] | Rows

@@ -1,4 +1,4 @@
-"""Entries of which one stands instead of another: what is wrong where several are given, or none."""
+"""Checks of alternative entries: faults where several of them are given, or none."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ _COUNTS = {2: "two", 3: "three", 4: "four"}
 
 
 def given(owner: object, *names: str) -> list[str]:
-    """Which of some entries have a value, in their order."""
+    """Names of those entries, out of the ones asked about, that have a value."""
     values = ((name, getattr(owner, name)) for name in names)
     return [name for name, value in values if value is not None and value not in ((), {})]
 
 
 def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
-    """The fault that two of some entries are given, at the second; ``of`` says what they are of, as "the damping"."""
+    """Fault, at the second, that two alternative entries are given; ``of`` says of what, as "the damping"."""
     found = given(owner, *names)
     if len(found) < 2:
         return []
@@ -23,7 +23,7 @@ def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
 
 
 def one_exactly(owner: object, *names: str, of: str = "", form: str = "") -> list[Fault]:
-    """The fault that not exactly one of some entries is given; ``form`` shows how, where none of them is."""
+    """Fault that not exactly one of several alternative entries is given; ``form`` is an example of one."""
     if given(owner, *names):
         return one_at_most(owner, *names, of=of)
     wanted = f"{', '.join(names[:-1])} or {names[-1]}, one of the {_COUNTS[len(names)]}"

@@ -1,4 +1,4 @@
-"""A band of frequencies as an entry."""
+"""Entries that hold frequency bands."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, under
 _BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
 _FREQUENCY = Value("a frequency", "frequency", lower=None)
 BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
+"""Example of how a band is written, for messages and schemas."""
 
 
 LOWEST, HIGHEST = 1e-9, 1e9
-"""Hz; no shaft train moves slower or faster."""
+"""Bounds of frequencies of a band in Hz; no shaft train moves slower or faster."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Band(Spec[tuple[float, float]]):
-    """Two frequencies, the lower one first; stored in Hz."""
+    """Entry of a frequency band: two frequencies, the lower one first, stored in Hz."""
 
     from_zero: bool = False
-    """Whether it may begin at 0."""
+    """Whether the band may begin at 0 Hz."""
 
     def coerce(self, raw: object) -> tuple[float, float]:
         return parse_band(raw, from_zero=self.from_zero)
@@ -40,7 +41,7 @@ class Band(Spec[tuple[float, float]]):
 
 
 def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
-    """Two frequencies in Hz from ``0.3..40 Hz`` or a list of two.
+    """Lower and upper frequency in Hz from a text ``0.3..40 Hz`` or a list of two.
 
     >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
     ((0.3, 40.0), (0.3, 40.0))
@@ -66,7 +67,7 @@ def _edges(raw: object) -> tuple[object, object]:
 
 
 class Bands(Plural[tuple[tuple[float, float], ...]]):
-    """Bands in a list, or one alone."""
+    """Entry of a list of frequency bands, or of one band alone."""
 
     @property
     def absent(self) -> tuple[tuple[float, float], ...]:

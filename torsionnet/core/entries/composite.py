@@ -1,4 +1,4 @@
-"""Entries that are made of others: an object, one of several kinds, a table by name, a list."""
+"""Entries composed of other entries: an object, one of several kinds, a table by name, a list, a pair."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Kinds: TypeAlias = Callable[[], Mapping[str, type[D]]]
 
 
 class Composite(Spec[Stored_co]):
-    """Base of entries that are made of others."""
+    """Base of entries that are composed of other entries."""
 
     def read(self, raw: object) -> tuple[Stored_co | None, list[Fault]]:
         raise NotImplementedError
@@ -24,7 +24,7 @@ class Composite(Spec[Stored_co]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Nested(Composite[D]):
-    """The entries of another class; with ``shorthand`` a value alone stands for the entry of that name.
+    """Entry that holds an object of another class; with ``shorthand`` a bare value stands for the entry of that name.
 
     ``name`` is that of its definition in the schema.
     """
@@ -78,12 +78,12 @@ class Nested(Composite[D]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Typed(Composite[D]):
-    """The entries of one of several classes, told by ``type:`` or another word."""
+    """Entry that holds an object of one of several classes, chosen by ``type:`` or another key."""
 
     kinds: Kinds[D]
     what: str
     name: str
-    """Of its definition in the schema; those of the kinds begin with it."""
+    """Name of the definition in the JSON Schema; the names of the kinds begin with it."""
     shown: str = ""
     key: str = "type"
 
@@ -106,7 +106,7 @@ class Typed(Composite[D]):
 
     @staticmethod
     def _is_one_of(known: Mapping[str, type[D]], raw: object) -> bool:
-        """Whether it is an object of one of them; only where its kind does not tell are all kinds imported."""
+        """Whether the value is an object of one of the kinds, if possible without importing all of them."""
         if not isinstance(raw, Declared):
             return False
         return (raw.kind in known and isinstance(raw, known[raw.kind])) or isinstance(raw, tuple(known.values()))
@@ -143,11 +143,11 @@ class Typed(Composite[D]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]]):
-    """A table of entries by name."""
+    """Entry that holds a table of entries by name."""
 
     of: Spec[Stored_co]
     refused: Callable[[str], str | None] = field(default=lambda _: None)
-    """Why a name cannot be one, or None."""
+    """Function that says why a name is not allowed, or returns None."""
     names: Schema = field(default_factory=dict)
     """JSON Schema of the names."""
     form: str = "entries by name"
@@ -205,7 +205,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
-    """A list of entries."""
+    """Entry that holds a list of entries of one kind."""
 
     of: Spec[Stored_co]
     form: str = "a list"
@@ -247,7 +247,7 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PairOf(Composite[tuple[Stored_co, Stored_co]]):
-    """Two values ``[a, b]``."""
+    """Entry that holds two values ``[a, b]`` of one kind."""
 
     of: Spec[Stored_co]
 

@@ -1,4 +1,4 @@
-"""Classes whose fields carry specifications: read from files, coerced, written back and described by those alone."""
+"""Base class of objects whose fields carry specifications, by which they are read, checked, written and described."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_key
 
 
 class Declared:
-    """Base of frozen dataclasses with entries (:func:`torsionnet.core.entries.spec.entry`)."""
+    """Base of frozen dataclasses whose fields are entries (:func:`torsionnet.core.entries.spec.entry`)."""
 
     kind: ClassVar[str] = ""
-    """What messages and the schema call it; the value of ``type:`` where there are several kinds."""
+    """Name of the kind in messages and in the schema; the value of ``type:`` where there are several kinds."""
     article: ClassVar[str] = ""
-    """With its article, where messages should have one."""
+    """Name of the kind with its article, for messages that need one."""
     head: ClassVar[tuple[str, ...]] = ()
-    """Keys of a file that say what it is and are no entries."""
+    """Keys of a file that identify it and are no entries, as the format version."""
     form: ClassVar[str] = "{name: value, ...}"
-    """What it looks like in a file."""
+    """Example of how the object is written in a file."""
 
     def __post_init__(self) -> None:
         faults = self.coerced() or self.contradictions()
@@ -31,7 +31,7 @@ class Declared:
             raise ModelError(faults, self.kind)
 
     def coerced(self) -> list[Fault]:
-        """Store every field in its own form; the faults of those that cannot be."""
+        """Coerce every field to its stored form, and return the faults of the fields that cannot be."""
         faults: list[Fault] = []
         defaults = self._defaults()
         for name, spec in self.specs():
@@ -47,26 +47,26 @@ class Declared:
         return faults
 
     def contradictions(self) -> list[Fault]:
-        """Faults of entries that are fine alone but not together."""
+        """Faults of entries that are valid alone but contradict each other."""
         return []
 
     @classmethod
     @cache
     def declared(cls) -> tuple[Field[Any], ...]:
-        """The fields with a specification, in the order of the class; those of all kinds alike last."""
+        """Dataclass fields with a specification, in the order of the class; those common to all kinds last."""
         own = [declared for declared in fields(cls) if "spec" in declared.metadata]  # type: ignore[arg-type]
         return tuple(sorted(own, key=cls._is_common))
 
     @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:
-        """Whether an entry belongs to all kinds of the same register and so stands last."""
+        """Whether an entry belongs to all kinds of a register and so stands last."""
         del declared
         return False
 
     @classmethod
     @cache
     def specs(cls) -> tuple[tuple[str, Spec[object]], ...]:
-        """Name and specification of every entry, in the same order."""
+        """Name and specification of every entry, in the order of the fields."""
         return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
 
     @classmethod
@@ -78,13 +78,13 @@ class Declared:
     @classmethod
     @cache
     def defaults(cls) -> Mapping[str, Any]:
-        """The default of every entry as it is stored."""
+        """Default of every entry in its stored form, by name."""
         return {name: stored for name, (_, stored) in cls._defaults().items()}
 
     @classmethod
     @cache
     def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
-        """The default of every entry as it is declared and as it is stored."""
+        """Default of every entry as it is declared and in its stored form, by name."""
         found = {}
         for declared in cls.declared():
             spec, default = spec_of(declared), declared.default
@@ -93,7 +93,7 @@ class Declared:
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
-        """The object that an entry of a file describes, None if anything in it is wrong, and every fault."""
+        """Object that a mapping of entries describes, None if anything in it is wrong, and every fault."""
         if isinstance(raw, cls):
             return raw, []
         if not isinstance(raw, Mapping):
@@ -103,7 +103,7 @@ class Declared:
 
     @classmethod
     def made(cls, values: Mapping[str, Any]) -> tuple[Self | None, list[Fault]]:
-        """The object with these values, or what is wrong with them together."""
+        """Object with these values, or the faults of values that contradict each other."""
         try:
             return cls(**values), []
         except ModelError as error:
@@ -113,7 +113,7 @@ class Declared:
 
     @classmethod
     def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
-        """What could be read of the entries, in the order of the class, and every fault."""
+        """Values of the entries that could be read, by name, and every fault."""
         faults = cls.key_faults(raw)
         values: dict[str, Any] = {}
         for name, spec in cls.specs():
@@ -124,7 +124,7 @@ class Declared:
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
-        """Faults of entries that mean nothing, that are missing, or that have no value."""
+        """Faults of unknown keys, of missing entries, and of entries without a value."""
         specs, required = dict(cls.specs()), cls.required()
         known = [*cls.head, *specs]
         rest = f"{cls.article or cls.kind} has {', '.join(known)}"
@@ -143,13 +143,13 @@ class Declared:
 
     @classmethod
     def missing(cls, key: str, name: str = "") -> Fault:
-        """Fault of an entry that has to be given."""
+        """Fault of a required entry that is not given."""
         called = f"{cls.article or cls.kind} {name}".rstrip()
         text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
         return Fault(text, on_key=True, kind="missing key", about=key)
 
     def renamed(self, names: Renaming) -> Self:
-        """The same where everything it names is called otherwise."""
+        """Copy of the object in which all names that it refers to are renamed."""
         changes = {}
         for name, spec in self.specs():
             value = getattr(self, name)
@@ -159,11 +159,11 @@ class Declared:
         return replace(self, **changes) if changes else self  # type: ignore[type-var]
 
     def to_data(self) -> Json:
-        """The entry of a file that makes this object; what has its default is left out."""
+        """Plain data that describe the object in a file; entries with their default are left out."""
         return self.written_entries()
 
     def written_entries(self) -> dict[str, Json]:
-        """Plain value of every entry that has not its default, by name."""
+        """Plain value of every entry that differs from its default, by name."""
         defaults = self.defaults()
         required = self.required()
         return {
@@ -190,7 +190,7 @@ class Declared:
 
     @classmethod
     def definitions(cls) -> Schema:
-        """What the schema refers to, by name."""
+        """Definitions that the JSON Schema of the class refers to, by name."""
         found: Schema = {}
         for _, spec in cls.specs():
             found |= spec.definitions()

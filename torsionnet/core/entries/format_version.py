@@ -1,4 +1,4 @@
-"""The first entry of every file: the version of its format."""
+"""Version of the file format, the first entry of every file."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import Any
 from torsionnet.core.errors import Fault
 
 VERSION = 1
+"""Version of the file format that this release reads and writes."""
 KEY = "torsionnet"
+"""Key of the version in a file."""
 VERSION_SCHEMA: dict[str, str | int] = {"const": VERSION, "description": "version of the file format"}
 
 
 def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
-    """What is wrong with the version of a file of this kind: a model, a bench, a fit."""
+    """Faults of the format version in a file of this kind: a model, a bench, a fit."""
     version = data.get(KEY)
     if version is None:
         text = f"the first entry of a {kind} file is {KEY}: {VERSION}, the version of the format"

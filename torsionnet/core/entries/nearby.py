@@ -1,4 +1,4 @@
-"""Files that a file names: they lie beside it or in folders below, nowhere else."""
+"""Files named in a model file, which must lie beside it or in folders below."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import did_you_mean
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
+"""Folder of the file that is being read, None where a text without a folder is read."""
 LARGEST = 8_000_000
+"""Size in bytes of the largest file that is read; a larger one would only fill the memory."""
 _SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
 
 
 @contextmanager
 def files_beside(folder: Path | None) -> Iterator[None]:
-    """Within, names of files are those in ``folder``; with None there is no place to look for any."""
+    """Context manager within which file names are looked up in ``folder``; with None no file can be named."""
     before = _FOLDER.set(folder)
     try:
         yield
@@ -27,7 +29,7 @@ def files_beside(folder: Path | None) -> Iterator[None]:
 
 
 def nearby_file(name: str) -> Path:
-    """The file of that name beside the one being read.
+    """Path of the file of that name beside the model file that is being read.
 
     Raises
     ------
@@ -57,7 +59,7 @@ def nearby_file(name: str) -> Path:
 
 
 def names_a_file(raw: object) -> bool:
-    """Whether the name of a file stands anywhere in what was written."""
+    """Whether the name of a file occurs anywhere in the data as written."""
     if isinstance(raw, Mapping):
         return any(names_a_file(part) for part in raw.values())
     if isinstance(raw, list | tuple):

@@ -1,4 +1,4 @@
-"""Tables as lists of rows of numbers, the first of which rises from row to row."""
+"""Entries that hold rows of numbers, whose first column rises from row to row."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.core.piecewise_linear import Rows
 
 
 class RowColumn(NamedTuple):
-    """A column: its name, its dimension, and whether its values may be below zero, or zero."""
+    """Column of a table: its name, its dimension, and whether its values may be negative, or zero."""
 
     name: str
     dimension: str = "1"
@@ -25,7 +25,7 @@ class RowColumn(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NumberTable(Spec[Stored_co]):
-    """Rows ``[[0 rad/s, 40 N*m], [10 rad/s, 36 N*m]]`` whose first column rises."""
+    """Entry of rows ``[[0 rad/s, 40 N*m], [10 rad/s, 36 N*m]]`` whose first column rises."""
 
     columns: tuple[RowColumn, ...] = ()
     fewest: int = 1
@@ -39,7 +39,7 @@ class NumberTable(Spec[Stored_co]):
         return f"[{', '.join(column.name for column in self.columns)}]"
 
     def rows(self, raw: object) -> Rows:
-        """The rows of an entry, exact and in SI."""
+        """Rows of numbers that an entry holds, exact and in SI units."""
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
             raise EntryError(f"expected {self.example}; got {'nothing' if raw is None else repr(raw)}")

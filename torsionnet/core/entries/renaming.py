@@ -1,4 +1,4 @@
-"""Names of one thing put in the place of another's: what a part calls its own, as the whole calls it."""
+"""Renaming of a part's own names to the names that they have in the model using the part."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torsionnet.core.expressions import Expression
 
 @dataclass(frozen=True, eq=False)
 class Renaming:
-    """What names of a part mean in the model that uses it.
+    """Map from names of a part to names in the model that uses it.
 
     Attributes
     ----------
@@ -31,24 +31,24 @@ class Renaming:
     ports: Mapping[str, Mapping[str, str]] | None = None
 
     def own(self, name: str) -> str:
-        """An element, a parameter, a sensor, ... of the part."""
+        """Name in the model of an element, parameter, sensor, ... of the part."""
         return self.prefix + name
 
     def node(self, name: str) -> str:
-        """A node of the part."""
+        """Name in the model of a node of the part."""
         return self.nodes.get(name) or self.prefix + name
 
     def at(self, element: str, place: str | None) -> str | None:
-        """A place on an element: the name of a port stays, that of a node does not."""
+        """Name in the model of a place on an element: the name of a port stays, that of a node changes."""
         named = (self.ports or {}).get(element, {})
         return place if place is None or place in named else self.node(place)
 
     def expression(self, value: Expression) -> Expression:
-        """An expression of the part's parameters."""
+        """Expression of the part's parameters with their names in the model."""
         return value.renamed(self.own)
 
     def within(self, value: Any) -> Any:
-        """A stored value with the expressions in it renamed; the value itself where there are none."""
+        """Stored value with all expressions in it renamed; the value itself where there are none."""
         if isinstance(value, Expression):
             return self.expression(value)
         if type(value) is tuple:

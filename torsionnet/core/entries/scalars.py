@@ -1,4 +1,4 @@
-"""Entries that are numbers with units, or expressions of parameters."""
+"""Entries that hold numbers with units, or expressions of parameters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 
 
 def read_scalar(raw: object, dimension: str) -> Expression:
-    """A number (SI), a quantity with unit or an expression of parameters; its written unit must fit ``dimension``."""
+    """Read a number (SI), a quantity or an expression of parameters; its written unit must fit ``dimension``."""
     if raw is None:
         raise EntryError(f"a value is missing; expected {_wanted(dimension)}")
     if isinstance(raw, (Mapping, list, tuple)):
@@ -31,7 +31,7 @@ def read_scalar(raw: object, dimension: str) -> Expression:
 
 
 def read_value(raw: object) -> Expression:
-    """A scalar of any dimension."""
+    """Read a scalar of any dimension."""
     if raw is None or isinstance(raw, (Mapping, list, tuple)):
         raise EntryError(
             f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
@@ -43,7 +43,7 @@ def read_value(raw: object) -> Expression:
 
 
 def check_unit(value: Expression, dimension: str) -> Expression:
-    """A compliance where a stiffness is wanted is inverted; any other unit of a wrong dimension is refused."""
+    """Return a scalar of the wanted dimension, or refuse its unit; compliances are inverted to stiffnesses."""
     if not isinstance(value, Number) or value.unit_dimension is None:
         return value
     wanted = DIMENSIONS[dimension]
@@ -67,14 +67,14 @@ def _unit_hint(message: str, dimension: str) -> str:
 
 
 def plain_scalar(value: Expression) -> int | float | str:
-    """A number if nothing else was written, else the text."""
+    """Scalar as plain data for a file: a number if no text was written, else the text."""
     if isinstance(value, Number) and value.text is None:
         return plain_number(value.value)
     return str(value)
 
 
 def plain_number(value: Fraction | float) -> int | float | str:
-    """The shortest exact way to write a number in a file; a fraction no decimal can hold stays a quotient."""
+    """Shortest exact way to write a number in a file; a fraction that no decimal can hold stays a quotient."""
     if isinstance(value, Fraction):
         if value.denominator == 1 and abs(value) < 10**15:
             return int(value)
@@ -84,7 +84,7 @@ def plain_number(value: Fraction | float) -> int | float | str:
 
 
 class AnyQuantity(Spec[Expression]):
-    """A scalar whose dimension follows from where it is used."""
+    """Entry of a scalar whose dimension follows from where it is used."""
 
     @property
     def example(self) -> str:
@@ -106,7 +106,7 @@ class AnyQuantity(Spec[Expression]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class QuantityKind(Spec[Stored_co]):
-    """A physical scalar: a value, or what of it can be said otherwise, as damping by a measure.
+    """Base of entries of a physical scalar: a value, or another way to give it, as damping by a measure.
 
     ``usual`` are sizes in SI outside of which the checks ask whether that is meant.
     """
@@ -128,7 +128,7 @@ class QuantityKind(Spec[Stored_co]):
         return (((), value, self.dimension),)
 
     def bound_fault(self, value: float) -> str | None:
-        """What is wrong with the size of the value, or None."""
+        """Message that a value is outside the bounds of the entry, or None."""
         if self.nonzero and value == 0:
             return "must not be zero"
         if self.lower is None:
@@ -143,7 +143,7 @@ class QuantityKind(Spec[Stored_co]):
 
 
 class PhysicalQuantity(QuantityKind[Expression]):
-    """A physical scalar: number in SI, text with unit, or an expression of parameters."""
+    """Entry of a physical scalar: number in SI, text with unit, or an expression of parameters."""
 
     def coerce(self, raw: object) -> Expression:
         return read_scalar(raw, self.dimension)
@@ -151,7 +151,7 @@ class PhysicalQuantity(QuantityKind[Expression]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Value(Spec[float]):
-    """A number with unit, no expression; stored in SI (frequencies in Hz)."""
+    """Entry of a number with unit, not an expression; stored in SI (frequencies in Hz)."""
 
     dimension: str
     lower: float | None = 0.0
@@ -183,7 +183,7 @@ class Value(Spec[float]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ValueInUnitOfUse(Spec[Number]):
-    """A number in the unit of something else, which only that can tell."""
+    """Entry of a number whose unit depends on the quantity it is used for, as a threshold of a channel."""
 
     lower: float | None = 0.0
     exclusive: bool = False
@@ -211,7 +211,7 @@ class ValueInUnitOfUse(Spec[Number]):
 
 
 class AnyNumber(Spec[float]):
-    """A number with the unit of what it is a value of; stored in SI."""
+    """Entry of a number with unit, of any dimension; stored in SI."""
 
     def coerce(self, raw: object) -> float:
         value = read_value(raw)

@@ -1,4 +1,4 @@
-"""The kinds of value an entry can have: each knows how to read, describe and write its value."""
+"""Specifications of entries: each kind of value knows how to read, describe and write its value."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
 
 Json: TypeAlias = "Mapping[str, Json] | Sequence[Json] | str | int | float | bool | None"
-"""What JSON and YAML can hold."""
+"""Type of everything that JSON and YAML can hold."""
 Schema: TypeAlias = "dict[str, Json]"
 
 T = TypeVar("T")
 Stored_co = TypeVar("Stored_co", covariant=True)
-"""What a field holds once its value has been coerced."""
+"""Type in which a field holds its value once coerced."""
 
 
 class EntryError(ValueError):
-    """A value that does not fit its entry; the paths of the faults lead from the entry to what is wrong."""
+    """Error of a value that does not fit its entry; paths of its faults are relative to the entry."""
 
     def __init__(self, message: str | Fault | Iterable[Fault], path: Path = ()) -> None:
         if isinstance(message, str):
@@ -30,30 +30,30 @@ class EntryError(ValueError):
 
     @property
     def fault(self) -> Fault:
-        """The first of the faults; there is at least one."""
+        """First of the faults, of which there is at least one."""
         return self.faults[0]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Spec(Generic[Stored_co]):
-    """What an entry holds; the type parameter is how that is stored.
+    """Specification of an entry; the type parameter is the type in which its value is stored.
 
     A simple kind says how a value is coerced, one of several values how it is read.
     """
 
     description: str
     is_read_off: ClassVar[bool] = False
-    """Whether it holds rows, and another entry beside it the value at which they are read."""
+    """Whether the entry holds rows, and another entry beside it the value at which they are interpolated."""
 
     def coerce(self, raw: object) -> Stored_co:
-        """The value in its stored form; EntryError says what is wrong."""
+        """Value in its stored form; raises EntryError with the faults of a value that does not fit."""
         value, faults = self.read(raw)
         if faults:
             raise EntryError(faults)
         return cast("Stored_co", value)
 
     def read(self, raw: object) -> tuple[Stored_co | None, list[Fault]]:
-        """The value, or what of it could be read, and every fault."""
+        """Value, or the part of it that could be read, and every fault."""
         try:
             return self.coerce(raw), []
         except EntryError as error:
@@ -61,7 +61,7 @@ class Spec(Generic[Stored_co]):
 
     @property
     def absent(self) -> Stored_co | None:
-        """What is stored where nothing is said."""
+        """Value that is stored where the entry is not given."""
         return None
 
     @property
@@ -71,16 +71,16 @@ class Spec(Generic[Stored_co]):
 
     @property
     def example(self) -> str:
-        """What to write, for the message that the entry is missing."""
+        """Example of a value, for the message that the entry is missing."""
         return self.description
 
     def plain(self, value: Any) -> Json:
-        """The value as a file holds it."""
+        """Value as plain data for a file."""
         data: Json = value
         return data
 
     def renamed(self, value: Any, names: Renaming) -> Any:
-        """The value where everything it names is called otherwise; most kinds name parameters only."""
+        """Value in which all names that it refers to are renamed; most kinds refer to parameters only."""
         return names.within(value)
 
     def schema(self) -> Schema:
@@ -88,27 +88,27 @@ class Spec(Generic[Stored_co]):
         raise NotImplementedError
 
     def definitions(self) -> Schema:
-        """What the schema refers to, by name."""
+        """Definitions that the JSON Schema of the entry refers to, by name."""
         return {}
 
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
-        """(path, expression, dimension name) of every expression in the value, for the checks."""
+        """Triples (path, expression, dimension name) of every expression in the value, for the checks."""
         del value
         return ()
 
     @property
     def accepted(self) -> str:
-        """An annotation of what Python may give: full names, and those of :mod:`torsionnet.core.entries.accepted`."""
+        """Type annotation of accepted Python values, with names of :mod:`torsionnet.core.entries.accepted`."""
         return "object"
 
 
 def reference(name: str) -> Schema:
-    """JSON Schema that refers to a definition."""
+    """JSON Schema that refers to the definition of that name."""
     return {"$ref": f"#/$defs/{name}"}
 
 
 class Plural(Spec[Stored_co]):
-    """What holds several values, or none: where nothing is said, an empty collection is stored."""
+    """Base of specifications of collections; an entry that is not given is stored as an empty one."""
 
     @property
     def absent(self) -> Stored_co:
@@ -116,14 +116,14 @@ class Plural(Spec[Stored_co]):
 
 
 def present(value: T | None) -> T:
-    """The value of an entry that may be left out, where others say that it is there."""
+    """Value of an optional entry that must be given here; TypeError where it is None."""
     if value is None:
         raise TypeError("the value of an entry is missing")
     return value
 
 
 def under(key: str | int, spec: Spec[T], raw: object) -> T:
-    """The value of a part of an entry; its faults get the key of that part."""
+    """Coerce one part of an entry; its faults get the key of that part."""
     try:
         return spec.coerce(raw)
     except EntryError as error:
@@ -131,7 +131,7 @@ def under(key: str | int, spec: Spec[T], raw: object) -> T:
 
 
 def spec_of(declared: Field[Any]) -> Spec[object]:
-    """The specification in a dataclass field's metadata."""
+    """Specification in the metadata of a dataclass field."""
     spec = declared.metadata["spec"]
     if not isinstance(spec, Spec):
         raise TypeError(f"field {declared.name} has no specification")
@@ -153,10 +153,10 @@ def entry(spec: Spec[Any], default: Any = MISSING, *, kw_only: Any = MISSING, mu
 
 
 def dotted(cls: type) -> str:
-    """The full name of a class, for :attr:`Spec.accepted`."""
+    """Full name of a class, for :attr:`Spec.accepted`."""
     return f"{cls.__module__}.{cls.__qualname__}"
 
 
 def several(accepted: str) -> str:
-    """The annotation of a list of what is accepted; a text is no list of characters."""
+    """Type annotation of a list of accepted values; a text does not count as a list of characters."""
     return "Scalars" if accepted == "Scalar" else f"tuple[{accepted}, ...] | list[{accepted}]"

@@ -1,4 +1,4 @@
-"""Entries that are words, whole numbers, yes or no."""
+"""Entries that hold words, whole numbers, yes or no."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import did_you_mean
 
 MODEL_NAME = "the name of a library model or the path of a model file"
+"""Description of the name of a model, for entries and messages."""
 NAME_SCHEMA: Schema = {"pattern": r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*$"}
+"""JSON Schema of the name of a node, an element, an input or a sensor."""
 
 
 def name_fault(name: str) -> str | None:
-    """Why ``name`` can be no name of a node, an element, an input or a sensor; or None.
+    """Message that ``name`` cannot name a node, an element, an input or a sensor, or None if it can.
 
     What belongs to a part that is used in a model has the name of the use before a dot.
 
@@ -26,13 +28,13 @@ def name_fault(name: str) -> str | None:
 
 
 def is_plain(name: str) -> bool:
-    """Whether a name is one word."""
+    """Whether a name is one word, without a dot."""
     return name.isidentifier() and not name.startswith("_")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Text(Spec[str]):
-    """Free text, or the name of something."""
+    """Entry of free text, or of the name of something."""
 
     what: str = "text"
 
@@ -51,7 +53,7 @@ class Text(Spec[str]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OneOf(Spec[str]):
-    """One word out of a few."""
+    """Entry of one word out of a fixed list."""
 
     options: tuple[str, ...]
 
@@ -71,7 +73,7 @@ class OneOf(Spec[str]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Count(Spec[int]):
-    """A whole number in a range."""
+    """Entry of a whole number in a range."""
 
     lower: int = 1
     upper: int = 1000
@@ -90,7 +92,7 @@ class Count(Spec[int]):
 
 
 class Flag(Spec[bool]):
-    """true or false."""
+    """Entry of true or false."""
 
     def coerce(self, raw: object) -> bool:
         if not isinstance(raw, bool):
