@@ -807,7 +807,7 @@ def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypat
         raise KeyboardInterrupt
 
     monkeypatch.setattr("click.echo", interrupted)
-    monkeypatch.setattr("torsionnet.cli.command.wrote", lambda _: None)
+    monkeypatch.setattr("torsionnet.cli.command.print_file_written", lambda _: None)
     files = [tmp_path / "table.csv", tmp_path / "picture.svg"]
     run(command, *rest, "--csv", files[0], "--plot", files[1], code=130)
     assert all(file.stat().st_size for file in files)

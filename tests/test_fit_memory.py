@@ -200,7 +200,7 @@ def test_a_fit_file_decimates_as_the_bands_allow(folder, settings, factors):
 
 @pytest.mark.slow
 def test_the_command_tells_decimation_and_memory(folder, monkeypatch):
-    monkeypatch.setattr("torsionnet.cli.memory_note.WORTH_TELLING", 1e6)
+    monkeypatch.setattr("torsionnet.cli.memory_note.LARGE_MEMORY", 1e6)
     (folder / "fit.yaml").write_text(FIT.replace(FREE, ""))
     told = run("fit", "fit.yaml").stderr
     assert "note: soft: decimated by 20 to 200 Hz\n" in told

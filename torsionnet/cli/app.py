@@ -11,7 +11,7 @@ from typing import Any, TextIO, cast
 
 import click
 
-from torsionnet.cli.failures import Printed, guarded
+from torsionnet.cli.failures import ClosedPipeStream, exit_code_for_errors
 from torsionnet.core.version import __version__
 
 COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
@@ -73,7 +73,7 @@ class LazyGroup(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
     def invoke(self, ctx: click.Context) -> Any:
-        with guarded():
+        with exit_code_for_errors():
             return super().invoke(ctx)
 
 
@@ -95,7 +95,7 @@ def run(arguments: Sequence[str] | None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some character still shows the rest
-    with contextlib.redirect_stdout(cast("TextIO", Printed(sys.stdout))):
+    with contextlib.redirect_stdout(cast("TextIO", ClosedPipeStream(sys.stdout))):
         try:
             app.main(None if arguments is None else list(arguments), prog_name="torsionnet")
         except SystemExit as finished:

@@ -12,7 +12,7 @@ from torsionnet.cli.command import Command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import load_model
 from torsionnet.cli.options import SETTINGS
-from torsionnet.cli.terminal import message, tell
+from torsionnet.cli.terminal import message, print_faults
 from torsionnet.core.listing import listed
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class ModelCommand(Command):
             known = {fault.message for fault in found}
             found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
             cases.append(ConfiguredCase(changed.configuration, changed))
-        tell(found)
+        print_faults(found)
         return cases
 
     def require_one(self, why: str) -> None:

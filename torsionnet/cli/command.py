@@ -17,7 +17,7 @@ import click
 
 from torsionnet.cli.declarations import Arguments, option, parameters
 from torsionnet.cli.options import OutputFile, plot_option
-from torsionnet.cli.terminal import print_json, print_table, say, wrote
+from torsionnet.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.core.atomic import write_text
 from torsionnet.core.number_text import on_screen
 
@@ -85,7 +85,7 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
         command = declared(**values)
         if command.output.as_json and command.output.digits:
             raise click.UsageError("--digits rounds tables and --json has all digits: leave one of them out")
-        emit(command.answer(), command.output)
+        write_answer(command.answer(), command.output)
 
     forms = {one.name: one for one in parameters(Output)}
     params = [one for one in parameters(declared) if one.name not in forms]
@@ -94,7 +94,7 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
     return click.Command(name, callback=run, params=params, help=inspect.getdoc(declared))
 
 
-def emit(answer: Answer, output: Output) -> None:
+def write_answer(answer: Answer, output: Output) -> None:
     """Write and print an answer in the forms asked for."""
     figures: list[tuple[str, Figure]] = []
     if output.plot_file:
@@ -103,17 +103,17 @@ def emit(answer: Answer, output: Output) -> None:
         figures += answer.figures(plot)
     tables = answer.csv() if output.csv_file else ()
     for name, table in tables:
-        path = beside(str(output.csv_file), name, len(tables))
+        path = result_path(str(output.csv_file), name, len(tables))
         table.to_csv(path)
-        wrote(path)
+        print_file_written(path)
     for file, write in answer.files:
         if file:
             write(file)
-            wrote(str(file))
+            print_file_written(str(file))
     for name, figure in figures:
-        path = beside(str(output.plot_file), name, len(figures))
+        path = result_path(str(output.plot_file), name, len(figures))
         plot.save(figure, path)
-        wrote(path)
+        print_file_written(path)
     if output.as_json:
         print_json(answer.data())
     else:
@@ -125,12 +125,12 @@ def emit(answer: Answer, output: Output) -> None:
 
 def _print(part: Table | str | tuple[Any, ...], output: Output) -> None:
     if isinstance(part, (str, tuple)):
-        say(on_screen(part, *([output.digits] if output.digits else [])))
+        print_line(on_screen(part, *([output.digits] if output.digits else [])))
     else:
         print_table(output.sized(part))
 
 
-def beside(file: str, name: str, count: int) -> str:
+def result_path(file: str, name: str, count: int) -> str:
     """Path of one of several result files, as ``shapes_gear_V_clutch_open.png``; ``file`` itself if there is one."""
     if count == 1:
         return file
@@ -145,7 +145,7 @@ def text_answer(text: str, file: str | None) -> Answer:
     return Answer(files=[(file, lambda path: write_text(path, text))])
 
 
-def spaced(parts: Iterable[Table]) -> Iterator[Table | str]:
+def separated_by_lines(parts: Iterable[Table]) -> Iterator[Table | str]:
     """Tables with an empty line between them."""
     for number, part in enumerate(parts):
         if number:

@@ -17,7 +17,7 @@ DEBUG = "TORSIONNET_DEBUG"
 
 
 @contextlib.contextmanager
-def guarded() -> Iterator[None]:
+def exit_code_for_errors() -> Iterator[None]:
     """Context in which an exception becomes a message on stderr and an exit code."""
     from torsionnet.core.errors import TorsionnetWarning
 
@@ -85,7 +85,7 @@ class _Warnings:
             tell("warning", shown)
 
 
-class Printed:
+class ClosedPipeStream:
     """Text stream that drops what is printed after its reader has closed the pipe, instead of raising.
 
     ``torsionnet frf ... --csv all.csv | head -2`` still writes its file. Without any output (``>&-``) everything is

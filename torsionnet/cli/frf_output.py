@@ -15,7 +15,7 @@ from torsionnet.solve.responses.peaks import Peak, Solver, peaks, static_value
 
 
 @dataclass(frozen=True)
-class Shown:
+class DisplayUnits:
     """Units in which responses are shown, and whether magnitudes are in dB."""
 
     conventions: Conventions
@@ -34,14 +34,14 @@ class Shown:
         return f"dB re {self.conventions.db_reference:g} {unit}" if self.decibels else unit
 
 
-def pairs(response: FrequencyResponse) -> Iterator[tuple[int, int, str]]:
+def output_input_pairs(response: FrequencyResponse) -> Iterator[tuple[int, int, str]]:
     """Index of output, index of input and label "output/input" of every transfer function."""
     for o, out in enumerate(response.outputs):
         for i, into in enumerate(response.inputs):
             yield o, i, f"{out.name}/{into.name}"
 
 
-def peak_table(response: FrequencyResponse, solve: Solver, shown: Shown) -> Table:
+def peak_table(response: FrequencyResponse, solve: Solver, shown: DisplayUnits) -> Table:
     """Table of a response with a row for the static value and for each peak of every transfer function."""
     conventions = shown.conventions
     columns = (
@@ -53,7 +53,7 @@ def peak_table(response: FrequencyResponse, solve: Solver, shown: Shown) -> Tabl
         Column("phase", "deg", 4),
     )
     rows = []
-    for o, i, label in pairs(response):
+    for o, i, label in output_input_pairs(response):
         scale, unit = response.scale(conventions, o, i), shown.unit(response.unit(o, i, conventions))
         for name, peak in _points(response, solve, o, i):
             magnitude = shown.magnitude(peak.magnitude, scale)
@@ -70,7 +70,7 @@ def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Itera
         yield f"peak {number}", peak
 
 
-def full_table(response: FrequencyResponse, shown: Shown) -> Table:
+def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
     """Table of a response with a row per frequency; magnitudes in dB if asked for."""
     table = response.table(shown.conventions)
     if not shown.decibels:
@@ -78,7 +78,7 @@ def full_table(response: FrequencyResponse, shown: Shown) -> Table:
     levels = response.decibels(shown.conventions)
     columns, rows = list(table.columns), [list(row) for row in table.rows]
     headings = [column.name for column in columns]
-    for o, i, label in pairs(response):
+    for o, i, label in output_input_pairs(response):
         index = headings.index(f"|{label}|")
         columns[index] = Column(f"|{label}|", shown.unit(response.unit(o, i, shown.conventions)))
         for row, level in zip(rows, levels[:, o, i], strict=True):
@@ -86,7 +86,7 @@ def full_table(response: FrequencyResponse, shown: Shown) -> Table:
     return Table(table.title, tuple(columns), tuple(map(tuple, rows)), table.notes)
 
 
-def as_data(
+def response_json(
     case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
 ) -> dict[str, Any]:
     """JSON data of a response: complex values in the angle unit chosen, static values, peaks; frequencies in Hz."""
@@ -95,7 +95,7 @@ def as_data(
         "configuration": case.configuration,
         "notes": [*response.notes, SIGN_NOTE],
         "frequencies_Hz": response.frequencies.tolist(),
-        "responses": [_pair(response, solve, conventions, o, i) for o, i, _ in pairs(response)],
+        "responses": [_pair(response, solve, conventions, o, i) for o, i, _ in output_input_pairs(response)],
     }
 
 

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
 
 STANDARD_INPUT = "-"
-SHOWN = "<stdin>"
+STANDARD_INPUT_NAME = "<stdin>"
 
 
 def load_model(model: str) -> Drivetrain:
     """Drivetrain of a model file or library model; ``-`` reads the model from standard input."""
     from torsionnet.loading import load, loads
 
-    return loads(piped(), SHOWN) if model == STANDARD_INPUT else load(model)
+    return loads(standard_input_text(), STANDARD_INPUT_NAME) if model == STANDARD_INPUT else load(model)
 
 
 def checked_model(model: str) -> list[Fault]:
@@ -28,7 +28,7 @@ def checked_model(model: str) -> list[Fault]:
     from torsionnet.model.files.reader import read_text
 
     if model == STANDARD_INPUT:
-        return read_text(piped(), SHOWN, further=_growing)[1]
+        return read_text(standard_input_text(), STANDARD_INPUT_NAME, further=_growing)[1]
     return read_file(model, _growing)[1]
 
 
@@ -49,8 +49,8 @@ def _growing(definition: Definition) -> list[Fault]:
     return found
 
 
-def piped() -> str:
+def standard_input_text() -> str:
     """Text read from standard input."""
     from torsionnet.model.files.decoding import decode
 
-    return decode(sys.stdin.buffer.read(), SHOWN)
+    return decode(sys.stdin.buffer.read(), STANDARD_INPUT_NAME)

@@ -21,7 +21,7 @@ PLOT_ENDINGS = (".svg", ".png", ".pdf")
 PRESETS = ("paper",)
 
 
-class WordPair(PairType):
+class PairOption(PairType):
     """Type of an option value ``LEFT=RIGHT``: a pair of texts."""
 
     def __init__(self, left: str, right: str, example: str) -> None:
@@ -34,7 +34,7 @@ class WordPair(PairType):
         return left, right
 
 
-class CommandSettings(WordPair):
+class SettingOption(PairOption):
     """Type of ``--set NAME=VALUE``: a parameter and its value as text, refused if it is no value with a known unit."""
 
     def __init__(self) -> None:
@@ -52,7 +52,7 @@ class CommandSettings(WordPair):
         return name, text
 
 
-class StepsOption(WordPair):
+class StepsOption(PairOption):
     """Type of an option value ``CHANNEL=STEPS``: a channel and its steps per revolution, above 0."""
 
     def __init__(self) -> None:
@@ -69,7 +69,7 @@ class StepsOption(WordPair):
         return channel, steps
 
 
-class Written(EntryType):
+class EntryOption(EntryType):
     """Type of an option value that is read like an entry of a model file.
 
     ``entry`` is the ``module:name`` of the specification of that entry, imported when a value is read.
@@ -90,7 +90,7 @@ class Written(EntryType):
             self.fail(str(error), param, ctx)
 
 
-class Finite(click.FloatRange):
+class FiniteFloat(click.FloatRange):
     """Type of a finite number within limits; nan and inf are refused."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -146,11 +146,11 @@ def plot_option(what: str) -> Any:
 
 SIMPLIFY = option(
     "--simplify",
-    type=Written("SHARE", "model.report.report_plan:SIMPLIFY"),
+    type=EntryOption("SHARE", "model.report.report_plan:SIMPLIFY"),
     help="Leave out elements that move natural frequency and damping ratio of no mode in the band by more, as 1%.",
 )
 SETTINGS = option(
-    "--set", type=CommandSettings(), help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.'
+    "--set", type=SettingOption(), help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.'
 )
 FREQUENCY_UNIT = option(
     "--frequency-unit",
@@ -170,6 +170,6 @@ REFERRED_TO: Any = option(
 )
 
 
-def referred(outputs: tuple[str, ...], shaft: str | None) -> list[str]:
+def referred_outputs(outputs: tuple[str, ...], shaft: str | None) -> list[str]:
     """Names of outputs referred to a shaft, if one is given."""
     return [f"{name} referred to {shaft}" if shaft else name for name in outputs]

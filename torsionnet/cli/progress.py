@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 
-class Show(Protocol):
+class ShowProgress(Protocol):
     """Function that shows how far a stage is: name, amount done, total amount (None: unknown)."""
 
     def __call__(self, stage: str, done: float, total: float | None, words: str = "") -> None:
@@ -35,7 +35,7 @@ def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]
 
 
 @contextlib.contextmanager
-def stages() -> Iterator[Show]:
+def stages() -> Iterator[ShowProgress]:
     """Progress bars of stages one after the other; yields a function that shows how far a stage is."""
     if not sys.stderr.isatty():
         yield lambda stage, done, total, words="": None  # noqa: ARG005  (a Show that shows nothing)

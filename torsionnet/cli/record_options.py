@@ -9,7 +9,7 @@ import click
 
 from torsionnet.cli.command import Command
 from torsionnet.cli.declarations import Arguments, argument, option
-from torsionnet.cli.options import LOWEST_FREQUENCY, PRESETS, Finite, StepsOption, WordPair
+from torsionnet.cli.options import LOWEST_FREQUENCY, PRESETS, FiniteFloat, PairOption, StepsOption
 
 if TYPE_CHECKING:
     from torsionnet.signals.welch import Welch
@@ -22,14 +22,14 @@ class RecordReading(Arguments):
 
     quantities: tuple[tuple[str, str], ...] = option(
         "--quantity",
-        type=WordPair("CHANNEL", "QUANTITY", "M1=torque"),
+        type=PairOption("CHANNEL", "QUANTITY", "M1=torque"),
         help="What a channel is: torque, angle, velocity or acceleration. Repeatable.",
     )
     units: tuple[tuple[str, str], ...] = option(
-        "--unit", type=WordPair("CHANNEL", "UNIT", "M1=kNm"), help="Its unit in the file. Repeatable."
+        "--unit", type=PairOption("CHANNEL", "UNIT", "M1=kNm"), help="Its unit in the file. Repeatable."
     )
     rate: float | None = option(
-        "--rate", type=Finite(0, min_open=True), help="Sampling rate in Hz, if the file has none."
+        "--rate", type=FiniteFloat(0, min_open=True), help="Sampling rate in Hz, if the file has none."
     )
     separator: str | None = option("--separator", help="Between the cells of a text file, instead of finding it out.")
     decimal: str | None = option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a text file.")
@@ -62,10 +62,10 @@ class Averaging(Arguments):
     )
     window: str | None = option("--window", help="Name of a window.  [default: hamming]")
     seconds: float | None = option(
-        "--seconds", type=Finite(0, min_open=True), help="Length of a segment in s.  [default: 2]"
+        "--seconds", type=FiniteFloat(0, min_open=True), help="Length of a segment in s.  [default: 2]"
     )
     overlap: float | None = option(
-        "--overlap", type=Finite(0, 1, max_open=True), help="Share of a segment.  [default: 0.8]"
+        "--overlap", type=FiniteFloat(0, 1, max_open=True), help="Share of a segment.  [default: 0.8]"
     )
     detrend: str | None = option(
         "--detrend", type=click.Choice(["mean", "linear", "none"]), help="Out of every segment."

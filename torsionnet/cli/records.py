@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from torsionnet.cli.record_options import RecordReading
-from torsionnet.cli.terminal import message, tell
+from torsionnet.cli.terminal import message, print_faults
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.recording_files import iter_blocks, read_recording
 from torsionnet.response.recording import Recording
@@ -70,7 +70,7 @@ def _refuse(faults: Sequence[Fault], path: str) -> None:
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors:
         raise ModelError([_named(fault) for fault in errors], path)
-    tell(_named(fault) for fault in faults)
+    print_faults(_named(fault) for fault in faults)
 
 
 def _named(fault: Fault) -> Fault:

@@ -42,10 +42,10 @@ class Sampling:
             low, high = vibration_range(*(case.drivetrain.modes() for case in cases))
             start = min(low * scale, stop / BELOW if stop else math.inf) if start is None else start
             stop = max(high * scale, start * BELOW) if stop is None else stop
-        return spaced(start, stop, self.points or DEFAULT_POINTS, self.logarithmic) / scale
+        return frequency_range(start, stop, self.points or DEFAULT_POINTS, self.logarithmic) / scale
 
 
-def spaced(start: float, stop: float, points: int, logarithmic: bool | None) -> FloatArray:
+def frequency_range(start: float, stop: float, points: int, logarithmic: bool | None) -> FloatArray:
     """Frequencies of a range, linearly or logarithmically spaced, shape (points,).
 
     ``logarithmic`` None: if the range is more than a decade and does not begin at 0.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
 NARROWEST_HEADING, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
-"""Characters: least width of a heading before it is broken, least width of a framed text column, gap of columns."""
+"""Least width of a heading before it is broken, and of a framed text column; gap between columns; in characters."""
 NARROWEST_FOLDED = 30
 """Least width in characters of a column into which long texts are folded; narrower ones are hard to read."""
 SCREEN_WIDTH = 120
@@ -30,22 +30,22 @@ SCREEN_WIDTH = 120
 
 
 def message(kind: str, text: str) -> None:
-    """Print ``kind: text`` on stderr."""
+    """Print a message on stderr after its kind, as "note" or "error"."""
     head = click.style(f"{kind}:", fg=COLOURS.get(kind), bold=True) if _coloured(sys.stderr) else f"{kind}:"
     click.echo(f"{head} {visible(text)}", err=True)
 
 
-def say(text: str = "") -> None:
+def print_line(text: str = "") -> None:
     """Print a line on stdout."""
     click.echo(visible(text))
 
 
-def wrote(path: str) -> None:
+def print_file_written(path: str) -> None:
     """Print on stderr that a file was written."""
     message("wrote", path)
 
 
-def tell(faults: Iterable[Fault]) -> None:
+def print_faults(faults: Iterable[Fault]) -> None:
     """Print warnings and notes about a model on stderr, a line each."""
     # A solver may warn of the same finding again; marked as seen here, it is not printed twice.
     seen: set[str] = getattr(warnings.showwarning, "seen", set())
@@ -55,7 +55,7 @@ def tell(faults: Iterable[Fault]) -> None:
         message(fault.severity, f"{where}{fault.text}")
 
 
-def tell_warnings(notes: Iterable[str]) -> None:
+def print_warnings(notes: Iterable[str]) -> None:
     """Print on stderr the notes of a result that begin with "warning: "."""
     for note in notes:
         kind, _, text = note.partition(": ")
@@ -79,10 +79,10 @@ def print_table(table: Table) -> None:
         click.echo("\n".join(_aligned(table)))
     for note in table.notes:
         for line in wrapped(note, indent="  "):
-            say(line)
+            print_line(line)
 
 
-def width_of(table: Table) -> int:
+def table_width(table: Table) -> int:
     """Number of characters of the longest line of a table printed as aligned text."""
     return max(map(len, _aligned(table)), default=0)
 

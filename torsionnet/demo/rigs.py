@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import torsionnet.plot as plot
-from torsionnet.cli.commands.modes import on_screen
+from torsionnet.cli.commands.modes import without_eigenvalues
 from torsionnet.cli.terminal import print_table
 from torsionnet.loading import load
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
@@ -166,7 +166,7 @@ def show(folder: Path) -> None:
     """Tables on the screen, plots and curves in the folder."""
     cases = rigs()
     for rig in cases:
-        print_table(on_screen(rig.drivetrain.modes().table()))
+        print_table(without_eigenvalues(rig.drivetrain.modes().table()))
         print()
     for table in (comparison(cases), cut_poles(cases)):
         print_table(table)

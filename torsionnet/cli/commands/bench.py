@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.command import NUMBERS, Answer, Command, beside, click_command
+from torsionnet.cli.command import NUMBERS, Answer, Command, click_command, result_path
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import SETTINGS, file_option
-from torsionnet.cli.terminal import tell_warnings
+from torsionnet.cli.terminal import print_warnings
 
 if TYPE_CHECKING:
     from torsionnet.bench import Bench
@@ -60,9 +60,9 @@ class BenchCommand(Command):
         with progress("testing", len(benches)) as advance:
             for name, one in benches:
                 record = one.truth if self.truth else one.run(self.seed)
-                results.append((name, beside(target, name, len(benches)), record))
+                results.append((name, result_path(target, name, len(benches)), record))
                 advance(1)
-        tell_warnings(note for *_, record in results for note in record.notes)
+        print_warnings(note for *_, record in results for note in record.notes)
         return Answer(
             screen=lambda: _screen(results),
             data=lambda: [_as_data(*result) for result in results],

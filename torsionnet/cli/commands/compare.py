@@ -44,14 +44,16 @@ class CompareCommand(ModelCommand, RecordCommand):
     angle: str = ANGLE
 
     def answer(self) -> Answer:
-        from torsionnet.cli.commands.estimate import estimated
+        from torsionnet.cli.commands.estimate import estimate_record
         from torsionnet.response import Conventions
         from torsionnet.signals.agreement import agreement
 
         self.require_one("a record is of one configuration: name one with -c")
         case = self.cases()[0]
         band = (self.start, self.stop)
-        test = estimated(self.record, self.reading, (self.sensor,), (self.into,), self.averaging, self.estimator, band)
+        test = estimate_record(
+            self.record, self.reading, (self.sensor,), (self.into,), self.averaging, self.estimator, band
+        )
         names = (self.model_output or self.sensor, self.model_input or self.into)
         calculated = _calculated(case.drivetrain, test, *names, self.excitation)
         conventions = Conventions(angle=self.angle)
@@ -99,14 +101,14 @@ def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conven
 
 
 def _as_data(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
-    from torsionnet.cli.commands.estimate import as_data
+    from torsionnet.cli.commands.estimate import estimate_json
     from torsionnet.signals.agreement import agreement
     from torsionnet.signals.comparison import difference
 
     apart, table = difference(test, model), agreement(test, model, conventions)
     return {
-        "test": as_data(test, conventions),
-        "model": as_data(model, conventions),
+        "test": estimate_json(test, conventions),
+        "model": estimate_json(model, conventions),
         "difference_dB": apart.decibels[:, 0, 0].tolist(),
         "difference_deg": apart.degrees[:, 0, 0].tolist(),
         "summary": [dict(zip(("what", "at_Hz", "value", "unit"), row, strict=True)) for row in table.rows],

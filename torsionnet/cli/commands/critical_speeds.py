@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class CriticalSpeedsCommand(ModelCommand):
         found = [one.in_conditions([other for other in each if other is not one]) for one in each]
         pairs = list(zip(cases, found, strict=True))
         return Answer(
-            screen=lambda: spaced(part for one in found for part in _shown(one)),
+            screen=lambda: separated_by_lines(part for one in found for part in _shown(one)),
             data=lambda: [_as_data(*pair) for pair in pairs],
             csv=lambda: [("", self.joined(cases, [one.table() for one in found]))],
             figures=lambda plot: [(case.configuration, self._picture(plot, one)) for case, one in pairs],

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, Finite, PairType
+from torsionnet.cli.options import ANGLE, FiniteFloat, PairType
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.response.damper_optimum import DamperOptimum
 
 
-class Sought(PairType):
+class BoundedParameter(PairType):
     """Type of an option value ``NAME`` or ``NAME=LOW..HIGH``: a parameter and its bounds.
 
     A unit after the second bound is that of the first, too.
@@ -52,7 +52,7 @@ class DamperCommand(ModelCommand):
 
     sought: tuple[tuple[str, tuple[str, str] | None], ...] = option(
         "--vary",
-        type=Sought(),
+        type=BoundedParameter(),
         required=True,
         help='Parameter or element.field that is sought, "c_dmp=10..90 kN*m*s/rad". Repeatable.',
     )
@@ -61,8 +61,10 @@ class DamperCommand(ModelCommand):
     excitations: tuple[str, ...] = option(
         "--excitation", metavar="NAME", help="Only this one acts. Repeatable.  [default: all of the model]"
     )
-    start: float | None = option("--from", type=Finite(0, min_open=True), help="Lowest frequency in Hz, with --input.")
-    stop: float | None = option("--to", type=Finite(0, min_open=True), help="Highest frequency in Hz.")
+    start: float | None = option(
+        "--from", type=FiniteFloat(0, min_open=True), help="Lowest frequency in Hz, with --input."
+    )
+    stop: float | None = option("--to", type=FiniteFloat(0, min_open=True), help="Highest frequency in Hz.")
     angle: str = ANGLE
 
     def answer(self) -> Answer:
@@ -75,7 +77,7 @@ class DamperCommand(ModelCommand):
         found = [self._designed(case) for case in cases]
         pairs = list(zip(cases, found, strict=True))
         return Answer(
-            screen=lambda: spaced([one.table(conventions) for one in found]),
+            screen=lambda: separated_by_lines([one.table(conventions) for one in found]),
             data=lambda: [_as_data(*pair) for pair in pairs],
             csv=lambda: [("", self.joined(cases, [one.effect_table() for one in found]))],
             figures=lambda plot: [

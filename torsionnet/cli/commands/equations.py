@@ -10,7 +10,7 @@ import click
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import JSON, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import SIMPLIFY, Written
+from torsionnet.cli.options import SIMPLIFY, EntryOption
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class EquationsCommand(ModelCommand):
 
     pairs: tuple[Any, ...] = option(
         "--tf",
-        type=Written("OUTPUT/INPUT", "model.report.report_plan:PAIR"),
+        type=EntryOption("OUTPUT/INPUT", "model.report.report_plan:PAIR"),
         help='A transfer function, "theta_1/T_T". Repeatable.',
     )
     form: str | None = option("--form", type=click.Choice(FORMS), help="How it is written.  [default: mechanical]")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.options import ANGLE, HIGHEST_FREQUENCY, file_option
 from torsionnet.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
-from torsionnet.cli.terminal import tell_warnings
+from torsionnet.cli.terminal import print_warnings
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions, FrequencyResponse, Table
@@ -37,7 +37,7 @@ class EstimateCommand(EstimateArguments):
         from torsionnet.io import write_frequency_response
         from torsionnet.response import Conventions
 
-        response = estimated(
+        response = estimate_record(
             self.record,
             self.reading,
             self.outputs,
@@ -49,14 +49,14 @@ class EstimateCommand(EstimateArguments):
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: [peak_table(response, conventions)],
-            data=lambda: as_data(response, conventions),
+            data=lambda: estimate_json(response, conventions),
             csv=lambda: [("", response.table(conventions))],
             files=[(self.output_file, lambda file: write_frequency_response(response, file))],
             figures=lambda plot: [("", plot.bode(response, conventions=conventions))],
         )
 
 
-def estimated(
+def estimate_record(
     record: str,
     reading: RecordReading,
     outputs: tuple[str, ...],
@@ -76,13 +76,13 @@ def estimated(
         measured = load_record(record, reading, (*outputs, *inputs, *references), settings.seconds, advance)
         limits = (band[0], float("inf") if band[1] is None else band[1])
         response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=limits)
-    tell_warnings(response.notes)
+    print_warnings(response.notes)
     return response
 
 
 def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
     """Table of an estimate with a row for the first line and for every peak in the usable frequency range."""
-    from torsionnet.cli.frf_output import pairs
+    from torsionnet.cli.frf_output import output_input_pairs
     from torsionnet.response import Column, Table
     from torsionnet.response.frequency_response import SIGN_NOTE, limit_line
 
@@ -96,7 +96,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
         Column("coherence", "", 3),
     )
     rows: list[tuple[Any, ...]] = []
-    for o, i, label in pairs(response):
+    for o, i, label in output_input_pairs(response):
         scale, unit = response.scale(conventions, o, i), response.unit(o, i, conventions)
         for name, index in _places(response, o, i):
             value = response.values[index, o, i]
@@ -116,9 +116,9 @@ def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
 
 
-def as_data(response: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
+def estimate_json(response: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
     """JSON data of an estimated response: complex values in the angle unit chosen, and coherence."""
-    from torsionnet.cli.frf_output import curve_data, pairs
+    from torsionnet.cli.frf_output import curve_data, output_input_pairs
 
     coherence = response.coherence
     return {
@@ -131,7 +131,7 @@ def as_data(response: FrequencyResponse, conventions: Conventions) -> dict[str, 
                 **curve_data(response, conventions, o, i),
                 "coherence": None if coherence is None else coherence[:, o, i].tolist(),
             }
-            for o, i, _ in pairs(response)
+            for o, i, _ in output_input_pairs(response)
         ],
     }
 

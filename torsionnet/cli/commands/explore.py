@@ -10,8 +10,8 @@ import click
 from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.models import STANDARD_INPUT, piped
-from torsionnet.cli.terminal import message, say, tell
+from torsionnet.cli.models import STANDARD_INPUT, standard_input_text
+from torsionnet.cli.terminal import message, print_faults, print_line
 
 if TYPE_CHECKING:
     from torsionnet.explore import ExploreServer
@@ -62,10 +62,10 @@ class ExploreCommand(ModelCommand):
             [read_pair(pair) for pair in self.pairs],
             self.band,
             self.overlay,
-            piped() if self.model == STANDARD_INPUT else None,
+            standard_input_text() if self.model == STANDARD_INPUT else None,
             self.over_speed,
         )
-        tell(session.base.check())
+        print_faults(session.base.check())
         with ExploreServer(session, self.port) as server:
             _serve(server, open_browser=not self.no_browser)
         return Answer()
@@ -73,7 +73,7 @@ class ExploreCommand(ModelCommand):
 
 def _serve(server: ExploreServer, *, open_browser: bool) -> None:
     """Serve the page until Ctrl-C."""
-    say(server.address)
+    print_line(server.address)
     message("note", "the page is on this machine only; Ctrl-C ends it")
     if open_browser:
         import webbrowser

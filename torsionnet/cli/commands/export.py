@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.cases import ModelCommand
-from torsionnet.cli.command import Answer, beside, click_command
+from torsionnet.cli.command import Answer, click_command, result_path
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import file_option
-from torsionnet.cli.terminal import message, wrote
+from torsionnet.cli.terminal import message, print_file_written
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -87,11 +87,11 @@ class ExportCommand(ModelCommand):
             "sheet": io.write_mass_elastic,
         }
         for case in cases:
-            target = beside(self.output_file, case.configuration, len(cases))
+            target = result_path(self.output_file, case.configuration, len(cases))
             platforms = self._write(writers[chosen], case.drivetrain, target, more)
             if platforms:
                 message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONE_PLATFORM_HINT}")
-            wrote(target)
+            print_file_written(target)
         return Answer()
 
     def _write(

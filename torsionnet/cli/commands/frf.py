@@ -9,7 +9,7 @@ import click
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, FREQUENCY_UNIT, REFERRED_TO, referred
+from torsionnet.cli.options import ANGLE, FREQUENCY_UNIT, REFERRED_TO, referred_outputs
 from torsionnet.cli.terminal import message
 from torsionnet.core.errors import UsageError
 
@@ -69,11 +69,11 @@ class FrfCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        from torsionnet.cli.frf_output import Shown, as_data, full_table, peak_table
+        from torsionnet.cli.frf_output import DisplayUnits, full_table, peak_table, response_json
         from torsionnet.cli.sampling import Sampling
         from torsionnet.response import Conventions
 
-        shown = Shown(Conventions(angle=self.angle, frequency=self.frequency_unit), self.decibels)
+        shown = DisplayUnits(Conventions(angle=self.angle, frequency=self.frequency_unit), self.decibels)
         sampling = Sampling(self.start, self.stop, self.points, self.logarithmic, self.listed)
         frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
         cases, solvers, responses = _answered(self, cases, frequencies)
@@ -87,7 +87,7 @@ class FrfCommand(ModelCommand):
 
         return Answer(
             screen=lambda: [self.joined(cases, full() if self.full else brief())],
-            data=lambda: [as_data(*trio, shown.conventions) for trio in trios],
+            data=lambda: [response_json(*trio, shown.conventions) for trio in trios],
             csv=lambda: [("", self.joined(cases, full()))],
             figures=lambda plot: [("", plot.bode(responses, conventions=shown.conventions, decibels=self.decibels))],
         )
@@ -95,7 +95,7 @@ class FrfCommand(ModelCommand):
     def solver(self, case: ConfiguredCase) -> Solver:
         def solve(frequencies: FloatArray) -> FrequencyResponse:
             response = case.drivetrain.frequency_response(
-                referred(self.outputs, self.referred_to),
+                referred_outputs(self.outputs, self.referred_to),
                 list(self.inputs),
                 frequencies,
                 excitation=list(self.excitations) or None,

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import Written
+from torsionnet.cli.options import EntryOption
 
 if TYPE_CHECKING:
     from torsionnet.response.holzer_table import HolzerStation, HolzerTable
@@ -32,12 +32,14 @@ class HolzerCommand(ModelCommand):
 
     mode: int | None = option("--mode", type=click.IntRange(min=1), metavar="N", help="Number of the mode.")
     at: float | None = option(
-        "--at", type=Written("FREQUENCY", "response.holzer_table:FREQUENCY"), help="Instead, a trial frequency: 12 Hz."
+        "--at",
+        type=EntryOption("FREQUENCY", "response.holzer_table:FREQUENCY"),
+        help="Instead, a trial frequency: 12 Hz.",
     )
     first: str | None = option("--first", metavar="NODE", help="Station to begin with.  [default: the first free end]")
     amplitude: float = option(
         "--amplitude",
-        type=Written("ANGLE", "response.holzer_table:AMPLITUDE"),
+        type=EntryOption("ANGLE", "response.holzer_table:AMPLITUDE"),
         default="1 rad",
         show_default=True,
         help="Angle of the first station.",
@@ -52,7 +54,7 @@ class HolzerCommand(ModelCommand):
         found = [self._run(case) for case in cases]
         pairs = list(zip(cases, found, strict=True))
         return Answer(
-            screen=lambda: spaced(table for one in found for table in one.tables(referred=self.referred)),
+            screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),
             data=lambda: [_as_data(*pair) for pair in pairs],
             csv=lambda: [("", self.joined(cases, [one.table(referred=self.referred) for one in found]))],
         )

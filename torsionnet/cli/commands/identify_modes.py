@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 from torsionnet.cli.record_options import EstimateArguments
-from torsionnet.cli.terminal import tell_warnings
+from torsionnet.cli.terminal import print_warnings
 
 if TYPE_CHECKING:
     from torsionnet.modal import Match, ModalEstimate
@@ -44,13 +44,13 @@ class IdentifyModesCommand(EstimateArguments):
     configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
 
     def answer(self) -> Answer:
-        from torsionnet.cli.commands.estimate import estimated
+        from torsionnet.cli.commands.estimate import estimate_record
 
         if self.output.plot_file and self.method == "peaks":
             raise click.UsageError(
                 "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
             )
-        response = estimated(
+        response = estimate_record(
             self.record,
             self.reading,
             self.outputs,
@@ -63,9 +63,9 @@ class IdentifyModesCommand(EstimateArguments):
             response = response.between(self.start, response.usable_up_to)
         found, diagram = _identified(response, self.method, self.order)
         compared = _compared(found, self.model, self.configuration, self.inputs) if self.model else None
-        tell_warnings(found.notes)
+        print_warnings(found.notes)
         return Answer(
-            screen=lambda: spaced([found.table(), *([compared.table()] if compared else [])]),
+            screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
             data=lambda: _as_data(found, compared),
             csv=lambda: [("", found.table())],
             figures=lambda plot: [("", plot.stabilisation(diagram, found))],

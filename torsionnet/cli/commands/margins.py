@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class MarginsCommand(ModelCommand):
         tables = [one.table() for one in found]
         pairs = list(zip(cases, found, strict=True))
         return Answer(
-            screen=lambda: spaced(tables),
+            screen=lambda: separated_by_lines(tables),
             data=lambda: [_as_data(*pair) for pair in pairs],
             csv=lambda: [("", self.joined(cases, tables))],
             figures=lambda plot: [(case.configuration, plot.nyquist(one)) for case, one in pairs],

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import EXCITATION, FREQUENCY_UNIT
-from torsionnet.cli.wide_tables import in_blocks, shares_on_screen
+from torsionnet.cli.wide_tables import blank_zero_shares, split_table
 
 if TYPE_CHECKING:
     from torsionnet.response import Modes, Table
@@ -68,7 +68,9 @@ class ModesCommand(ModelCommand):
         tables = [modes.table(conventions) for modes in results]
         pairs = list(zip(cases, results, strict=True))
         return Answer(
-            screen=lambda: spaced(part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)),
+            screen=lambda: separated_by_lines(
+                part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)
+            ),
             data=lambda: [_as_data(*pair) for pair in pairs],
             csv=lambda: [("", self.joined(cases, tables))],
             # overlaid the shapes of several configurations could not be told apart
@@ -91,14 +93,14 @@ class ModesCommand(ModelCommand):
 
     def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
         """Tables printed for one configuration: modes, and shapes and energy shares if asked for."""
-        yield on_screen(table)
+        yield without_eigenvalues(table)
         if self.shapes:
-            yield from in_blocks(self.output.sized(modes.shape_table()), 2)
+            yield from split_table(self.output.sized(modes.shape_table()), 2)
         if self.energies:
-            yield from in_blocks(self.output.sized(shares_on_screen(modes.energy_table())), 3)
+            yield from split_table(self.output.sized(blank_zero_shares(modes.energy_table())), 3)
 
 
-def on_screen(table: Table) -> Table:
+def without_eigenvalues(table: Table) -> Table:
     """Copy of the table of modes without the columns of eigenvalues, which only files have."""
     return table.chosen([index for index, one in enumerate(table.columns) if one.name not in EIGENVALUES])
 

@@ -10,7 +10,7 @@ import click
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, REFERRED_TO, referred
+from torsionnet.cli.options import ANGLE, REFERRED_TO, referred_outputs
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class OrdersCommand(ModelCommand):
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(
-            referred(self.outputs, self.referred_to), excitations=self.excitations or None, refine=True
+            referred_outputs(self.outputs, self.referred_to), excitations=self.excitations or None, refine=True
         )
 
 

@@ -11,9 +11,9 @@ from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import Answer, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.models import STANDARD_INPUT, load_model
-from torsionnet.cli.options import PRESETS, SIMPLIFY, Finite, file_option
+from torsionnet.cli.options import PRESETS, SIMPLIFY, FiniteFloat, file_option
 from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
-from torsionnet.cli.terminal import wrote
+from torsionnet.cli.terminal import print_file_written
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -77,7 +77,7 @@ class ReportCommand(ModelCommand):
         "--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015)."
     )
     seconds: float | None = option(
-        "--seconds", type=Finite(0, min_open=True), help="Length of a segment of the records in s.  [default: 2]"
+        "--seconds", type=FiniteFloat(0, min_open=True), help="Length of a segment of the records in s.  [default: 2]"
     )
     record_band: tuple[float, float] | None = option(
         "--record-band",
@@ -122,7 +122,7 @@ class ReportCommand(ModelCommand):
             template=self.template,
         )
         for path in write(report, target)[:1]:
-            wrote(str(path))
+            print_file_written(str(path))
         return Answer()
 
 
@@ -163,7 +163,7 @@ def _measured(
     from torsionnet.core.errors import UsageError
     from torsionnet.report.request import Measured
 
-    configuration, file = split(name, rig)
+    configuration, file = configuration_and_file(name, rig)
     whole = _response(file, output, into, averaging)
     if band is None:
         return Measured(whole, configuration)
@@ -173,7 +173,7 @@ def _measured(
     return Measured(part, configuration)
 
 
-def split(name: str, rig: Drivetrain) -> tuple[str, str]:
+def configuration_and_file(name: str, rig: Drivetrain) -> tuple[str, str]:
     """Configuration and file named by ``--record``: ``V=test.npz``, or the file alone."""
     from torsionnet.core.errors import ModelError, UsageError
 
@@ -198,9 +198,9 @@ def _response(file: str, output: str | None, into: str | None, averaging: Averag
     except (ModelError, UsageError):
         if not (output and into):
             raise
-    from torsionnet.cli.commands.estimate import estimated
+    from torsionnet.cli.commands.estimate import estimate_record
 
-    return estimated(file, RecordReading(), (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
+    return estimate_record(file, RecordReading(), (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
 
 
 command = click_command("report", ReportCommand)

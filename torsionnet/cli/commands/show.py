@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 from torsionnet.cli.terminal import wrapped
 
@@ -61,7 +61,7 @@ class ShowCommand(ModelCommand):
                 from torsionnet.cli.commands.equations import matrix_tables
 
                 yield from [""] if self.equations else []
-                yield from spaced(matrix_tables(case.drivetrain))
+                yield from separated_by_lines(matrix_tables(case.drivetrain))
 
     def as_data(self, case: ConfiguredCase) -> dict[str, Any]:
         from torsionnet.cli.commands.equations import equations_data, matrices_data

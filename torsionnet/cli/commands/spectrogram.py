@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, Finite
+from torsionnet.cli.options import ANGLE, FiniteFloat
 from torsionnet.cli.record_options import Averaging, RecordCommand
 
 if TYPE_CHECKING:
@@ -29,9 +29,11 @@ class SpectrogramCommand(RecordCommand):
     channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", help="Repeatable; default: all of the record.")
     averaging: Averaging
     highest: float | None = option(
-        "--to", type=Finite(0, min_open=True), help="Highest frequency in Hz; default: where the power ends."
+        "--to", type=FiniteFloat(0, min_open=True), help="Highest frequency in Hz; default: where the power ends."
     )
-    span: float = option("--span", type=Finite(0, min_open=True), default=60.0, show_default=True, help="dB shown.")
+    span: float = option(
+        "--span", type=FiniteFloat(0, min_open=True), default=60.0, show_default=True, help="dB shown."
+    )
     angle: str = ANGLE
 
     def answer(self) -> Answer:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, Written
+from torsionnet.cli.options import ANGLE, EntryOption
 from torsionnet.cli.terminal import message
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class StaticCommand(ModelCommand):
 
     speed: float | None = option(
         "--speed",
-        type=Written("SPEED", "model.excitations.speed_range:SPEED"),
+        type=EntryOption("SPEED", "model.excitations.speed_range:SPEED"),
         help='Another speed of the node of the entry speeds:, as "500 rpm".',
     )
     angle: str = ANGLE
@@ -40,7 +40,7 @@ class StaticCommand(ModelCommand):
         conventions = Conventions(angle=self.angle)
         cases, found = self._found()
         return Answer(
-            screen=lambda: spaced(state.table(conventions) for state in found),
+            screen=lambda: separated_by_lines(state.table(conventions) for state in found),
             data=lambda: [
                 {"configuration": case.configuration, **state.to_data()}
                 for case, state in zip(cases, found, strict=True)

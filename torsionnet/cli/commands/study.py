@@ -11,7 +11,7 @@ import click
 from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import OutputFile, OutputFolder
-from torsionnet.cli.terminal import message, tell
+from torsionnet.cli.terminal import message, print_faults
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,7 +72,7 @@ class StudyCommand(Command):
         if (self.variants_file or "").endswith(".parquet"):
             require("parquet")
         study = load_study(self.file)
-        tell(study.findings)
+        print_faults(study.findings)
         answered = self._answered(study)
         result, conclusions = answered.result, answered.conclusions
         for name, error in answered.unanswered.items():
