@@ -1,1 +1,1 @@
-"""From a drivetrain to rows, matrices and sensor functionals, in numbers and in symbols."""
+"""Assembly of a drivetrain into rows, matrices and sensor functionals, in numbers and in symbols."""

@@ -1,4 +1,4 @@
-"""Torques that follow the motion of another row, in exact numbers: what closes a loop around the laws."""
+"""Transfer functions of actions (controllers, fluid couplings): torques that follow a motion, in exact numbers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, exact_row
 
 Polynomial: TypeAlias = tuple[Fraction, ...]
-"""Coefficients ascending in s, the last of them not zero; empty for zero."""
+"""Coefficients of a polynomial in s, ascending, the last of them not zero; empty for zero."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,12 @@ class ActionLaw:
 
     @property
     def acts_at_rest(self) -> bool:
-        """Whether a constant angle makes a torque."""
+        """Whether a constant sensed angle makes a torque."""
         return self.numerator[0] != 0 or self.denominator[0] == 0
 
     @property
     def rows(self) -> tuple[str, Mapping[str, Fraction], Mapping[str, Fraction], Mapping[str, Fraction]]:
-        """What does not depend on the law: where it acts and what it senses."""
+        """Element, row over nodes, driven row and sensed row of the action, which do not depend on its coefficients."""
         return self.owner, self.nodes, self.row, self.sensed
 
     @cached_property
@@ -61,7 +61,7 @@ class ActionLaw:
         return (*numbers, float(self.delay))  # type: ignore[return-value]
 
     def kappa(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Torque per angle sensed, N m/rad, at s in rad/s."""
+        """Transfer function torque / sensed angle in N m/rad at the Laplace variable s in rad/s, shape of s."""
         numerator, denominator, delay = self._floats
         with np.errstate(all="ignore"):
             value = polynomial(numerator, s) / polynomial(denominator, s)
@@ -69,7 +69,7 @@ class ActionLaw:
 
 
 def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
-    """Refuse what is not worked out where controllers act, or fluid couplings, whose torques follow two speeds.
+    """Refuse a calculation that does not allow for the actions (controllers, fluid couplings) of a drivetrain.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
 
 
 def polynomial(coefficients: Sequence[Any], s: Any) -> Any:
-    """Its value at s, by Horner's rule."""
+    """Value at s of the polynomial with these ascending coefficients, by Horner's rule."""
     value = 0 * s
     for coefficient in reversed(coefficients):
         value = value * s + coefficient
@@ -90,7 +90,7 @@ def polynomial(coefficients: Sequence[Any], s: Any) -> Any:
 
 
 def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
-    """The actions that do something, in the order of the elements."""
+    """Laws of all actions with a gain and a sensed motion that are not zero, in the order of the elements."""
     found = []
     for owner, action in kinematics.actions:
         sensed = exact_row(kinematics.reduced(action.sensed))
@@ -103,7 +103,7 @@ def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
 
 
 def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[Polynomial, Polynomial]:
-    """Exact coefficients without zeros at the end and without a common factor s; the denominator monic.
+    """Exact numerator and denominator without trailing zeros and without a common factor s; the denominator monic.
 
     A common factor s is an integral of a rate, which is the angle: no state of its own.
 
@@ -121,7 +121,7 @@ def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[
 
 
 def divided(numerator: Polynomial, denominator: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Quotient and remainder by a monic denominator.
+    """Quotient and remainder of a polynomial divided by a monic denominator.
 
     >>> divided((Fraction(1), Fraction(0), Fraction(2)), (Fraction(3), Fraction(1)))
     ((Fraction(-6, 1), Fraction(2, 1)), (Fraction(19, 1),))

@@ -1,4 +1,4 @@
-"""A model with its numbers: what solvers work on."""
+"""Model of a drivetrain with its assembly: coordinates, rows and coefficients for the solvers."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 
 class Siblings:
-    """What a model and its changed copies have in common: the assembly that one of them made last."""
+    """Latest assembly made by a model or by its changed copies, which share rows with it."""
 
     latest: Assembly | None = None
 
 
 class AssembledModel(Model):
-    """A model whose coordinates, rows and coefficients are there when asked for."""
+    """Model whose coordinates, rows and coefficients are assembled when first used."""
 
     @cached_property
     def assembly(self) -> Assembly:
-        """The drivetrain in numbers: coordinates, rows and coefficients."""
+        """Assembly of the drivetrain: coordinates, rows and coefficients in numbers."""
         from torsionnet.assembly.system import assemble  # numpy, which checking a file does without
 
         found = assemble(self.definition, self.exact_values, like=self._siblings.latest)
@@ -36,11 +36,11 @@ class AssembledModel(Model):
         return Siblings()
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
-        """A changed copy, whose assembly may share what it has in common with those of this one and its like."""
+        """Changed copy of the model, whose assembly shares rows with the model's own where they are the same."""
         return self._sharing(super()._changed(choice, changes))
 
     def operated(self, values: Mapping[str, float]) -> Self:
-        """As for any model, with what the assemblies have in common."""
+        """Copy of the model at an operating point, whose assembly shares equal rows with the model's own."""
         return self._sharing(super().operated(values))
 
     def _sharing(self, changed: Self) -> Self:

@@ -1,4 +1,4 @@
-"""What sensors read, as linear functionals of motion and applied torque.
+"""Readings of sensors as linear functionals of the motion and of applied torques.
 
 Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, and a direct share of applied torques, which
 only the torque through a rigid connection has. Solvers that care about accuracy keep the gap of such a connection as a
@@ -30,7 +30,7 @@ from torsionnet.response import Channel
 
 @dataclass(frozen=True)
 class Term:
-    """factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
+    """Term of a reading: factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
 
     ``columns`` is the row over the ``n_coordinates`` coordinates and, after them, imposed angles: the floats of
     ``exact``.
@@ -45,7 +45,7 @@ class Term:
 
     @property
     def row(self) -> FloatArray:
-        """The row over the coordinates as an array (n_q,): not for large systems."""
+        """Row of the term over the coordinates as an array (n_q,): not for large systems."""
         row = np.zeros(self.n_coordinates)
         for column, coefficient in self.columns.items():
             if column < self.n_coordinates:
@@ -55,7 +55,7 @@ class Term:
 
 @dataclass(frozen=True)
 class Functional:
-    """A reading: terms of motion, and shares of the torques applied to nodes.
+    """Linear functional of a reading: terms of motion, and factors on the torques applied to nodes.
 
     ``sensor`` is None for an excitation in the place of a measured input; ``applied`` is empty unless the torque of a
     rigid connection is read. ``actions`` are the factors of the torques of actions that belong to the element read;
@@ -71,21 +71,21 @@ class Functional:
 
     @property
     def channel(self) -> Channel:
-        """Name and unit."""
+        """Channel of the reading: its name and unit."""
         return Channel(self.name, self.unit)
 
     def direct(self, row: Mapping[str, int]) -> Fraction:
-        """What is read of torques applied to nodes, without any motion."""
+        """Direct feedthrough from torques applied to the nodes of a row to the reading, without any motion."""
         return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
 def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
-    """What the motion of a term is multiplied with, shape (n_points,)."""
+    """Factor on the motion of a term, s^power or dynamic stiffness of its law, at all points, shape (n_points,)."""
     return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
 
 
 def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fraction]:
-    """Coefficients of 1, s and s^2 in the law of a term, or in its power of s; without its factor."""
+    """Coefficients of 1, s and s^2 in the law of a term, or in its power of s; without the term's factor."""
     if term.law is None:
         return Fraction(term.power == 0), Fraction(term.power == 1), Fraction(term.power == 2)
     law = assembly.laws[term.law]
@@ -93,7 +93,7 @@ def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fra
 
 
 def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Functional:
-    """The functional of a sensor.
+    """Functional of a sensor: the reading as terms of motion and of applied torques.
 
     Raises
     ------

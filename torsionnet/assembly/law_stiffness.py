@@ -18,7 +18,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 
 @dataclass(frozen=True, eq=False)
 class LawStiffness:
-    """kappa_i(j omega) = k - J omega^2 + j c omega + sampled(omega) of every law.
+    """Dynamic stiffness kappa_i(j omega) = k - J omega^2 + j c omega + sampled(omega) of every law i, over variants.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class LawStiffness:
 
     @property
     def s(self) -> ComplexArray:
-        """Of every point, rad/s."""
+        """Laplace variable s = j omega of all points in rad/s, shape (n_points,)."""
         return np.asarray(1j * self._all_omega, dtype=np.complex128)
 
     @property
     def _all_omega(self) -> FloatArray:
-        """Of every point, rad/s."""
+        """Circular frequency of all points in rad/s, shape (n_points,)."""
         if self.omega.size == self.n_points:
             return self.omega.ravel()
         return np.tile(self.omega, len(self.stiffness))
@@ -67,7 +67,7 @@ class LawStiffness:
         return np.asarray(self.only([law]).by_law[0])
 
     def only(self, laws: Sequence[int]) -> LawStiffness:
-        """The laws at these places."""
+        """Dynamic stiffness of the selected laws alone, in the order given."""
         places = {law: place for place, law in enumerate(laws)}
         sampled = tuple((places[law], values) for law, values in self.sampled if law in places)
         parts = self.inertia[:, laws], self.damping[:, laws], self.stiffness[:, laws]
@@ -75,7 +75,7 @@ class LawStiffness:
 
     @property
     def by_law(self) -> ComplexArray:
-        """Of every law, shape (n_laws, n_points): the points of a law lie next to each other."""
+        """Dynamic stiffness of all laws in N m/rad, shape (n_laws, n_points); the points of a law are contiguous."""
         kappa = np.empty((self.n_laws, len(self.stiffness), self.n_frequencies), dtype=complex)
         J, c, k = (np.ascontiguousarray(part.T)[:, :, None] for part in (self.inertia, self.damping, self.stiffness))
         np.multiply(J, -(self.omega * self.omega), out=kappa.real)
@@ -86,7 +86,7 @@ class LawStiffness:
         return kappa.reshape(self.n_laws, self.n_points)
 
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
-        """Some points, as frequencies of one variant."""
+        """Dynamic stiffness at selected points, as frequencies of one variant."""
         actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
         variants, places = np.divmod(points, self.n_frequencies)
         omega = self.omega[places] if self.omega.ndim == 1 else self.omega[variants, places]
@@ -98,7 +98,7 @@ class LawStiffness:
         return replace(self, omega=omega, actions=actions).sampled_as(values)
 
     def variants(self, which: NDArray[np.intp]) -> LawStiffness:
-        """Some variants, at the same frequencies."""
+        """Dynamic stiffness of selected variants, at the same frequencies."""
         return replace(
             self,
             inertia=self.inertia[which],
@@ -110,18 +110,18 @@ class LawStiffness:
         )
 
     def sampled_as(self, values: ComplexArray) -> LawStiffness:
-        """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
+        """Dynamic stiffness given by values (n_laws, n_f) in N m/rad for one variant, at the same frequencies."""
         nothing = np.zeros((1, self.n_laws))
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
     @property
     def is_real(self) -> bool:
-        """Whether nothing damps."""
+        """Whether no law has damping, so that all dynamic stiffnesses are real."""
         return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
 
     def gathered(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
-        """Sums over laws, one for each of ``sources``: (law, factor), ..."""
+        """Dynamic stiffness of sums of laws, one sum for each of ``sources``: (law, factor), ..."""
         shape = (len(self.stiffness), len(sources))
         J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         places: dict[int, list[tuple[int, float]]] = {}
@@ -161,7 +161,7 @@ class LawStiffness:
         return dict(self.sampled)
 
     def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
-        """Dynamic stiffness of one law into real and imaginary parts (n_variants, n_f); None where nothing damps."""
+        """Write the dynamic stiffness of a law into arrays (n_variants, n_f): real part, and imaginary part or None."""
         J, c, k = self._columns[law]
         if J is None:
             real[...] = 0.0 if k is None else k
@@ -179,14 +179,14 @@ class LawStiffness:
                 imag += self._samples[law].imag
 
     def inertial(self, law: int) -> FloatArray | None:
-        """J omega^2 of a law (n_points,) where a stiffness acts against it; else None."""
+        """J omega^2 of a law in N m/rad, shape (n_points,), where the law has a stiffness as well; else None."""
         J, _, k = self._columns[law]
         if J is None or (k is None and law not in self._samples):
             return None
         return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), self.n_frequencies)).ravel())
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
-        """Parts of at most ``size`` points that follow each other: several variants, or frequencies of one."""
+        """Yield the dynamic stiffness in blocks of at most ``size`` points: several variants, or frequencies of one."""
         n_f = self.n_frequencies
         together = max(1, size // max(1, n_f))
         for first in range(0, len(self.stiffness), together):
@@ -207,7 +207,7 @@ class LawStiffness:
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
-    """Of variants of one system, at omega in rad/s, (n_f,) or (n_variants, n_f).
+    """Dynamic stiffness of all laws for variants of one system, at omega in rad/s, (n_f,) or (n_variants, n_f).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A drivetrain reduced to arrays: kinematic rows over the kept coordinates, and what acts on each row.
+"""Kinematic rows of a drivetrain over the kept coordinates, with the coefficients of the law on each row.
 
 With the rows B (n_laws x n_q) the equations of motion are
 
@@ -28,7 +28,7 @@ ComplexArray: TypeAlias = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Rows over columns, stored by their few entries that are not zero.
+    """Sparse matrix of rows over columns, stored by the few entries that are not zero.
 
     A drivetrain of n nodes has rows with one to three entries, so that n x n arrays cost the square of what there is to
     say: ``dense`` is for small systems and for methods that need such an array anyway.
@@ -53,7 +53,7 @@ class Rows:
 
     @classmethod
     def of(cls, dense: FloatArray) -> Rows:
-        """The rows of an array."""
+        """Sparse rows from a dense array (n_rows, n_columns)."""
         found: list[dict[int, float]] = [{} for _ in dense]
         for i, j in zip(*(part.tolist() for part in np.nonzero(dense)), strict=True):
             found[i][j] = float(dense[i, j])
@@ -61,7 +61,7 @@ class Rows:
 
     @classmethod
     def named(cls, rows: Iterable[Mapping[str, Any]], columns: Mapping[str, int]) -> Rows:
-        """Rows over names, restricted to the names that have a column."""
+        """Sparse rows from rows over names, restricted to the names that have a column."""
         maps = [{columns[name]: float(value) for name, value in row.items() if name in columns} for row in rows]
         return cls(tuple(maps), len(columns))
 
@@ -70,7 +70,7 @@ class Rows:
 
     @cached_property
     def dense(self) -> FloatArray:
-        """Array (n_rows, n_columns); not to be changed."""
+        """Dense array (n_rows, n_columns) of the rows, read-only."""
         array = np.zeros((len(self.maps), self.n_columns))
         for index, row in enumerate(self.maps):
             for column, value in row.items():
@@ -80,7 +80,7 @@ class Rows:
 
     @cached_property
     def csr(self) -> Any:
-        """scipy.sparse.csr_array (n_rows, n_columns)."""
+        """Rows as a scipy.sparse.csr_array (n_rows, n_columns)."""
         from scipy import sparse
 
         indices = [column for row in self.maps for column in row]
@@ -121,12 +121,12 @@ class RowSystem:
 
     @property
     def rows(self) -> FloatArray:
-        """The rows as an array (n_laws, n_q): not for large systems."""
+        """Rows of the laws as an array (n_laws, n_q): not for large systems."""
         return self.law_rows.dense
 
     @property
     def sparse_rows(self) -> tuple[dict[int, float], ...]:
-        """Every row as a map from coordinate to coefficient."""
+        """Row of each law as a map from coordinate to coefficient."""
         return self.law_rows.maps
 
     @property

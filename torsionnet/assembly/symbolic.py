@@ -23,7 +23,7 @@ from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinemat
 
 OMEGA = sympy.Symbol("omega")
 MOST_TERMS = 1000
-"""Terms of a sum that is still multiplied out."""
+"""Largest number of terms up to which a sum is multiplied out: longer ones are not read term by term."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class SymbolicAction:
     delay: Any
 
     def law(self, s: Any) -> Any:
-        """Torque per angle sensed."""
+        """Transfer function torque / sensed angle as a sympy expression of s."""
         above, below = (
             sum((value * s**power for power, value in enumerate(part)), start=sympy.Integer(0))
             for part in (self.numerator, self.denominator)
@@ -46,7 +46,7 @@ class SymbolicAction:
         return above / below * sympy.exp(-s * self.delay)
 
     def equation(self, coordinates: Sequence[str]) -> str:
-        """The law in words of sympy."""
+        """Equation of the torque over the motion of the coordinates as text in sympy's notation."""
         terms = [_signed(value, f"theta_{name}") for value, name in zip(self.sensed, coordinates, strict=True) if value]
         return f"T_{self.owner} = {self.law(sympy.Symbol('s'))} ({_joined(terms)})"
 
@@ -91,18 +91,18 @@ class SymbolicMatrices:
     actions: tuple[SymbolicAction, ...] = field(default=())
 
     def dynamic_stiffness(self, s: Any) -> sympy.Matrix:
-        """D(s) = M s^2 + C s + K + j H + tables, and what actions do, (n_q, n_q)."""
+        """Dynamic stiffness D(s) = M s^2 + C s + K + j H + tables, less the actions, (n_q, n_q)."""
         passive = self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
         for one in self.actions:
             passive -= one.law(s) * sympy.Matrix(one.row) * sympy.Matrix([one.sensed])
         return passive
 
     def equations(self) -> tuple[str, ...]:
-        """One line per coordinate: the equation of motion, with ' for d/dt."""
+        """Equations of motion as text, one line per coordinate, with ' for d/dt."""
         return tuple(self._equation(row) for row in range(len(self.coordinates)))
 
     def laws(self) -> tuple[str, ...]:
-        """One line for each torque that follows the motion, by its Laplace transform."""
+        """Equations of the torques that follow the motion, in the Laplace domain, one line each."""
         return tuple(one.equation(self.coordinates) for one in self.actions)
 
     def _equation(self, row: int) -> str:
@@ -131,7 +131,7 @@ def _joined(terms: list[str]) -> str:
 
 
 def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = ()) -> SymbolicMatrices:
-    """See :meth:`torsionnet.Drivetrain.symbolic`.
+    """Symbolic equations of motion of a drivetrain; see :meth:`torsionnet.Drivetrain.symbolic`.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
 
 
 def _numbered(actions: Sequence[tuple[str, Action]]) -> list[str]:
-    """The owners of actions, with a number where one has several: their torques need names of their own."""
+    """Names of the actions' torques: the element, with a number where an element has several actions."""
     owners = [owner for owner, _ in actions]
     return [
         owner if owners.count(owner) == 1 else f"{owner}_{owners[: place + 1].count(owner)}"
@@ -190,7 +190,7 @@ def _action(owner: str, action: Action, ratios: _Ratios, coordinates: Sequence[s
 
 
 class _Ratios:
-    """Kinematics on twins, with the pivots of the exact values."""
+    """Kinematics solved on twins of value and symbol, with the pivots that the exact values choose."""
 
     def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
         self.kinematics = kinematics_on(values, plain, definition, names)
@@ -199,7 +199,7 @@ class _Ratios:
         return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
 
     def conditions(self) -> tuple[Any, ...]:
-        """What is zero by value only: rows that dropped out though their symbols are not zero."""
+        """Expressions zero for the parameter values though not as symbols, from constraints that dropped out."""
         found = []
         rows = [{node: twin(value) for node, value in row.items()} for _, row in self.kinematics.constraints]
         for index in self.kinematics.reduction.redundant:
@@ -219,7 +219,7 @@ def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
 
 
 def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
-    """Coefficients of 1, s, s^2 of a law on twins; hysteresis and tables stand in the first."""
+    """Coefficients of 1, s and s^2 of a law as sympy expressions; hysteresis and tables stand in the first."""
     found = {key: sympy.Integer(0) for key in ("K", "C", "M", "H", "tables")} | _coefficients(owner, law)
     return found["K"] + sympy.I * found["H"] + found["tables"], found["C"], found["M"]
 
@@ -233,17 +233,17 @@ def _coefficients(owner: str, law: Law) -> dict[str, Any]:
 
 
 def stiffness_symbol(owner: str, table: DynamicStiffness) -> Any:
-    """What stands for a stiffness that depends on frequency: ``kappa_NAME(omega)``."""
+    """Sympy function ``kappa_NAME(omega)`` that stands for a frequency-dependent stiffness."""
     return sympy.Function("_".join(["kappa", owner, *([table.label] if table.label else [])]))(OMEGA)
 
 
 def with_symbols(table: DynamicStiffness) -> DynamicStiffness:
-    """The same with sympy expressions for its coefficients, which are twins."""
+    """Copy of a frequency-dependent stiffness whose coefficients, twins, are replaced by their sympy expressions."""
     return table.with_coefficients(*(twin(one).symbol for one in table.coefficients))
 
 
 class _Sum:
-    """A symmetric matrix summed up law by law, each entry collected by the ratio its terms are reflected with."""
+    """Symmetric matrix summed up law by law, each entry collected by the ratio its terms are reflected with."""
 
     def __init__(self, coordinates: Sequence[str]) -> None:
         self.index = {name: number for number, name in enumerate(coordinates)}
@@ -266,7 +266,7 @@ class _Sum:
 
 
 def collected(groups: Mapping[Any, Any]) -> Any:
-    """Sum of ratio * total, each total expanded by itself."""
+    """Sum of ratio * total over the groups, each total expanded by itself."""
     if not groups:
         return sympy.Integer(0)
     if list(groups) == [1]:
@@ -275,12 +275,12 @@ def collected(groups: Mapping[Any, Any]) -> Any:
 
 
 def _expanded(total: Any) -> Any:
-    """The sum with its products multiplied out, unless that would take more terms than anyone reads."""
+    """Sum with its products multiplied out, unless that would take more terms than anyone reads."""
     return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
 
 
 def _terms(expression: Any) -> int:
-    """How many terms an expression has at most when it is multiplied out."""
+    """Upper bound of the number of terms of an expression when multiplied out."""
     if expression.is_Add:
         return sum(map(_terms, expression.args))
     if expression.is_Mul:

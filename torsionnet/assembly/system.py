@@ -1,4 +1,4 @@
-"""Numbers from a drivetrain: theta = T q + S x, and the rows with their coefficients."""
+"""Assembly of a drivetrain in numbers: theta = T q + S x, and the rows of the laws with their coefficients."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solv
 
 @dataclass(frozen=True)
 class Assembly:
-    """One configuration in numbers.
+    """Assembled drivetrain in numbers: kinematics, rows and coefficients of all laws, angles of all nodes.
 
     Attributes
     ----------
@@ -70,13 +70,13 @@ class Assembly:
         return {node: index for index, node in enumerate(self.nodes)}
 
     def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
-        """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
+        """Arrays of a row over nodes: over the coordinates (n_q,) and over the imposed angles (n_x,)."""
         reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
 
     def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
-        """A row over coordinates and imposed angles by name, as one over columns: coordinates, then imposed angles."""
+        """Row over column numbers (coordinates, then imposed angles) from a row over their names."""
         return {self._column[name]: number(coefficient) for name, coefficient in row.items()}
 
     @cached_property
@@ -86,7 +86,7 @@ class Assembly:
 
     @cached_property
     def law_columns(self) -> tuple[dict[int, float], ...]:
-        """Gamma of every law over coordinates and, after them, imposed angles."""
+        """Rows of all laws over column numbers: coordinates and, after them, imposed angles."""
         n = self.system.n_coordinates
         pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
         return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)
@@ -97,12 +97,12 @@ class Assembly:
 
     @cached_property
     def laws(self) -> tuple[Law, ...]:
-        """The laws behind the rows of ``system``, with exact coefficients."""
+        """Laws behind the rows of ``system``, with exact coefficients."""
         return tuple(law for _, law in self.kinematics.laws if law.acts)
 
     @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
-        """The rows of ``system`` over coordinates and imposed angles as exact rationals."""
+        """Rows of the laws of ``system`` over coordinates and imposed angles as exact rationals."""
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
 
@@ -113,7 +113,7 @@ def assemble(
     referred_to: tuple[str, ...] = (),
     like: Assembly | None = None,
 ) -> Assembly:
-    """Assemble a configuration from its exact parameter values.
+    """Assemble a drivetrain in one configuration from its exact parameter values.
 
     Where ``like``, of another configuration, has the same rows, they and all that was worked out from them are shared.
     """
@@ -171,7 +171,7 @@ def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:
 
 
 def smallest_rate(system: RowSystem) -> float:
-    """A circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
+    """Circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
     stiff = [*system.stiffness[system.stiffness > 0], *(abs(law.kappa(np.zeros(1))[0]) for _, law in system.dynamic)]
     inertia = float(system.inertia.sum()) + sum(law.inertia_at_rest for _, law in system.dynamic) or 1.0
     drags = np.abs(system.damping)

@@ -1,4 +1,4 @@
-"""A number that carries its symbol along: decisions fall on the exact value, the symbol records what was done."""
+"""Exact number with its symbolic expression: decisions use the value, the symbol records the calculation."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.model.elimination import exact
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """An exact rational value and the sympy expression it belongs to; equal to a number if its value is."""
+    """Exact rational value with its sympy expression; equal to a number if its value is."""
 
     value: Fraction
     symbol: Any
@@ -65,13 +65,13 @@ class Twin:
 
 
 def rational(number: Any) -> Any:
-    """A number as sympy's exact rational, never its Float."""
+    """Sympy's exact rational of a number, never a sympy Float."""
     value = exact(number)
     return sympy.Rational(value.numerator, value.denominator)
 
 
 def twin(number: Any) -> Twin:
-    """A plain number as a twin of itself."""
+    """Twin of a plain number, whose symbol is the number itself."""
     return number if isinstance(number, Twin) else _plain(number)
 
 
@@ -86,11 +86,11 @@ def _root(number: Any) -> Twin:
 
 
 TWINS = Algebra(number=twin, sqrt=_root, pi=Twin(exact(float(sympy.pi)), sympy.pi))
-"""Algebra of expressions whose results know both their value and their symbol."""
+"""Algebra in which expressions of parameters evaluate to twins of value and symbol."""
 
 
 def twin_parameters(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Twin]:
-    """Every parameter as a twin; a derived one carries its expression in the basic ones."""
+    """Twins of all parameters; a derived parameter carries its expression in the basic ones."""
     twins: dict[str, Twin] = {}
     for name in values:
         expression = definitions[name].value
