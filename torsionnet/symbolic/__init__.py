@@ -1,1 +1,1 @@
-"""Transfer functions in symbols: one recursion on the graph, read in many algebras."""
+"""Symbolic transfer functions of drivetrains: one straight-line program per function, evaluated in many algebras."""

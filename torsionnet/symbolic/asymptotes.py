@@ -1,4 +1,4 @@
-"""What is left of a transfer function at very low and at very high frequency."""
+"""Static gain and leading terms of a symbolic transfer function at very low and very high frequency."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def static_gain(function: SymbolicFraction) -> Any:
-    """The limit for s -> 0."""
+    """Limit of a symbolic transfer function for s -> 0: an expression, zero or infinity."""
     above, below = lowest(function, Program().leaf, surely_zero)
     if above is None or above[0] > below[0]:
         return sympy.Integer(0)
@@ -26,13 +26,13 @@ def static_gain(function: SymbolicFraction) -> Any:
 
 
 def low_frequency(function: SymbolicFraction) -> Any:
-    """The leading term for s -> 0."""
+    """Leading term of a symbolic transfer function for s -> 0, gain * s^power."""
     above, below = lowest(function, Program().leaf, surely_zero)
     return sympy.Integer(0) if above is None else _quotient(above[1], below[1]) * S ** (above[0] - below[0])
 
 
 def high_frequency(function: SymbolicFraction) -> Any:
-    """The leading term for s -> oo."""
+    """Leading term of a symbolic transfer function for s -> oo, gain * s^power."""
     refuse_delays(function.used_tables, "leading term at high frequency")
     algebra = InPowersOfS(Program().leaf)
     above, below = (
@@ -46,7 +46,7 @@ def high_frequency(function: SymbolicFraction) -> Any:
 
 
 def _quotient(above: Any, below: Any) -> Any:
-    """The quotient of two steps, common factors left out."""
+    """Quotient of two program nodes as an expression, without common factors."""
     program = (above if isinstance(above, ProgramNode) else below).program
     numerator, denominator = program.reduced(above, below)
     above, below = (tidy(node) for node in (numerator, denominator))

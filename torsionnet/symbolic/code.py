@@ -1,4 +1,4 @@
-"""Source text of numpy functions, from the straight-line program. Nothing is run here."""
+"""Python source text of symbolic transfer functions as numpy functions; the text is written, never executed."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 MOST_FACTORS = 25
-"""With more coordinates the products of numerator and denominator may leave the range of floats."""
+"""Coordinates (roughly) from which the code uses the continued fraction: longer products may overflow floats."""
 
 
 def python_code(function: SymbolicFraction, name: str) -> str:
-    """See :meth:`TransferFunction.python_code`.
+    """Python source text of a transfer function as a numpy function; see :meth:`TransferFunction.python_code`.
 
     Own names of the function begin with an underscore, parameters never do.
 
@@ -59,7 +59,7 @@ def _table(function: SymbolicFraction) -> WhereTable:
 
 
 def checked(name: str) -> str:
-    """A name that is safe in source text.
+    """Name unchanged if it is a plain Python identifier, safe in source text; refused otherwise.
 
     >>> checked("k_1")
     'k_1'
@@ -70,7 +70,7 @@ def checked(name: str) -> str:
 
 
 def _plain(names: dict[Any, str]) -> dict[Any, str]:
-    """Names without the dots of those that belong to a part; none is taken twice."""
+    """Python names without the dots of names in parts; no name is used twice."""
     found: dict[Any, str] = {}
     for owner, name in sorted(names.items(), key=lambda pair: ("." in pair[1], pair[1])):
         wish = name.replace(".", "_")
@@ -93,7 +93,7 @@ def _symbols(table: WhereTable) -> set[Any]:
 
 
 def _delaying(function: SymbolicFraction) -> set[Any]:
-    """Symbols in delays."""
+    """Parameters that appear in delays, as sympy symbols."""
     times = (delay.time for delay in delays_of(function.used_tables).values())
     return {symbol for time in times for symbol in time.free_symbols}
 
@@ -147,7 +147,7 @@ def _leaf(payload: Any, names: dict[Any, str]) -> str:
 
 
 def _written(expression: Any, names: dict[Any, str]) -> str:
-    """A small expression under a root."""
+    """Python text of a small expression under a root."""
     if isinstance(expression, sympy.Add | sympy.Mul):
         sign = " + " if isinstance(expression, sympy.Add) else " * "
         return f"({sign.join(_written(part, names) for part in expression.args)})"

@@ -1,4 +1,4 @@
-"""Equations of motion in LaTeX: as a matrix equation, or one coordinate after the other."""
+"""LaTeX of the equations of motion: one matrix equation, or one equation per coordinate."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ DOTS = {"M": r"\ddot", "C": r"\dot", "K": ""}
 
 
 def to_latex(system: SymbolicMatrices, part: str = "") -> str:
-    """See :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.to_latex`.
+    """LaTeX of the equations of motion or of one part of them.
+
+    See :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.to_latex`.
 
     Raises
     ------
@@ -43,23 +45,24 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
 
 
 def complex_stiffness(system: SymbolicMatrices) -> Any:
-    """What the stiffness has beside K: j times hysteretic damping, and tables."""
+    """Complex stiffness matrix besides K: j times hysteretic damping, plus tables."""
     import sympy
 
     return sympy.I * system.H + system.tables
 
 
 def matrix_latex(rows: list[list[Any]]) -> str:
-    """Rows of expressions in brackets."""
+    """LaTeX of rows of expressions as a matrix in square brackets."""
     return bracketed([[latex(cell) for cell in row] for row in rows])
 
 
 def column(entries: list[str]) -> str:
+    """LaTeX of entries as a column vector in square brackets."""
     return bracketed([[entry] for entry in entries])
 
 
 def bracketed(rows: list[list[str]]) -> str:
-    r"""Cells in LaTeX as a matrix in brackets.
+    r"""LaTeX of a matrix in square brackets from cells that are LaTeX already.
 
     >>> print(bracketed([["a", "b"], ["c", "d"]]))
     \begin{bmatrix} a & b \\ c & d \end{bmatrix}
@@ -69,17 +72,18 @@ def bracketed(rows: list[list[str]]) -> str:
 
 
 def dotted(coordinates: tuple[str, ...], dots: str) -> str:
+    """LaTeX of the column of coordinate angles with a time derivative, such as ``\\ddot``."""
     return column([dotted_angle(name, dots) for name in coordinates])
 
 
 def dotted_angle(node: str, dots: str) -> str:
-    """The angle of a node, differentiated."""
+    """LaTeX of the angle of a node with a time derivative, such as ``\\ddot``."""
     base, index = angle_latex(node).split("_", 1)
     return f"{dots}{{{base}}}_{index}" if dots else f"{base}_{index}"
 
 
 def equation_terms(system: SymbolicMatrices, row: int) -> list[str]:
-    r"""One equation of motion, apart before every sign: what stands first, then ``+ ...``, ``= ...``.
+    r"""LaTeX terms of one equation of motion, split before every sign: the first term, then ``+ ...``, ``= ...``.
 
     >>> import torsionnet as tn
     >>> equation_terms(tn.load("dmf_rig").symbolic(), 0)[-1]
@@ -116,7 +120,7 @@ def _signed(coefficient: Any, factor: str) -> str:
 
 
 def sum_terms(expression: Any) -> list[str]:
-    """An expression apart before every sign of its outermost sum, for lines that may break there."""
+    """LaTeX terms of an expression, split before every sign of its outermost sum so that lines may break there."""
     if not expression.is_Add:
         return [latex(expression)]
     parts = []

@@ -1,4 +1,4 @@
-"""Fully expanded numerator and denominator."""
+"""Fully expanded numerator and denominator of a symbolic transfer function."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
 from torsionnet.symbolic.shown import shown
 
 MOST_PRINTED = 100
-"""Terms of a quotient that is printed."""
+"""Largest number of terms of an expanded quotient that is printed as text; longer ones print their length only."""
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Expanded:
-    """Numerator and denominator without brackets; making sympy expressions of them takes longer than making them.
+    """Numerator and denominator multiplied out; kept as integer maps, since sympy expressions take much longer to make.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Expanded:
 
     @property
     def terms(self) -> int:
-        """How many there are."""
+        """Number of terms in numerator and denominator together."""
         return sum(sum(map(bool, part.terms.values())) for part in (self.numerator, self.denominator))
 
     def __repr__(self) -> str:
@@ -47,7 +47,7 @@ class Expanded:
 
     @cached_property
     def expression(self) -> Any:
-        """The quotient as a sympy expression."""
+        """Expanded quotient as a sympy expression."""
         depth = max(self.numerator.depth, self.denominator.depth)
         above, below = (
             self.algebra.expression(part.at_depth(depth), part.scale**depth)
@@ -62,12 +62,12 @@ class Expanded:
 
 
 def predicted_terms(function: SymbolicFraction) -> int:
-    """Terms of numerator and denominator, at most; exact where every parameter appears once."""
+    """Upper bound of the number of expanded terms; exact where every parameter appears once."""
     return int(sum(function.steps.run(TermCounts(), [function.numerator, function.denominator])))
 
 
 def expanded(function: SymbolicFraction, cap: int) -> Expanded:
-    """See :meth:`TransferFunction.expanded`."""
+    """Fully expanded transfer function, refused beyond ``cap`` terms; see :meth:`TransferFunction.expanded`."""
     predicted = predicted_terms(function)
     if predicted > cap:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Imposed angles in symbols.
+"""Symbolic transfer functions of drivetrains with imposed angles.
 
 What an imposed angle does to a reading is what any torque there does to it, over the angle that torque makes: y/phi is
 a transfer function against a measured angle. Whatever hangs on the driven node alone drops out of the ratio. Imposed
@@ -20,7 +20,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import ask
 
 @dataclass(frozen=True)
 class ImposedRequest:
-    """A request that imposes no angles: the drivetrain, input and excitation it is asked with.
+    """Transfer request restated without imposed angles: drivetrain, input and excitation.
 
     ``channel`` is the input as the user knows it, where that is an imposed angle.
     """
@@ -32,12 +32,12 @@ class ImposedRequest:
 
 
 def is_imposed(drivetrain: AssembledModel) -> bool:
-    """Whether any input imposes an angle."""
+    """Whether any input of the drivetrain imposes an angle."""
     return any(channel.quantity == "angle" for channel in drivetrain.inputs.values())
 
 
 def at_rest(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
-    """The drivetrain with its imposed angles held at zero, but for ``driven``, where it turns freely."""
+    """Drivetrain with its imposed angles held at zero, except that of ``driven``, where the node turns freely."""
     definition, nodes = drivetrain.definition, set(drivetrain.nodes)
     imposed = [one for one in definition.inputs.values() if one.quantity == "angle" and nodes.issuperset(one.nodes)]
     held = [_holder(one, definition.elements) for one in imposed if one != driven]
@@ -47,7 +47,7 @@ def at_rest(drivetrain: AssembledModel, driven: Input | None = None) -> Assemble
 
 
 def _holder(channel: Input, known: Mapping[str, Element]) -> Element:
-    """What holds an imposed angle at zero: a clamp, or between two nodes a rigid coupling."""
+    """Element that holds an imposed angle at zero: a clamp, or between two nodes a rigid coupling."""
     name = _unused(f"rest_{'_'.join(channel.nodes)}", known)
     if channel.against is None:
         return Lock(name, node=channel.of)
@@ -63,7 +63,7 @@ def _unused(name: str, elements: Mapping[str, Element]) -> str:
 def posed(
     drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None
 ) -> ImposedRequest:
-    """The request without imposed angles.
+    """Transfer request restated without imposed angles, as a measured angle under a torque.
 
     Raises
     ------
@@ -84,6 +84,6 @@ def posed(
 
 
 def single(output: object, input: object) -> None:
-    """Refuse several outputs or inputs."""
+    """Refuse several outputs or inputs where a symbolic transfer function has one of each."""
     if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
         raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

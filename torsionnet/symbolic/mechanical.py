@@ -1,4 +1,4 @@
-"""The continued fraction an engineer writes by hand.
+"""Continued fraction of a transfer function on a tree, as an engineer writes it by hand.
 
 Seen from the root, a branch with the edge y and Z_c behind it is as flexible as both in series,
 
@@ -32,12 +32,12 @@ from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart
 
 
 class NoContinuedFractionError(Exception):
-    """The drivetrain or the request is not that of a tree."""
+    """Raised where no continued fraction exists: on closed loops, or for a torque on several coordinates."""
 
 
 @dataclass
 class Continued:
-    """Receptances of every coordinate of the tree on ``root``, seen from there.
+    """Continued fraction on a tree: receptances of all coordinates, seen from ``root``.
 
     ``element`` turns laws and ratios into what the fraction is made of: sympy expressions, or steps of a program.
     """
@@ -54,7 +54,7 @@ class Continued:
             self._eliminate(name)
 
     def _eliminate(self, name: str) -> None:
-        """None stands for a coordinate nothing holds, and for a branch that holds nothing."""
+        """Work out the receptance of a coordinate from its branches; None where nothing holds the coordinate."""
         found = []
         for block in self.tree.below[name]:
             (child,), (member,) = block.below, block.members
@@ -79,7 +79,7 @@ class Continued:
         return self.element(member.row[name] ** 2)
 
     def motion(self, end: str) -> Any:
-        """Motion at ``end`` over motion at the root."""
+        """Ratio of the motion at ``end`` to the motion at the root."""
         result = self._one
         for block, far in self.tree.path(end):
             result = result * self._handed_on(block, far)
@@ -94,7 +94,7 @@ class Continued:
         return ratio * (y / (y + self._one / self.receptance[far]))
 
     def reading(self, row: SymbolRow, law: Any = None) -> Any:
-        """Row theta, times a law, over the motion at the root."""
+        """Ratio of a reading, row theta times a law, to the motion at the root."""
         row = {name: value for name, value in row.items() if name in self.tree.below}
         for child in row if len(row) == 2 else ():
             block = self.tree.above.get(child)
@@ -106,7 +106,7 @@ class Continued:
         return total if law is None else self.element(law) * total
 
     def _torque(self, block: GraphBlock[Stiffness], scale: Any, law: Any) -> Any:
-        """The law times the twist of an edge, times scale over the coefficient of the parent."""
+        """Torque of an edge over the motion at the root: law times twist, scaled to the coefficient of the parent."""
         (child,), (member,) = block.below, block.members
         if child not in self.flexibility:
             return self.element(0)
@@ -124,7 +124,7 @@ def _parallel(row: SymbolRow, other: SymbolRow) -> bool:
 
 
 def single_edges(network: Network[Stiffness]) -> Network[Stiffness]:
-    """The network with all that is between two coordinates as one edge, and laws to ground at both ends.
+    """Network with all laws between two coordinates combined into one edge, and laws to ground at both ends.
 
     With the edge on the row (a_v, a_c) and t = b_v b_c / (a_v a_c), a law y on another row (b_v, b_c) adds t y to the
     edge, and y (b_x^2 - t a_x^2) to ground at each end.
@@ -157,7 +157,7 @@ def response(
     *,
     shift: bool = False,
 ) -> tuple[Any, Any]:
-    """(A reading over the motion at the root, the receptance at the root) under torques on nodes.
+    """Continued fractions under torques on nodes: reading over the motion at the root, and receptance at the root.
 
     With ``shift``, a torque on a coordinate without inertia is moved along the only edge there, to where it arrives.
 
@@ -190,7 +190,7 @@ def response(
 
 
 def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collection[str]) -> tuple[str, Any]:
-    """Where a torque on a coordinate that holds nothing itself arrives, short of what is read."""
+    """Coordinate and factor to which a torque on a free, inertialess coordinate is moved, short of what is read."""
     came = ""
     while root not in network.grounds and root not in read:
         rows = [member.row for member in network.members if root in member.row and came not in member.row]
@@ -205,7 +205,7 @@ def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collectio
 def _handed_through(
     mechanism: Mechanism, rigid: int, tree: Continued, load: Mapping[str, int], element: Callable[[Any], Any]
 ) -> Any:
-    """The torque a rigid connection hands on: what the side away from the root answers to its motion there."""
+    """Torque through a rigid connection: reaction of the side away from the root to its motion there."""
     found = mechanism.reduced([mechanism.row(load)], rigid)
     network, (loaded, row) = single_edges(found.network), found.rows
     near = set(orient(network, next(iter(loaded))).order) if len(loaded) == 1 else set()

@@ -1,4 +1,4 @@
-"""Gain and factors: 1 + s/omega of first order, 1 + 2 zeta s/omega_n + s^2/omega_n^2 of second order."""
+"""Normalised form: gain and factors 1 + s/omega_n, and 1 + 2 zeta s/omega_n + s^2/omega_n^2."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 MOST_TERMS = 30
-"""Polynomials of more terms are not searched for factors that the recursion did not give."""
+"""Largest number of terms of a polynomial that is searched for further factors; searching longer ones takes too
+long."""
 
 MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
 
 
 @dataclass(frozen=True)
 class Factor:
-    """A polynomial with constant term 1, to a power.
+    """Polynomial factor in s with constant term 1, raised to a power.
 
     Attributes
     ----------
@@ -44,14 +45,14 @@ class Factor:
 
     @property
     def omega_n(self) -> Any:
-        """Corner or natural frequency in rad/s, of first and second order."""
+        """Corner frequency (first order) or natural frequency (second order) in rad/s; None for other orders."""
         if self.order == 1:
             return sympy.simplify(1 / self.coefficients[1])
         return sympy.sqrt(sympy.simplify(1 / self.coefficients[2])) if self.order == 2 else None
 
     @property
     def zeta(self) -> Any:
-        """Damping ratio, of second order."""
+        """Damping ratio of a factor of second order; None for other orders."""
         if self.order != 2:
             return None
         p_1, p_2 = (sympy.fraction(sympy.together(value)) for value in self.coefficients[1:])
@@ -66,7 +67,7 @@ class Factor:
         return in_s(self.coefficients) ** self.power
 
     def text(self, values: Mapping[Any, Any]) -> str:
-        """The factor in words, with numbers beside the symbols."""
+        """Text of the factor, with numbers beside the symbols."""
         power = f"({{}})**{self.power}" if self.power != 1 else "{}"
         if self.order == 1:
             return f"{power.format('1 + s/omega_n')} with omega_n = {_both(self.omega_n, values)} rad/s"
@@ -79,7 +80,7 @@ class Factor:
 
 
 def _both(expression: Any, values: Mapping[Any, Any]) -> str:
-    """In symbols, and if all have values as a number."""
+    """Text of an expression in symbols, and as a number where all symbols have values."""
     number = expression.xreplace(dict(values))
     in_figures = f"{float(number):.6g}" if number.is_real and not number.free_symbols else ""
     in_symbols = str(shown(expression)) if expression.free_symbols or not in_figures else ""
@@ -87,14 +88,14 @@ def _both(expression: Any, values: Mapping[Any, Any]) -> str:
 
 
 def _is_positive(expression: Any) -> bool:
-    """Whether it is for positive symbols."""
+    """Whether an expression is positive for all positive values of its symbols."""
     positive = {name: sympy.Dummy(positive=True) for name in expression.free_symbols}
     return bool(expression.xreplace(positive).is_positive)
 
 
 @dataclass(frozen=True, repr=False)
 class Normalised:
-    """gain * s^power * product of numerator factors / product of denominator factors.
+    """Normalised transfer function gain * s^power * product of numerator factors / product of denominator factors.
 
     Attributes
     ----------
@@ -122,7 +123,7 @@ class Normalised:
 
     @property
     def expression(self) -> Any:
-        """The whole as a sympy expression."""
+        """Normalised transfer function as a sympy expression."""
         above = sympy.Mul(*(factor.expression for factor in self.numerator))
         below = sympy.Mul(*(factor.expression for factor in self.denominator))
         return self.gain * S**self.power * above / below
@@ -136,7 +137,7 @@ class Normalised:
     __repr__ = __str__
 
     def to_latex(self) -> str:
-        """The whole as one product."""
+        """LaTeX of the normalised transfer function as one product."""
         return latex(self.expression)
 
     def _repr_latex_(self) -> str:
@@ -144,14 +145,14 @@ class Normalised:
 
 
 def normalised(function: SymbolicFraction) -> Normalised:
-    """Factors as the recursion gives them, and those sympy finds in short polynomials."""
+    """Normalised form of a transfer function, from the recursion's factors and those sympy finds in short ones."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
     gain, power = factored(above[0] / below[0]), above[1] - below[1]
     return Normalised(gain, power, above[2], below[2], function.values)
 
 
 def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, tuple[Factor, ...]]:
-    """(Gain, power of s, factors) of a numerator or denominator."""
+    """Gain, power of s and factors of a numerator or denominator."""
     gain, power = sympy.Integer(1), 0
     factors: list[Factor] = []
     for index, times in function.steps.factors(node).items():
@@ -168,7 +169,7 @@ def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, t
 
 
 def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
-    """(Coefficients, power) of the factors of one step."""
+    """Irreducible factors of one program step, each as coefficients in s and a power."""
     (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
     coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]
     (count,) = function.steps.run(TermCounts(), [function.steps.at(index)])
@@ -187,7 +188,7 @@ def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any]
 
 
 def _factors_at_random(polynomial: Any) -> bool:
-    """Whether it still has factors with random numbers for the parameters; if not, it is irreducible (Hilbert).
+    """Whether a polynomial still factors with random numbers for the parameters; if not, it is irreducible (Hilbert).
 
     sympy may take hours to find that out of a polynomial in many symbols.
     """

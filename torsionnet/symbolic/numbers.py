@@ -1,4 +1,4 @@
-"""Numbers from a transfer function in symbols."""
+"""Numerical evaluation of symbolic transfer functions at frequencies and at rest."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 ACCURATE = 1e-10
-"""Relative error by rounding that is left."""
+"""Relative rounding error up to which double precision is accepted; beyond, points are computed in more digits."""
 DIGITS = (40, 80, 160, 320)
+"""Decimal digits tried one after the other, until doubling them no longer changes the value."""
 
 
 def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
-    """See :meth:`TransferFunction.evaluate`."""
+    """Frequency response of a symbolic transfer function; see :meth:`TransferFunction.evaluate`."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
         raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
@@ -57,7 +58,7 @@ def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any,
 
 
 def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, DynamicStiffness]:
-    """What depends on frequency, for these values of the symbols."""
+    """Frequency-dependent stiffnesses with numeric coefficients for these values of the symbols."""
     known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in values.items()}
 
     def number(coefficient: Any) -> Fraction:
@@ -70,7 +71,7 @@ def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, 
 
 
 def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
-    """In double precision, and in as many digits as it takes where rounding may show."""
+    """Complex values at frequencies > 0 in Hz; in many digits at points where rounding errors may show."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}
     known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables(function, values).items()}
@@ -85,7 +86,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
 
 
 def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[Any, Any]) -> complex:
-    """At one frequency, in so many digits that twice as many change nothing."""
+    """Complex value at one omega in rad/s, with enough digits that doubling them changes nothing."""
     import mpmath
 
     def number(value: Fraction) -> Any:
@@ -107,7 +108,7 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
 
 
 def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> complex:
-    """The limit at zero frequency for exact values."""
+    """Numeric limit of a transfer function at zero frequency, from exact values; may be infinite."""
     known = dict(values)
     for name, table in _tables(function, values).items():
         known[name] = exact(complex(table.kappa(np.zeros(1))[0]).real)
@@ -125,7 +126,7 @@ def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> compl
 
 
 def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
-    """(power, coefficient) of the lowest terms of numerator and denominator; None for a numerator of zero."""
+    """Power and coefficient of the lowest terms in s of numerator and denominator; None for a zero numerator."""
     limit = 4
     while True:
         algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
@@ -141,7 +142,7 @@ def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple
 
 
 def first_term(coefficients: Any, vanishes: Any) -> tuple[int, Any] | None:
-    """The first coefficient that does not vanish, and its power."""
+    """Power and value of the first coefficient that does not vanish; None if all vanish."""
     for power, value in enumerate(coefficients):
         if not vanishes(value):
             return power, value

@@ -1,4 +1,4 @@
-"""Numerator and denominator as polynomials in s with named coefficients."""
+"""Polynomial form of a transfer function: numerator and denominator in s with named coefficients."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 SHORT = 60
-"""Coefficients of at most so many terms are written expanded, longer ones nested."""
+"""Largest number of terms of a coefficient that is written expanded; longer ones are written nested."""
 FEW = 4000
-"""A transfer function of at most so many terms is expanded as a whole first."""
+"""Largest number of terms of a transfer function that is expanded as a whole first; more take too long."""
 
 
 class NamedCoefficients(Protocol):
-    """Calculated coefficients that can be written as expressions."""
+    """Protocol of calculated polynomial coefficients that can be written as expressions."""
 
     def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Coefficients of 1, s, s^2, ... of numerator and denominator."""
+        """Sympy coefficients of 1, s, s^2, ... of numerator and denominator."""
         ...
 
 
 @dataclass(frozen=True, repr=False)
 class Rational:
-    """(b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
+    """Quotient of polynomials in s, (b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
 
     Attributes
     ----------
@@ -54,22 +54,22 @@ class Rational:
 
     @property
     def numerator(self) -> tuple[Any, ...]:
-        """Coefficients of 1, s, s^2, ..."""
+        """Numerator coefficients of 1, s, s^2, ... as sympy expressions."""
         return self._written[0]
 
     @property
     def denominator(self) -> tuple[Any, ...]:
-        """Coefficients of 1, s, s^2, ..."""
+        """Denominator coefficients of 1, s, s^2, ... as sympy expressions."""
         return self._written[1]
 
     @property
     def expression(self) -> Any:
-        """The quotient, with the coefficients written out."""
+        """Quotient as a sympy expression, with the coefficients written out."""
         return in_s(self.numerator) / in_s(self.denominator)
 
     @cached_property
     def where(self) -> dict[Any, Any]:
-        """Coefficient -> what it stands for; those that are zero are left out."""
+        """Expression of each named coefficient (a_i, b_i); zero coefficients are left out."""
         named = {"b": self.numerator, "a": self.denominator}
         return {
             sympy.Symbol(f"{letter}_{power}"): value
@@ -80,13 +80,13 @@ class Rational:
 
     @property
     def named(self) -> Any:
-        """The quotient in the names of the coefficients."""
+        """Quotient as a sympy expression in the names of the coefficients."""
         above, below = (in_s(names) for names in self._names)
         return above / below
 
     @property
     def _names(self) -> tuple[list[Any], list[Any]]:
-        """Name of every coefficient of numerator and denominator, 0 for those that are zero."""
+        """Names of all coefficients of numerator and denominator, 0 for those that are zero."""
         above, below = (
             [sympy.Symbol(f"{letter}_{power}") if value != 0 else sympy.Integer(0) for power, value in enumerate(part)]
             for letter, part in (("b", self.numerator), ("a", self.denominator))
@@ -100,7 +100,7 @@ class Rational:
     __repr__ = __str__
 
     def to_latex(self) -> str:
-        """The quotient in the names of the coefficients, and what they stand for."""
+        """LaTeX of the quotient in named coefficients, followed by their definitions."""
         above, below = (polynomial_latex(names) for names in self._names)
         return with_where(rf"\frac{{{above}}}{{{below}}}", self.where)
 
@@ -116,7 +116,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def rational(function: SymbolicFraction) -> Rational:
-    """Coefficients in s: expanded where they are short, else as a program of their own."""
+    """Polynomial form of a transfer function: coefficients expanded where short, else as a program of their own."""
     program, outputs = function.steps, [function.numerator, function.denominator]
     if sum(program.run(TermCounts(), outputs)) <= FEW or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
@@ -128,7 +128,7 @@ def rational(function: SymbolicFraction) -> Rational:
 
 @dataclass(frozen=True)
 class Flat:
-    """Expanded polynomials in parameters and s."""
+    """Polynomial coefficients from fully expanded polynomials in parameters and s."""
 
     above: Sparse
     below: Sparse
@@ -148,7 +148,7 @@ class Flat:
 
 @dataclass(frozen=True)
 class Stepwise:
-    """Coefficients as results of a program."""
+    """Polynomial coefficients as results of a straight-line program."""
 
     above: Sequence[Any]
     below: Sequence[Any]
@@ -164,12 +164,12 @@ class Stepwise:
 
 
 def tidy(node: Any) -> Any:
-    """A step as an expression: expanded if it is short."""
+    """Sympy expression of a program step: expanded if short, else nested."""
     return tidied([node])[0]
 
 
 def tidied(nodes: Sequence[ProgramNode]) -> list[Any]:
-    """Steps of one program as expressions."""
+    """Sympy expressions of steps of one program: expanded if short, else nested."""
     program = nodes[0].program
     counts = program.run(TermCounts(), nodes)
     short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= SHORT]
@@ -185,6 +185,6 @@ def tidied(nodes: Sequence[ProgramNode]) -> list[Any]:
 
 
 def factored(expression: Any) -> Any:
-    """A short expression as a product; factors of long or complex ones take sympy too long to find."""
+    """Factored form of a short real expression; longer or complex ones unchanged, as sympy takes too long on them."""
     easy = not expression.has(sympy.I) and sympy.count_ops(expression) <= SHORT
     return sympy.factor(expression) if easy else expression

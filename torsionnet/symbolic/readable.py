@@ -1,4 +1,4 @@
-"""What of a transfer function is too long to be written, and how the rest is."""
+"""Length limits of formulas: refusal of forms of a transfer function too long to be written."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_WRITTEN = 20_000
 
 
 def require_readable(function: SymbolicFraction) -> None:
-    """Coefficients that are written nested grow without measure with the number of coordinates."""
+    """Refuse a polynomial or normalised form whose nested coefficients would fill pages."""
     outputs = [function.numerator, function.denominator]
     if sum(function.steps.run(TermCounts(), outputs)) <= FEW:
         return
@@ -29,7 +29,7 @@ def require_readable(function: SymbolicFraction) -> None:
 
 
 def require_short(function: SymbolicFraction, most: int) -> None:
-    """Nested expressions repeat themselves; a continued fraction does not."""
+    """Refuse a nested form longer than ``most`` leaves; continued fractions are never too long."""
     leaves = function.nested_leaves if function.continued is None else 0
     if leaves > most:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Expressions as text to read: powers of s in order, long numbers rounded. Values stay as they are."""
+"""Text and LaTeX of expressions for display: powers of s in order, long numbers rounded. Values stay as they are."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import sympy
 from torsionnet.symbolic.symbol_names import symbol_names
 
 LONG = 12
-"""Digits of a rational number from which on it is shown as a decimal."""
+"""Digits of a rational number above which it is displayed as a decimal."""
 DIGITS = 8
+"""Significant digits of a displayed decimal."""
 
 
 def shown(expression: Any) -> Any:
-    """The expression with long rationals as decimals, and even powers of sums that begin with a minus turned round."""
+    """Expression for display: long rationals as decimals, even powers of sums without a leading minus."""
     long = {
         number: sympy.Float(number, DIGITS)
         for number in expression.atoms(sympy.Rational)
@@ -31,7 +32,7 @@ def _begins_with_minus(power: Any) -> bool:
 
 
 def polynomial_text(names: Iterable[Any]) -> str:
-    """``b_0 + b_1*s + ...`` in ascending powers; zeros are left out."""
+    """Text ``b_0 + b_1*s + ...`` of a polynomial in ascending powers; zeros are left out."""
     terms = [_term(name, power) for power, name in enumerate(names) if name != 0]
     return " + ".join(terms) or "0"
 
@@ -41,7 +42,7 @@ def _term(name: Any, power: int) -> str:
 
 
 def polynomial_latex(names: Iterable[Any]) -> str:
-    """The same in LaTeX."""
+    """LaTeX of a polynomial in s in ascending powers; zeros are left out."""
     terms = [
         sympy.latex(name) + ("" if not power else " s" if power == 1 else f" s^{{{power}}}")
         for power, name in enumerate(names)
@@ -51,7 +52,7 @@ def polynomial_latex(names: Iterable[Any]) -> str:
 
 
 def where_text(result: Any, table: Mapping[Any, Any]) -> str:
-    """The result, and on a line each what its names stand for."""
+    """Text of a result, and the definition of each name in it on a line of its own."""
     return "\n".join([str(result), *(f"  {name} = {shown(value)}" for name, value in table.items())])
 
 
@@ -62,6 +63,6 @@ def latex(expression: Any) -> str:
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:
-    """LaTeX of the result, and below it what its names stand for, as an aligned block."""
+    """LaTeX of a result and the definitions of its names, as an aligned block."""
     lines = [f"& {result}", *(f"& {latex(name)} = {latex(value)}" for name, value in table.items())]
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

@@ -1,4 +1,4 @@
-"""Fewer elements before anything is written, with the error that makes measured afterwards.
+"""Simplified drivetrains: elements removed before a formula is written, with the error of doing so.
 
 Terms are never dropped from a result. An element is: a spring becomes rigid, a damper goes; and only if the poles that
 are kept move less than the tolerance.
@@ -29,12 +29,12 @@ from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 POINTS = 400
-"""Frequencies in the band at which the responses are compared."""
+"""Number of frequencies in the band at which the responses are compared: more find narrower differences."""
 
 
 @dataclass(frozen=True)
 class SimplificationRequest:
-    """What the simplified drivetrain has to answer."""
+    """Request for a simplified drivetrain: output, input, tolerance and frequency band."""
 
     output: str | Sensor
     input: str | Sensor
@@ -45,7 +45,7 @@ class SimplificationRequest:
 
 @dataclass(frozen=True)
 class Errors:
-    """How far a simplified drivetrain is off.
+    """Errors of a simplified drivetrain against the whole one.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Simplified:
-    """A shorter transfer function and what it cost.
+    """Simplified transfer function with the elements removed and the resulting errors.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """An element in place of another, or of none."""
+    """Replacement of an element by a simpler one, or its removal."""
 
     name: str
     replacement: Element | None
@@ -193,7 +193,7 @@ def _apply(drivetrain: AssembledModel, change: Change) -> AssembledModel:
 
 
 class _Reference:
-    """The whole drivetrain, against which shorter ones are held."""
+    """Whole drivetrain as the reference of simplified ones: its poles and its magnitude over the band."""
 
     def __init__(self, drivetrain: AssembledModel, request: SimplificationRequest) -> None:
         self.request = request
@@ -218,7 +218,7 @@ class _Reference:
         return np.asarray(np.abs(response.values[:, 0, 0]))
 
     def errors(self, drivetrain: AssembledModel) -> Errors:
-        """How far a drivetrain is off."""
+        """Errors of a simplified drivetrain: poles of the kept modes, and magnitude over the band."""
         found = self._poles(drivetrain)
         omega = zeta = 0.0
         for pole in self.poles:
@@ -230,7 +230,7 @@ class _Reference:
         return Errors(omega, zeta, float(np.nan_to_num(apart, nan=math.inf).max()))
 
     def cost(self, drivetrain: AssembledModel) -> float:
-        """The larger of the changes of the kept modes; inf for what cannot be calculated."""
+        """Larger relative change of natural frequency or damping ratio of the kept modes; inf if not calculable."""
         try:
             found = self.errors(drivetrain)
         except TorsionnetError:

@@ -1,4 +1,4 @@
-r"""Names of parameters and nodes as LaTeX: ``k_1`` is an italic letter with an index, ``tau`` a Greek one.
+r"""LaTeX names of parameters and nodes: ``k_1`` is an italic letter with an index, ``tau`` a Greek one.
 
 >>> symbol_latex("k_1"), symbol_latex("tau"), symbol_latex("I_MT"), symbol_latex("stiffness")
 ('k_{1}', '\\tau', 'I_{\\mathrm{MT}}', '\\mathrm{stiffness}')
@@ -23,7 +23,7 @@ _TRAILING = re.compile(r"([A-Za-z]+?)(\d+)")
 
 
 def symbol_latex(name: str) -> str:
-    r"""A name of letters, digits and ``_``: what stands before the first ``_`` is the symbol, the rest its index.
+    r"""LaTeX of a name of letters, digits and ``_``: the symbol stands before the first ``_``, its index after.
 
     The part to which a parameter belongs stands at the end of the index.
 
@@ -41,12 +41,12 @@ def symbol_latex(name: str) -> str:
 
 
 def angle_latex(node: str) -> str:
-    """The angle of a node."""
+    """LaTeX symbol theta of the angle of a node."""
     return rf"\theta_{{{_upright(node.replace('_', '~'))}}}"
 
 
 def symbol_names(symbols: Iterable[Any]) -> dict[Any, str]:
-    """For ``symbol_names`` of sympy's printer."""
+    """LaTeX name of each symbol, for the argument ``symbol_names`` of sympy's printer."""
     return {symbol: symbol_latex(str(symbol)) for symbol in symbols}
 
 
@@ -55,5 +55,5 @@ def _is_symbol(base: str) -> bool:
 
 
 def _upright(index: str) -> str:
-    """Numbers and single letters stay as they are; words and abbreviations stand upright."""
+    """LaTeX of an index: numbers and single letters unchanged, words and abbreviations upright."""
     return index if index.isdigit() or len(index) == 1 else rf"\mathrm{{{index}}}"

@@ -1,4 +1,4 @@
-"""One output over one input as numerator and denominator of a program: what all forms are made from."""
+"""Symbolic fraction of one output over one input: numerator and denominator as straight-line programs."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class SymbolicFraction:
 
     @property
     def steps(self) -> Program:
-        """The program of numerator and denominator."""
+        """Straight-line program of numerator and denominator."""
         return self.numerator.program
 
     @cached_property
@@ -60,20 +60,20 @@ class SymbolicFraction:
 
     @cached_property
     def used_tables(self) -> Mapping[Any, Any]:
-        """Those of ``tables`` that appear."""
+        """Frequency-dependent stiffnesses that appear in this function, by their symbol kappa(omega)."""
         found = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
         return {name: table for name, table in self.tables.items() if name in found}
 
     @property
     def formulas(self) -> Mapping[Any, Any]:
-        """What the functions kappa(omega) of continuous shafts are, as sympy expressions of omega and parameters."""
+        """Formulas of kappa(omega) of continuous shafts as sympy expressions of omega and parameters."""
         omega = sympy.Symbol("omega")
         found = {name: table.formula(omega) for name, table in self.used_tables.items()}
         return {name: formula for name, formula in found.items() if formula is not None}
 
     @cached_property
     def _leaves(self) -> tuple[Any, ...]:
-        """The sympy expressions that the steps begin with."""
+        """Sympy expressions in the leaves of the program."""
         needed = (self.steps.steps[index] for index in self.steps.needed([self.numerator, self.denominator]))
         payloads = [step[1] for step in needed if step[0] == "leaf"]
         parts = [part for one in payloads for part in (one.parts if isinstance(one, Stiffness) else (one,))]
@@ -81,13 +81,13 @@ class SymbolicFraction:
 
     @cached_property
     def nested(self) -> Any:
-        """Numerator over denominator as the recursion gives them, a sympy expression."""
+        """Nested quotient as the recursion gives numerator and denominator, a sympy expression."""
         above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
         return above / below
 
     @cached_property
     def nested_leaves(self) -> int:
-        """Elements and numbers of the nested form, those that appear again counted again."""
+        """Length of the nested form: elements and numbers, repeated ones counted again."""
         above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
         return int(above.leaves + below.leaves)
 

@@ -1,4 +1,4 @@
-"""From names to numerator and denominator: sensors, excitations, and the cut at a measured torque."""
+"""Symbolic transfer request: names resolved to sensors, excitations and the cut at a measured torque."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_
 
 @dataclass(frozen=True)
 class SymbolicRequest:
-    """A transfer function in terms of one mechanism.
+    """Transfer function request in terms of one symbolic mechanism.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class SymbolicRequest:
     change: Callable[[Any], Any] = lambda expression: expression
 
     def changed(self, change: Callable[[Any], Any]) -> SymbolicRequest:
-        """With another change of all expressions on top."""
+        """Copy of the request with a further substitution applied to all its expressions."""
         before = self.change
         return replace(self, change=lambda expression: change(before(expression)))
 
@@ -63,7 +63,9 @@ def resolve(
     referred_to: Sequence[str] = (),
     memo: Memo | None = None,
 ) -> SymbolicRequest:
-    """Resolve the names; see :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.transfer_function`.
+    """Symbolic transfer request from the names of output, input and excitation.
+
+    See :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.transfer_function`.
 
     Raises
     ------
@@ -92,7 +94,7 @@ def _mechanism(
     referred_to: Sequence[str],
     memo: Memo | None = None,
 ) -> Mechanism:
-    """The mechanism in which the sensors can be read, from ``memo`` where it has been made before."""
+    """Mechanism in which the sensors can be read, from ``memo`` where it has been made before."""
     loose = loose_constraints(drivetrain, sensors)
     kept = tuple(node for node in referred_to if node in drivetrain.nodes)
     return (memo or Memo()).once(Mechanism, loose, lambda: mechanism(drivetrain, kept, loose))
@@ -105,7 +107,7 @@ def _of_cut(
     whole: SymbolicRequest,
     referred_to: Sequence[str],
 ) -> SymbolicRequest:
-    """What is left downstream of the cut, if the output is; the measured torque is an excitation there."""
+    """Request on the drivetrain downstream of a cut, where the measured torque is the excitation."""
     output, sensor = request.sensors
     if sensor.referred_to is not None:  # the torque at the cut is another one
         return whole

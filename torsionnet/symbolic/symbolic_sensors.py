@@ -1,4 +1,4 @@
-"""What sensors read, as rows on networks.
+"""Symbolic mechanisms and the readings of sensors as rows on their networks.
 
 The torque through a rigid connection is read where that connection is taken away: with a law kappa on its row a, the
 torque is kappa a^T theta, and
@@ -33,7 +33,7 @@ PURE_S = Stiffness(damping=ONE)
 
 @dataclass(frozen=True)
 class SymbolicPart:
-    """factor * s^power * law * (row theta), or factor * torque of constraint ``rigid`` or of ``action``, by number."""
+    """Term of a reading: factor * s^power * law * (row theta), or factor * torque of a constraint or action."""
 
     row: Mapping[str, Any]
     factor: Any = ONE
@@ -45,7 +45,7 @@ class SymbolicPart:
 
 @dataclass(frozen=True)
 class Reduced:
-    """A network with the rigid rows asked for contracted, the rows carried along, and the factor of the determinant."""
+    """Network after contracting rigid rows, with the rows carried along and the factor of the determinant."""
 
     network: Network[Stiffness]
     rows: tuple[SymbolRow, ...]
@@ -54,7 +54,7 @@ class Reduced:
 
 @dataclass(eq=False)
 class Mechanism:
-    """A drivetrain in symbols whose rigid connections in ``loose`` can be read.
+    """Symbolic drivetrain in which the torques of the rigid connections in ``loose`` can be read.
 
     Attributes
     ----------
@@ -72,30 +72,30 @@ class Mechanism:
 
     @cached_property
     def values(self) -> Values:
-        """Parameters as twins."""
+        """Parameter values as twins of value and symbol."""
         drivetrain = self.drivetrain
         return Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
 
     @cached_property
     def kinematics(self) -> Kinematics:
-        """All constraints but the loose ones solved."""
+        """Kinematics with all constraints solved except the loose ones."""
         plain = self.drivetrain.assembly.kinematics
         return kinematics_on(self.values, plain, self.drivetrain.definition, self.referred_to, self.loose)
 
     def row(self, row: Mapping[str, Any]) -> SymbolRow:
-        """A row over nodes as one over coordinates."""
+        """Row over coordinates from a row over nodes, in symbols."""
         reduced = substitute({node: twin(value) for node, value in row.items()}, self.kinematics.reduction.solved)
         return {name: value.symbol for name, value in reduced.items()}
 
     @cached_property
     def network(self) -> Network[Stiffness]:
-        """The laws over the coordinates; the loose connections hold nothing."""
+        """Network of the laws over the coordinates; loose connections carry nothing."""
         laws = [(law_parts(owner, law), self.row(law.row)) for owner, law in self.kinematics.laws if law.acts]
         members = tuple(NetworkMember(row, Stiffness(*parts)) for parts, row in laws if row)
         return Network(self.kinematics.coordinates, members)
 
     def reduced(self, rows: Collection[SymbolRow], loose: int | None = None) -> Reduced:
-        """The network with all rigid connections but one in place; the row of that one is added to the rows."""
+        """Network with all rigid connections but ``loose`` contracted; the row of ``loose`` is appended to the rows."""
         rigid = {index: self.row(self.kinematics.constraints[index][1]) for index in self.loose}
         network, factor = self.network, ONE
         carried = [*rows, *([rigid[loose]] if loose is not None else [])]
@@ -108,13 +108,13 @@ class Mechanism:
         return Reduced(network, tuple(carried), factor)
 
     def determinant(self, load: SymbolRow) -> ProgramNode:
-        """Det D."""
+        """Determinant of the dynamic stiffness, det D, as a program node."""
         found = self.reduced([load])
         first = next(iter(found.rows[0]), "")
         return self.program.leaf(found.factor) * determinant(found.network, self.program, first)
 
     def numerator(self, parts: Collection[SymbolicPart], load: Mapping[str, int]) -> ProgramNode:
-        """Det D times a reading under torques on nodes."""
+        """Numerator of a reading under torques on nodes, det D times the reading, as a program node."""
         total = self.program.leaf(0)
         for part in parts:
             found = self.reduced([self.row(part.row), self.row(load)], part.rigid)
@@ -127,7 +127,7 @@ class Mechanism:
 
 
 def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
-    """The parts of what a sensor reads."""
+    """Symbolic terms of the reading of a sensor."""
     kinematics = mechanism.kinematics
     rows = ((owner, law.row) for owner, law in kinematics.laws)
     driving = [(owner, action.row) for owner, action in kinematics.actions]

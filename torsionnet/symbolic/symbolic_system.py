@@ -1,4 +1,4 @@
-"""What ``Drivetrain.symbolic()`` gives: the matrices, and transfer functions in the same symbols."""
+"""Symbolic system of ``Drivetrain.symbolic()``: the matrices, and transfer functions in the same symbols."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 
 MOST_SHOWN = 8
-"""Coordinates of a system that a notebook shows as matrices."""
+"""Largest number of coordinates of a system that a notebook shows as matrices; larger ones do not fit a page."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SymbolicSystem(SymbolicMatrices):
-    """Matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
+    """Symbolic matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class SymbolicSystem(SymbolicMatrices):
     def transfer_function(
         self, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None = None
     ) -> TransferFunction:
-        """One transfer function, exact and in symbols.
+        """Exact symbolic transfer function from one input to one output.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class SymbolicSystem(SymbolicMatrices):
         inputs: Sequence[str | Sensor | Input],
         excitation: str | Input | Sequence[str | Input] | None = None,
     ) -> TransferMatrix:
-        """Several outputs and inputs at once; with several measured inputs, Y_out Y_in^-1.
+        """Matrix of symbolic transfer functions; with several measured inputs, Y_out Y_in^-1.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class SymbolicSystem(SymbolicMatrices):
         tolerance: float = 0.01,
         band: tuple[float, float] | None = None,
     ) -> Simplified:
-        """The transfer function of a drivetrain with fewer elements, and how far it is off.
+        """Transfer function of a drivetrain with fewer elements, and its error.
 
         See :func:`torsionnet.symbolic.simplified.simplified`.
         """
@@ -144,7 +144,7 @@ class SymbolicSystem(SymbolicMatrices):
 
     @property
     def formulas(self) -> Mapping[Any, Any]:
-        """What the functions kappa(omega) of continuous shafts are, as sympy expressions of omega and parameters."""
+        """Formulas of kappa(omega) of continuous shafts as sympy expressions of omega and parameters."""
         found = {name: table.formula(name.args[0]) for name, table in _tables(self._model).items()}
         return {name: formula for name, formula in found.items() if formula is not None}
 
@@ -176,7 +176,7 @@ class SymbolicSystem(SymbolicMatrices):
 
 
 def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
-    """Numerator and denominator without what they have in common."""
+    """Numerator and denominator of a request without common factors."""
     mechanism = asked.mechanism
     numerator = mechanism.numerator(asked.output, asked.load) * asked.sign
     if asked.measured is None:
@@ -187,7 +187,7 @@ def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
 
 
 def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
-    """What depends on frequency by the symbols that stand for it, its coefficients as sympy expressions."""
+    """Frequency-dependent stiffnesses and delays by their symbols, with sympy expressions as coefficients."""
     values = Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
     parts = [(owned.element, owned.part) for owned in owned_parts(drivetrain.definition, values)]
     laws = [(owner, part) for owner, part in parts if isinstance(part, Law)]
@@ -199,7 +199,7 @@ def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
 
 
 def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:
-    """See :meth:`torsionnet.Drivetrain.symbolic`."""
+    """Symbolic matrices and transfer functions of a drivetrain; see :meth:`torsionnet.Drivetrain.symbolic`."""
     names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
     matrices = symbolic_matrices(at_rest(drivetrain) if is_imposed(drivetrain) else drivetrain, names)
     content = {entry.name: getattr(matrices, entry.name) for entry in fields(SymbolicMatrices)}

@@ -1,4 +1,4 @@
-"""A transfer function in symbols, and the forms it can be written in."""
+"""Symbolic transfer function and its forms: mechanical, polynomial, normalised, program, expanded."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.where import WhereTable
 
 MOST_PRINTED = 60
-"""Operations of a transfer function that is printed in one line."""
+"""Largest number of operations of a transfer function that is printed in one line."""
 MOST_LEAVES = 5000
-"""Elements and numbers of a nested expression that is written out."""
+"""Largest number of elements and numbers of a nested expression that is written out: more fill pages."""
 
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
 
 
 @dataclass(frozen=True, eq=False)
 class TransferFunction(SymbolicFraction):
-    """One output over one input, exact, in the model's own symbols.
+    """Symbolic transfer function of one output over one input, exact, in the model's own symbols.
 
     Everything follows from one straight-line program for numerator and denominator, which has no subtraction and no
     division; the forms are worked out when they are asked for.
@@ -52,7 +52,7 @@ class TransferFunction(SymbolicFraction):
 
     @cached_property
     def polynomial(self) -> Rational:
-        """Polynomials in s, with coefficients a_i, b_i and what they stand for."""
+        """Quotient of polynomials in s, with coefficients a_i, b_i and their definitions."""
         from torsionnet.symbolic.rational import rational
 
         refuse_delays(self.used_tables, "form of two polynomials")
@@ -68,13 +68,13 @@ class TransferFunction(SymbolicFraction):
 
     @cached_property
     def program(self) -> WhereTable:
-        """Straight-line program: every intermediate result once, under a name."""
+        """Straight-line program of the function: every intermediate result once, under a name."""
         from torsionnet.symbolic.where import where_table
 
         return where_table(self)
 
     def predicted_terms(self) -> int:
-        """Terms of the fully expanded numerator and denominator, at most."""
+        """Upper bound of the number of terms of the fully expanded numerator and denominator."""
         from torsionnet.symbolic.expanded import predicted_terms
 
         return predicted_terms(self)
@@ -93,27 +93,27 @@ class TransferFunction(SymbolicFraction):
 
     @property
     def static_gain(self) -> Any:
-        """The limit at zero frequency: an expression, 0, or sympy's infinity."""
+        """Static gain, the limit at zero frequency: an expression, 0, or sympy's infinity."""
         from torsionnet.symbolic.asymptotes import static_gain
 
         return static_gain(self)
 
     @property
     def low_frequency(self) -> Any:
-        """The leading term for s -> 0, gain * s^power."""
+        """Leading term for s -> 0, gain * s^power."""
         from torsionnet.symbolic.asymptotes import low_frequency
 
         return low_frequency(self)
 
     @property
     def high_frequency(self) -> Any:
-        """The leading term for s -> oo, gain * s^power."""
+        """Leading term for s -> oo, gain * s^power."""
         from torsionnet.symbolic.asymptotes import high_frequency
 
         return high_frequency(self)
 
     def derivative(self, parameter: str) -> TransferFunction:
-        """The derivative with respect to a parameter, again with all forms but the mechanical one.
+        """Derivative of the transfer function with respect to a parameter, with all forms but the mechanical one.
 
         Examples
         --------
@@ -133,12 +133,12 @@ class TransferFunction(SymbolicFraction):
         return replace(self, numerator=numerator, denominator=denominator, asked=None)
 
     def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:
-        """The transfer function with numbers (exact: 0.5 becomes 1/2) or sympy expressions for parameters."""
+        """Transfer function with numbers (exact: 0.5 becomes 1/2) or sympy expressions for parameters."""
         given = {self._symbol(name): _exact(value) for name, value in {**(values or {}), **more}.items()}
         return self._changed(given) if given else self
 
     def keep(self, names: Collection[str]) -> TransferFunction:
-        """Only the named parameters stay symbols; all others get their exact values.
+        """Transfer function in which only the named parameters stay symbols; all others get their exact values.
 
         Examples
         --------
@@ -170,7 +170,7 @@ class TransferFunction(SymbolicFraction):
         return known[str(name)]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
-        """Numbers at frequencies in Hz, with the values of the model where no others are given.
+        """Frequency response at frequencies in Hz, with the model's values for parameters that are not given.
 
         Examples
         --------
@@ -190,7 +190,7 @@ class TransferFunction(SymbolicFraction):
         return python_code(self, name)
 
     def to_text(self, form: str = "mechanical") -> str:
-        """Text of a form, or ``"python"`` for the numpy function.
+        """Text of one form of the transfer function, or ``"python"`` for the numpy function.
 
         Raises
         ------
@@ -218,7 +218,7 @@ class TransferFunction(SymbolicFraction):
         raise UsageError(f'"{form}" is no form{did_you_mean(form, known)}; choose {", ".join(known)}')
 
     def to_latex(self, form: str = "mechanical") -> str:
-        """LaTeX of a form: mechanical, polynomial, normalised, program or expanded.
+        """LaTeX of one form of the transfer function: mechanical, polynomial, normalised, program or expanded.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class TransferFunction(SymbolicFraction):
 
     @property
     def _short_form(self) -> str:
-        """The form that is shown unasked; none for very long ones."""
+        """Form shown by default; empty for very long functions."""
         operations = self.program.operations
         if operations <= MOST_PRINTED and self.nested_leaves <= MOST_LEAVES:
             return "mechanical"
@@ -256,7 +256,7 @@ class TransferFunction(SymbolicFraction):
         return f"<TransferFunction {names}: {len(self.free_symbols)} parameters, {operations} operations>"
 
     def __str__(self) -> str:
-        """The mechanical form if it is short, else its straight-line program."""
+        """Mechanical form of the transfer function if short, else its straight-line program."""
         names = "/".join(channel.name for channel in self.channels)
         if self._short_form == "mechanical":
             return f"{names} = {shown(self.mechanical)}"

@@ -1,4 +1,4 @@
-"""Several outputs and inputs: a matrix of transfer functions from one program.
+"""Matrix of symbolic transfer functions over several outputs and inputs, from one program.
 
 For measured inputs m under as many excitations the matrix is Y_out Y_in^-1. The determinant of the drivetrain drops
 out, and so does the strength of every excitation: an imposed angle is as good as the torque that makes it. By Cramer's
@@ -32,12 +32,12 @@ from torsionnet.symbolic.transfer_function import TransferFunction
 Write: TypeAlias = Callable[[tuple[Channel, Channel], ProgramNode, ProgramNode, tuple[str, ...]], TransferFunction]
 
 MOST_MEASURED = 3
-"""Measured inputs; the terms of their determinants multiply."""
+"""Largest number of measured inputs: the terms of their determinants multiply."""
 
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """Transfer functions by output and input.
+    """Matrix of symbolic transfer functions by output (row) and input (column).
 
     Attributes
     ----------
@@ -69,12 +69,12 @@ class TransferMatrix:
         return tuple(entry.channels[1].name for entry in self.entries[0])
 
     def __getitem__(self, place: tuple[int | str, int | str]) -> TransferFunction:
-        """The entry at a row and column, given by numbers or names."""
+        """Transfer function at a row and column, given by numbers or names."""
         row, column = (_place(key, names) for key, names in zip(place, (self.outputs, self.inputs), strict=True))
         return self.entries[row][column]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
-        """The numbers, as :meth:`TransferFunction.evaluate`."""
+        """Frequency responses of all entries, see :meth:`TransferFunction.evaluate`."""
         found = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
         first = found[0][0]
         return FrequencyResponse(
@@ -87,7 +87,7 @@ class TransferMatrix:
         )
 
     def to_latex(self, form: str = "mechanical") -> str:
-        """LaTeX of a form of every entry, as a matrix."""
+        """LaTeX of one form of all entries, as a matrix."""
         rows = (" & ".join(entry.to_latex(form) for entry in row) for row in self.entries)
         return "\\begin{bmatrix}\n" + " \\\\\n".join(rows) + "\n\\end{bmatrix}"
 
@@ -135,7 +135,7 @@ def over_measured(drivetrain: AssembledModel, request: TransferRequest, write: W
 def _mechanism(
     drivetrain: AssembledModel, driven: Input | None, sensors: Sequence[Sensor], program: Program
 ) -> Mechanism:
-    """The drivetrain with all imposed angles at rest, but that of ``driven``."""
+    """Mechanism of the drivetrain with all imposed angles at rest except that of ``driven``."""
     system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
     return mechanism(system, loose=loose_constraints(system, sensors), program=program)
 
@@ -163,7 +163,7 @@ def _by_cramer(
 
 
 def _determinant(program: Program, rows: list[list[ProgramNode]]) -> ProgramNode:
-    """Leibniz's sum: the matrices are small."""
+    """Determinant of a small matrix of program nodes by Leibniz's sum."""
     total = program.leaf(0)
     for order in permutations(range(len(rows))):
         term = program.leaf(sympy.LeviCivita(*order))

@@ -1,4 +1,4 @@
-"""Straight-line programs as a table: every intermediate result once, under a name."""
+"""Straight-line programs of single operations, shown as a table with a name for every repeated result."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Lowered:
-    """Down to single operations on s, parameters and numbers."""
+    """Algebra that lowers a program to single operations on s, parameters and numbers."""
 
     program: Program
 
@@ -44,7 +44,7 @@ class Lowered:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WhereTable:
-    """A straight-line program.
+    """Straight-line program of single operations whose repeated results have names.
 
     Attributes
     ----------
@@ -58,19 +58,19 @@ class WhereTable:
 
     @property
     def operations(self) -> int:
-        """Additions, multiplications and divisions."""
+        """Number of additions, multiplications and divisions."""
         steps = self.program.steps
         return sum(steps[index][0] in ARITHMETIC for index in self.program.needed([self.result]))
 
     def lines(self) -> Iterator[tuple[int, str, tuple[int, ...]]]:
-        """(step, operation, operands) in order, leaves left out."""
+        """Yield step, operation and operands in order, without the leaves."""
         for index in self.program.needed([self.result]):
             operation, *operands = self.program.steps[index]
             if operation in ARITHMETIC:
                 yield index, operation, tuple(operands)
 
     def where(self) -> tuple[dict[Any, Any], Any]:
-        """(name -> expression, result): what is used more than once has a name z_i.
+        """Table of names z_i for results used more than once, and the result expressed in them.
 
         Examples
         --------
@@ -99,7 +99,7 @@ class WhereTable:
 
 
 class _Names:
-    """Gives a name to every result that is used more than once."""
+    """Names z_i for results that are used more than once."""
 
     def __init__(self, program: Program, result: ProgramNode) -> None:
         self.program, self.result = program, result
@@ -127,14 +127,14 @@ def _expression(step: tuple[Any, ...], known: dict[int, Any]) -> Any:
 
 
 def where_table(function: SymbolicFraction) -> WhereTable:
-    """The transfer function down to single operations, as short as numerator over denominator allows."""
+    """Straight-line program of a transfer function, as short as numerator over denominator allows."""
     program = Program()
     above, below = function.steps.run(Lowered(program), [function.numerator, function.denominator])
     return WhereTable(program, above / below)
 
 
 def continued_table(function: SymbolicFraction) -> WhereTable | None:
-    """The continued fraction down to single operations; its intermediate results stay of ordinary size."""
+    """Straight-line program of the continued fraction, whose intermediate results stay of ordinary size; else None."""
     from torsionnet.symbolic.written import continued
 
     program = Program()

@@ -1,4 +1,4 @@
-"""The continued fraction as a sympy expression."""
+"""Continued fraction of a transfer function as a sympy expression or in another algebra."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.symbolic.symbolic_request import SymbolicRequest
 
 
 def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
-    """The continued fraction with elements from ``leaf``, or None if there is none."""
+    """Continued fraction of a request with elements from ``leaf``; None if the drivetrain is no tree."""
 
     def element(payload: Any) -> Any:
         if isinstance(payload, str):  # s itself
@@ -38,7 +38,7 @@ def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
 
 
 def continued_expression(asked: SymbolicRequest) -> Any:
-    """The continued fraction, or None if there is none."""
+    """Continued fraction of a request as a sympy expression; None if the drivetrain is no tree."""
     return continued(asked, _expression)
 
 

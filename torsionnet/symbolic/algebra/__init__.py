@@ -1,1 +1,1 @@
-"""Determinants and minors of rows with symbols, as short programs, and the algebras they run in."""
+"""Determinants and minors of symbolic networks as straight-line programs, and the algebras that evaluate them."""

@@ -1,4 +1,4 @@
-"""The determinant of a network and the bilinear forms of its adjugate, each recursion taken down once."""
+"""Determinant of a network and bilinear forms of its adjugate; the recursion from each root is recorded once."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from torsionnet.symbolic.algebra.recursion import Recursion
 
 
 def seen_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
-    """The recursion from a root, taken down once."""
+    """Recursion from a root of the network, recorded once per program."""
     return program.memo.once(
         Recursion, (network, root), lambda: Recursion(quotients(network, program), program, root, tied)
     )
 
 
 def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
-    """The network with parallel laws added up, its laws as steps of a program."""
+    """Network with parallel laws added up, each law a quotient of program nodes."""
 
     def added() -> Network[Quotient]:
         members = added_up(network, reflected).members
@@ -29,13 +29,13 @@ def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient
 
 
 def determinant(network: Network[Stiffness], program: Program, first: str = "") -> ProgramNode:
-    """Det D."""
+    """Determinant of the dynamic stiffness of a network, det D, as a program node."""
     root = first or next(iter(network.coordinates), "")
     return seen_from(root, network, program).determinant if root else program.leaf(1)
 
 
 def bilinear(network: Network[Stiffness], program: Program, reading: SymbolRow, load: SymbolRow) -> ProgramNode:
-    """Reading^T adj(D) load."""
+    """Bilinear form reading^T adj(D) load as a program node."""
     total = program.leaf(0)
     for root, share in load.items():
         total = total + program.leaf(share) * seen_from(root, network, program).reading(reading)

@@ -1,4 +1,4 @@
-"""Algebras in which the program of a transfer function is run."""
+"""Algebras that evaluate the program of a transfer function: expressions, polynomials, term counts, numbers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HALF = sympy.Rational(1, 2)
 
 @dataclass(frozen=True)
 class Expressions:
-    """Sympy expressions, nested as the program is; ``change`` is applied to every leaf."""
+    """Algebra of sympy expressions, nested as the program is; ``change`` is applied to every leaf."""
 
     change: Callable[[Any], Any] = lambda expression: expression
 
@@ -31,12 +31,12 @@ class Expressions:
 
 
 def in_s(coefficients: Iterable[Any]) -> Any:
-    """Sum of coefficient * s^power, sums in brackets."""
+    """Sympy sum of coefficient * s^power, without multiplying out."""
     return sympy.Add(*(sympy.Mul(part, S**power) for power, part in enumerate(coefficients) if part != 0))
 
 
 class PolynomialInS:
-    """A polynomial in s: coefficients of 1, s, s^2, ... in any algebra, the first ``limit`` of them.
+    """Polynomial in s: coefficients of 1, s, s^2, ... in any algebra, the first ``limit`` of them.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def is_zero(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class InPowersOfS:
-    """Polynomials in s with coefficients from ``coefficient``, which takes Fractions and sympy expressions.
+    """Algebra of polynomials in s, whose coefficients ``coefficient`` makes from Fractions and sympy expressions.
 
     With a ``limit``, only that many coefficients are calculated, from the lowest.
     """
@@ -98,7 +98,7 @@ class InPowersOfS:
 
 @dataclass(frozen=True)
 class TermCounts:
-    """How many terms the fully expanded result has at most: those that cancel or fall together count."""
+    """Algebra of upper bounds of the number of terms when multiplied out; terms that would cancel or merge count."""
 
     def leaf(self, payload: Any) -> int:
         parts = payload.parts if isinstance(payload, Stiffness) else (payload,)
@@ -106,7 +106,7 @@ class TermCounts:
 
 
 def terms_of(expression: Any) -> int:
-    """Terms of an expanded expression."""
+    """Number of terms of an expression when multiplied out."""
     if isinstance(expression, Fraction):
         return int(expression != 0)
     if not isinstance(expression, sympy.Add | sympy.Mul | sympy.Pow):
@@ -115,7 +115,7 @@ def terms_of(expression: Any) -> int:
 
 
 class Length:
-    """How many leaves a nested expression has, those that appear again counted again."""
+    """Length of a nested expression: number of leaves, repeated ones counted again."""
 
     __slots__ = ("leaves",)
 
@@ -129,7 +129,7 @@ class Length:
 
 
 class Lengths:
-    """The algebra of :class:`Length`."""
+    """Algebra of lengths of nested expressions, see :class:`Length`."""
 
     def leaf(self, payload: Any) -> Length:
         del payload
@@ -137,7 +137,7 @@ class Lengths:
 
 
 class DualNode:
-    """A value and its derivative."""
+    """Value and derivative of a program result."""
 
     __slots__ = ("slope", "value")
 
@@ -153,7 +153,7 @@ class DualNode:
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Programs of value and derivative with respect to a symbol."""
+    """Algebra of program nodes with their derivatives with respect to a symbol."""
 
     program: Program
     symbol: Any
@@ -172,7 +172,7 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class Changed:
-    """The same program with other leaves."""
+    """Algebra that copies a program with a substitution in its leaves."""
 
     program: Program
     change: Callable[[Any], Any]
@@ -186,12 +186,12 @@ class Changed:
 
 
 def stiffness_or_zero(*parts: Any) -> Any:
-    """A leaf for the three parts; a constant if only a number is left."""
+    """Program leaf for the coefficients of 1, s and s^2; plain 0 if all are zero."""
     return Stiffness(*parts) if any(part != 0 for part in parts) else 0
 
 
 def evaluated(expression: Any, element: Callable[[Any], Any]) -> Any:
-    """An expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
+    """Value of an expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
 
     Sums, products and whole powers are done in the algebra itself.
     """
@@ -217,7 +217,7 @@ def _power(base: Any, exponent: int) -> Any:
 
 @dataclass(frozen=True)
 class NumericValues:
-    """Numbers or arrays for the symbols; ``number`` makes a constant from a Fraction."""
+    """Algebra of numbers or arrays for the symbols; ``number`` makes a constant from a Fraction."""
 
     values: Mapping[Any, Any]
     number: Callable[[Fraction], Any]

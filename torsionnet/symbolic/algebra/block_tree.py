@@ -1,4 +1,4 @@
-"""A network as a tree of blocks: parts that hang together at one coordinate each.
+"""Tree of blocks of a network: parts that are connected at one coordinate each.
 
 A block holds coordinates that laws tie to each other in more than one way, or just two coordinates: everything between
 the two ends of a shaft, a gear mesh, the three members of a planetary set. Seen from a root, each block hangs on the
@@ -20,7 +20,7 @@ from torsionnet.symbolic.algebra.network import L, Network, NetworkMember, Symbo
 
 @dataclass(frozen=True, eq=False)
 class GraphBlock(Generic[L]):
-    """Laws over the coordinates ``top`` and ``below``."""
+    """Block of a network: its laws over the coordinate ``top`` and those ``below``."""
 
     top: str
     below: tuple[str, ...]
@@ -28,7 +28,7 @@ class GraphBlock(Generic[L]):
 
     @property
     def is_bundle(self) -> bool:
-        """Whether all laws act between the same two coordinates."""
+        """Whether all laws of the block act between the same two coordinates."""
         return len(self.below) == 1
 
     def covers(self, row: SymbolRow) -> bool:
@@ -38,7 +38,7 @@ class GraphBlock(Generic[L]):
 
 @dataclass(frozen=True, eq=False)
 class Orientation(Generic[L]):
-    """The blocks that hang on a root: coordinates from the root outwards, and the blocks above and below each."""
+    """Tree of blocks from a root: coordinates from the root outwards, and the blocks above and below each."""
 
     root: str
     order: tuple[str, ...]
@@ -55,7 +55,7 @@ class Orientation(Generic[L]):
 
 
 def orient(network: Network[L], root: str) -> Orientation[L]:
-    """Hang the blocks that are connected to ``root`` on it."""
+    """Tree of all blocks that are connected to ``root``, seen from there."""
     blocks = _blocks(network)
     order = [root]
     above: dict[str, GraphBlock[L]] = {}
@@ -75,7 +75,7 @@ def orient(network: Network[L], root: str) -> Orientation[L]:
 
 
 def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]]:
-    """Coordinate -> number of a block -> its coordinates and laws."""
+    """Coordinates and laws of the blocks at each coordinate, by the number of the block."""
     wide = [member for member in network.members if len(member.row) > 1]
     graph = nx.Graph(pair for member in wide for pair in combinations(member.row, 2))
     parts = list(nx.biconnected_component_edges(graph))
@@ -93,7 +93,7 @@ def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], t
 
 
 def roots_of(network: Network[L], first: str = "") -> list[str]:
-    """One root for every connected part; that of the part with ``first`` is ``first``."""
+    """Root coordinate of every connected part; ``first`` is the root of its own part."""
     parts = Groups(network.coordinates)
     for member in network.members:
         parts.join(*member.row)
@@ -104,7 +104,7 @@ def roots_of(network: Network[L], first: str = "") -> list[str]:
 
 
 def is_forest(network: Network[L]) -> bool:
-    """Whether all blocks are bundles."""
+    """Whether the network has no closed loop: all blocks are laws between two coordinates."""
     pairs = {frozenset(member.row) for member in network.members if len(member.row) > 1}
     parts = len(roots_of(network))
     return all(len(pair) == 2 for pair in pairs) and len(pairs) == len(network.coordinates) - parts

@@ -1,4 +1,4 @@
-"""All laws between two coordinates, without a division.
+"""Determinants of all laws between two coordinates, without a division.
 
 With rows a_e = (a_ev, a_ec) of the laws y_e between a coordinate v and a coordinate c below it, and A_c and Q_c the
 determinants of what hangs on c, with c free and held,
@@ -25,19 +25,19 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 @dataclass(frozen=True)
 class Quotient:
-    """A dynamic stiffness above / below; it is rigid where ``below`` is zero."""
+    """Dynamic stiffness as a quotient above / below; rigid where ``below`` is zero."""
 
     above: ProgramNode
     below: ProgramNode
 
 
 def quotient(law: Stiffness, program: Program) -> Quotient:
-    """A law as a quotient."""
+    """Dynamic stiffness of a law as a quotient of program nodes."""
     return Quotient(program.leaf(law), program.leaf(1))
 
 
 def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> Quotient:
-    """Sum of law * ratio^2."""
+    """Sum of law * ratio^2 as one quotient."""
     total = Quotient(program.leaf(0), program.leaf(1))
     for law, ratio in laws:
         above = program.leaf(ratio**2) * law.above
@@ -47,7 +47,7 @@ def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> 
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """The laws of a block of two coordinates, and what hangs on the lower one."""
+    """Block of two coordinates: all laws between them, and the quotient of all that hangs on the lower one."""
 
     block: GraphBlock[Quotient]
     hanging: Quotient
@@ -55,23 +55,23 @@ class Bundle:
 
     @cached_property
     def held(self) -> ProgramNode:
-        """The determinant with the upper coordinate held."""
+        """Determinant of the block with the upper coordinate held."""
         far = self._sum([row[self._child] ** 2 for row in self._rows])
         return self.hanging.above * self._below() + far * self.hanging.below
 
     @cached_property
     def free(self) -> ProgramNode:
-        """The determinant with the upper coordinate free."""
+        """Determinant of the block with the upper coordinate free."""
         total = self._sum([row[self.block.top] ** 2 for row in self._rows]) * self.hanging.above
         both = self._pairs()
         return total if both.is_zero else total + both * self.hanging.below
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of the lower coordinate under a unit torque on the upper one, what hangs there left out."""
+        """Motion of the lower coordinate under a unit torque on the upper one, without the parts that hang there."""
         return self._sum([-row[self.block.top] * row[end] for row in self._rows])
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """A row over both coordinates under a unit torque on the upper one: no law that acts on it appears."""
+        """Reading of a row over both coordinates under a unit torque on the upper one."""
         near, far = row.get(self.block.top, 0), row.get(self._child, 0)
         twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
         total = self.program.leaf(near) * self.hanging.above * self._below()

@@ -1,4 +1,4 @@
-"""Many closed loops: sympy's characteristic polynomial, with every law and ratio as one unknown of a ring."""
+"""Determinants of blocks with many closed loops, by sympy's characteristic polynomial in laws and ratios."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from torsionnet.symbolic.algebra.network import ONE, NetworkMember, SymbolRow
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 MOST_COORDINATES = 12
+"""Largest number of coordinates of a block that is expanded: the terms grow exponentially with it."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExpandedBlock:
-    """A block whose determinants are expanded in its laws.
+    """Block of a network whose determinants are expanded in its laws.
 
     Raises
     ------
@@ -47,20 +48,20 @@ class ExpandedBlock:
 
     @property
     def free(self) -> ProgramNode:
-        """The determinant with the top free."""
+        """Determinant of the block with the top coordinate free."""
         return self._determinant(0)
 
     @property
     def held(self) -> ProgramNode:
-        """The determinant with the top held: what multiplies a law to ground there."""
+        """Determinant of the block with the top coordinate held: the coefficient of a law to ground there."""
         return self._determinant(1)
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of a coordinate under a unit torque on the top, what hangs there left out."""
+        """Motion of a coordinate under a unit torque on the top, without the parts that hang there."""
         return self._motion(end, without=end)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """A row under a unit torque on the top."""
+        """Reading of a row under a unit torque on the top coordinate."""
         total = self.program.leaf(0)
         for name, value in row.items():
             total = total + self.program.leaf(value) * self._motion(name)
@@ -77,7 +78,7 @@ class ExpandedBlock:
 
     @cached_property
     def _solved(self) -> tuple[Any, Any]:
-        """(Motions under a unit torque on the top, determinant); the last unknown is a law to ground at the top."""
+        """Motions under a unit torque on the top, and the determinant, in a polynomial ring of laws and ratios."""
         count = len(self._members) + len(self._ratios) + 1
         ring, unknowns = sympy.polys.rings.xring([f"x_{i}" for i in range(count)], sympy.QQ)
         index = {name: number for number, name in enumerate(self.names)}
@@ -91,7 +92,7 @@ class ExpandedBlock:
         return motion, determinant
 
     def _terms(self, unknowns: Sequence[Any]) -> Iterator[tuple[str, str, Any]]:
-        """(Row, column, what is added there)."""
+        """Yield row, column and summand of the dynamic stiffness matrix."""
         ratio = dict(zip(self._ratios, unknowns[len(self._members) :], strict=False))
 
         def in_ring(value: Any) -> Any:
@@ -116,7 +117,7 @@ class ExpandedBlock:
         return [Quotient(one, one) if member.law is idle else member.law for member in self._members]
 
     def _node(self, terms: Mapping[tuple[int, ...], Any], laws: Sequence[Quotient]) -> ProgramNode:
-        """A polynomial of the ring as steps, nested by one unknown after the other."""
+        """Program node of a polynomial of the ring, nested by one unknown after the other."""
         one = self.program.leaf(1)
         return self._nested(terms, [*laws, *(Quotient(self.program.leaf(ratio), one) for ratio in self._ratios)], 0)
 

@@ -1,4 +1,4 @@
-"""A delay in symbols: a factor that is no polynomial in s, kept as a function of omega as other such factors are."""
+"""Symbolic delays: factors e^(-s tau), kept as functions of omega since they are no polynomials in s."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Delay(DynamicStiffness):
-    """e^(-s time), without a unit.
+    """Delay factor e^(-s time) without a unit, as a function of frequency.
 
     Examples
     --------
@@ -66,17 +66,17 @@ class Delay(DynamicStiffness):
 
 
 def delay_symbol(owner: str) -> Any:
-    """What stands for the delay of an element: ``delay_NAME(omega)``."""
+    """Sympy function ``delay_NAME(omega)`` that stands for the delay of an element."""
     return sympy.Function(f"delay_{owner}")(OMEGA)
 
 
 def delays_of(tables: Mapping[Any, DynamicStiffness]) -> dict[Any, Delay]:
-    """Those of the functions of frequency that are delays."""
+    """Delays among functions of frequency, by their symbols."""
     return {name: table for name, table in tables.items() if isinstance(table, Delay)}
 
 
 def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
-    """Refuse what only polynomials in s have.
+    """Refuse a form that exists only for quotients of polynomials in s where a delay appears.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
 
 @dataclass(frozen=True)
 class InPowersNearRest(InPowersOfS):
-    """Power series in s for slow motions, in which a delay is 1 - s tau + ..."""
+    """Algebra of power series in s for slow motions, in which a delay is 1 - s tau + ..."""
 
     delays: Mapping[Any, Delay] | None = None
 

@@ -1,4 +1,4 @@
-"""Closed loops and laws over three or more coordinates: deletion and contraction, one block at a time.
+"""Determinants of blocks with closed loops or laws over several coordinates, by deletion and contraction.
 
 det(D + y a a^T) = det D + y a_v^2 det(D on the motions with a = 0), and so for every bilinear form of the adjugate:
 one law less in the first term, one coordinate less in the second, and both again trees of smaller blocks. Blocks with
@@ -21,12 +21,13 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.algebra.recursion import Recursion, Solved
 
 MOST_LOOPS = 3
+"""Largest number of loops solved by deletion and contraction; more are left to the characteristic polynomial."""
 MOST_FORESTS = 2000
-"""Forests that deletion and contraction may lead to in one block."""
+"""Largest number of forests that deletion and contraction may lead to in one block: the length of the result."""
 
 
 def tied(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> Solved:
-    """A block of more than two coordinates with what hangs on it."""
+    """Solved block of more than two coordinates, with all that hangs on it."""
     loops = loops_of(block)
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
         return ExpandedBlock(block, hanging, program)
@@ -34,7 +35,7 @@ def tied(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: 
 
 
 def loops_of(block: GraphBlock[Quotient]) -> int:
-    """Laws over more than two coordinates, and pairs of coordinates tied beyond a spanning tree."""
+    """Number of loops of a block: laws over more than two coordinates, and pairs tied beyond a spanning tree."""
     pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}
     wide = sum(len(member.row) > 2 for member in block.members)
     return wide + max(0, len(pairs) - len(block.below))
@@ -42,7 +43,7 @@ def loops_of(block: GraphBlock[Quotient]) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """A block without one of its laws, and on the motions that this law does not feel."""
+    """Block solved by splitting off one law: without that law, and with its motion constrained to zero."""
 
     block: GraphBlock[Quotient]
     hanging: Mapping[str, Quotient]
@@ -51,13 +52,13 @@ class Split:
 
     @cached_property
     def network(self) -> Network[Quotient]:
-        """The block as a network, what hangs on it as laws to ground."""
+        """Network of the block, with all that hangs on it as laws to ground."""
         grounds = (NetworkMember({name: ONE}, law) for name, law in self.hanging.items())
         return Network((self.block.top, *self.block.below), (*self.block.members, *grounds))
 
     @cached_property
     def member(self) -> NetworkMember[Quotient]:
-        """The law to split at: the widest, else one of the fewest between two coordinates."""
+        """Law to split at: the widest, else one of the fewest between two coordinates."""
         among = Counter(frozenset(member.row) for member in self.block.members)
         return max(self.block.members, key=lambda member: (len(member.row), -among[frozenset(member.row)]))
 
@@ -76,7 +77,7 @@ class Split:
 
     @cached_property
     def weight(self) -> ProgramNode:
-        """Factor of what is contracted."""
+        """Factor of the contracted network in the determinant."""
         result = self.program.leaf(self.contraction.factor) * self.member.law.above
         for law in self.contraction.idle:
             result = result * law.below
@@ -87,20 +88,20 @@ class Split:
 
     @cached_property
     def held(self) -> ProgramNode:
-        """The determinant with the top held."""
+        """Determinant of the block with the top coordinate held."""
         return self._joined(self.deleted.held, self.contracted.held)
 
     @cached_property
     def free(self) -> ProgramNode:
-        """The determinant with the top free."""
+        """Determinant of the block with the top coordinate free."""
         return self._joined(self.deleted.determinant, self.contracted.determinant)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """A row under a unit torque on the top."""
+        """Reading of a row under a unit torque on the top coordinate."""
         return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of a coordinate under a unit torque on the top, what hangs there left out."""
+        """Motion of a coordinate under a unit torque on the top, without the parts that hang there."""
         if end not in self.others:
             bare = {name: law for name, law in self.hanging.items() if name != end}
             self.others[end] = replace(self, hanging=bare, others={})

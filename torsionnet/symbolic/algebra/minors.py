@@ -1,4 +1,4 @@
-"""Determinants of sparse matrices without division, each minor of the rows so far taken down once."""
+"""Determinants of sparse matrices without division, with each minor recorded once."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 SparseRow: TypeAlias = Mapping[int, ProgramNode]
+"""Row of a sparse matrix: program node by column."""
 
 MOST_MINORS = 20_000
-"""Products that are taken down before a determinant is given up."""
+"""Largest number of products recorded before a determinant is given up: a limit on time and memory."""
 
 
 def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNode:
-    """By Laplace's expansion along the rows, those first that leave few columns open.
+    """Determinant of a sparse matrix by Laplace's expansion along its rows.
 
     Raises
     ------
@@ -51,7 +52,7 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
 
 
 def _order(rows: Sequence[SparseRow]) -> list[int]:
-    """Rows so that few columns are begun and not yet done with at any time."""
+    """Order of the rows in which few columns are begun and unfinished at any time."""
     left, begun, order = set(range(len(rows))), set[int](), list[int]()
     while left:
         number = min(left, key=lambda one: (len(set(rows[one]) - begun), one))

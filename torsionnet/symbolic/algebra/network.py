@@ -1,4 +1,4 @@
-"""The drivetrain as the recursion sees it: coordinates, and laws on rows over them, in symbols."""
+"""Symbolic network of a drivetrain: coordinates, and laws on rows over them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import sympy
 from torsionnet.assembly.symbolic import collected
 
 SymbolRow: TypeAlias = Mapping[str, Any]
-"""Coordinate -> sympy expression, nowhere zero."""
+"""Row over coordinates with sympy coefficients, none of them zero."""
 
 ONE = sympy.Integer(1)
 ZERO = sympy.Integer(0)
@@ -21,7 +21,7 @@ ZERO = sympy.Integer(0)
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Dynamic stiffness J s^2 + c s + k; hysteresis and tables stand in k."""
+    """Symbolic dynamic stiffness J s^2 + c s + k of a law; hysteresis and tables stand in k."""
 
     stiffness: Any = ZERO
     damping: Any = ZERO
@@ -29,7 +29,7 @@ class Stiffness:
 
     @property
     def parts(self) -> tuple[Any, Any, Any]:
-        """Coefficients of 1, s, s^2."""
+        """Coefficients of 1, s, s^2 of the dynamic stiffness."""
         return self.stiffness, self.damping, self.inertia
 
 
@@ -38,7 +38,7 @@ L = TypeVar("L")
 
 @dataclass(frozen=True, eq=False)
 class NetworkMember(Generic[L]):
-    """A law on a row over coordinates."""
+    """Law of a network on its row over coordinates."""
 
     row: SymbolRow
     law: L
@@ -46,14 +46,14 @@ class NetworkMember(Generic[L]):
 
 @dataclass(frozen=True, eq=False)
 class Network(Generic[L]):
-    """D(s) = sum of law * row row^T over the coordinates."""
+    """Symbolic network with D(s) = sum of law * row row^T over the coordinates."""
 
     coordinates: tuple[str, ...]
     members: tuple[NetworkMember[L], ...]
 
     @cached_property
     def grounds(self) -> Mapping[str, list[L]]:
-        """Laws on one coordinate alone."""
+        """Laws on one coordinate alone, by coordinate."""
         found: dict[str, list[L]] = {}
         for member in self.members:
             if len(member.row) == 1:
@@ -61,7 +61,7 @@ class Network(Generic[L]):
         return found
 
     def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
-        """The network on the motions with row = 0, with one coordinate other than ``keep`` expressed by the others.
+        """Network on the motions with row = 0, with one coordinate other than ``keep`` expressed by the others.
 
         The coefficient of kappa in det(D + kappa a a^T) is a_v^2 times the determinant of what is left, v being the
         coordinate expressed, and so for every bilinear form of the adjugate.
@@ -75,7 +75,7 @@ class Network(Generic[L]):
         return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
 
     def _pivot(self, row: SymbolRow, keep: str) -> str:
-        """The last of the coordinates; of more than two, one on which few laws act, so that few rows get longer."""
+        """Coordinate to be expressed by the others: of more than two, one on which few laws act, so rows stay short."""
         names = [name for name in row if name != keep]
         uses: Counter[str] = Counter()
         if len(row) > 2:
@@ -83,13 +83,13 @@ class Network(Generic[L]):
         return max(names, key=lambda name: (-uses[name], self.coordinates.index(name)))
 
     def without(self, member: NetworkMember[L]) -> Network[L]:
-        """The network with one law less."""
+        """Copy of the network without one of its laws."""
         return Network(self.coordinates, tuple(other for other in self.members if other is not member))
 
 
 @dataclass(frozen=True)
 class Contraction(Generic[L]):
-    """A network with one coordinate less, what became of it, and the factor of its determinant.
+    """Network with one coordinate expressed by the others, and the factor of its determinant.
 
     ``idle`` are the laws on motions that are no longer possible.
     """
@@ -101,12 +101,12 @@ class Contraction(Generic[L]):
     idle: tuple[L, ...]
 
     def row(self, row: SymbolRow) -> SymbolRow:
-        """A row over the coordinates before as one over those left."""
+        """Row over the remaining coordinates from a row over all coordinates."""
         return substituted(row, self.pivot, self.solution)
 
 
 def added_up(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
-    """The network with the laws on parallel rows added up; ``total`` adds laws, each on a multiple of one row."""
+    """Network with the laws on parallel rows added up; ``total`` adds laws, each on a multiple of one row."""
     groups: dict[tuple[tuple[str, Any], ...], list[tuple[L, Any]]] = {}
     for member in network.members:
         direction, scale = _direction(member.row, groups)
@@ -116,7 +116,7 @@ def added_up(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L])
 
 
 def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str, Any], ...], Any]:
-    """The row over one of its coefficients, the same for parallel rows, and that coefficient."""
+    """Row normalised so that parallel rows agree, and the scale that was divided out."""
     names = sorted(row, key=lambda name: row[name] not in (1, -1))
     first, last = row[names[0]], row[names[-1]]
     if len(names) == 2:
@@ -134,7 +134,7 @@ def reflected(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
 
 
 class _Collected:
-    """A sum of laws times squared ratios."""
+    """Sum of laws times squared ratios, collected by ratio."""
 
     def __init__(self) -> None:
         self.parts: tuple[dict[Any, Any], ...] = ({}, {}, {})
@@ -151,7 +151,7 @@ class _Collected:
 
 
 def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
-    """Sum of factor * row; what is zero for all values of the symbols drops out."""
+    """Sum of factor * row, without entries that are zero for all values of the symbols."""
     total: dict[str, Any] = {}
     for factor, row in rows:
         for name, value in row.items():
@@ -160,7 +160,7 @@ def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
 
 
 def substituted(row: SymbolRow, pivot: str, solution: SymbolRow) -> SymbolRow:
-    """The row with one coordinate replaced."""
+    """Row with one coordinate replaced by its expression in the others."""
     if pivot not in row:
         return row
     rest = {name: value for name, value in row.items() if name != pivot}

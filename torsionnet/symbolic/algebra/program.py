@@ -1,4 +1,4 @@
-"""Straight-line programs: what a calculation does, step by step, each step once.
+"""Straight-line programs: a calculation recorded step by step, each step once.
 
 A transfer function is calculated once with the :class:`ProgramNode` objects of a :class:`Program`, which only take down
 what is done; equal steps are found to be equal. The program is then run in any algebra that has numbers for its leaves:
@@ -19,16 +19,16 @@ ARITHMETIC = ("+", "*", "/")
 
 
 class ProgramAlgebra(Protocol):
-    """Where a program gets its numbers from; they bring +, * and, for programs that divide, / along."""
+    """Protocol of an algebra that evaluates programs: elements with +, * and / for the leaves of a program."""
 
     def leaf(self, payload: Any) -> Any:
-        """The element for a leaf: what was given to :meth:`Program.leaf`, or a Fraction."""
+        """Element for a leaf: the payload given to :meth:`Program.leaf`, or a Fraction."""
         ...
 
 
 @dataclass(eq=False)
 class Program:
-    """Steps in order; step i is ``("+", a, b)``, ``("*", a, b)``, ``("/", a, b)`` or ``("leaf", payload)``.
+    """Straight-line program; step i is ``("+", a, b)``, ``("*", a, b)``, ``("/", a, b)`` or ``("leaf", payload)``.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class Program:
     memo: Memo = field(default_factory=Memo)
 
     def leaf(self, payload: Hashable) -> ProgramNode:
-        """A number the algebra is asked for; rationals are constants."""
+        """Node of a leaf whose value the algebra provides; rationals are constants."""
         return self._node(("leaf", _constant(payload)))
 
     def node(self, value: Any) -> ProgramNode:
@@ -59,7 +59,7 @@ class Program:
         return found
 
     def constant(self, node: ProgramNode) -> Fraction | None:
-        """The value of a node that is a constant."""
+        """Value of a constant node; None for any other node."""
         step = self.steps[node.index]
         return step[1] if step[0] == "leaf" and isinstance(step[1], Fraction) else None
 
@@ -88,7 +88,7 @@ class Program:
         return left if b == 1 or a == 0 else self._node(("/", left.index, right.index))
 
     def needed(self, outputs: Iterable[ProgramNode]) -> list[int]:
-        """Indices of the steps that the outputs rest on, in order."""
+        """Indices of the steps on which the outputs depend, in order."""
         wanted = {node.index for node in outputs}
         for index in range(max(wanted, default=-1), -1, -1):
             if index in wanted and self.steps[index][0] in ARITHMETIC:
@@ -96,11 +96,11 @@ class Program:
         return sorted(wanted)
 
     def payloads(self, outputs: Iterable[ProgramNode]) -> list[Any]:
-        """What is in the leaves that the outputs rest on."""
+        """Payloads of the leaves on which the outputs depend."""
         return [self.steps[index][1] for index in self.needed(outputs) if self.steps[index][0] == "leaf"]
 
     def run(self, algebra: ProgramAlgebra, outputs: Sequence[ProgramNode]) -> list[Any]:
-        """The outputs in an algebra."""
+        """Values of the output nodes in an algebra."""
         results: dict[int, Any] = {}
         for index in self.needed(outputs):
             step = self.steps[index]
@@ -112,7 +112,7 @@ class Program:
         return [results[node.index] for node in outputs]
 
     def factors(self, node: ProgramNode) -> Counter[int]:
-        """The factors a node is a product of, by index."""
+        """Factors of a node that is a product, as step indices with their multiplicity."""
         found: Counter[int] = Counter()
         waiting = [node.index]
         while waiting:
@@ -134,7 +134,7 @@ class Program:
         return self.known[self.steps[index]]
 
     def reduced(self, numerator: ProgramNode, denominator: ProgramNode) -> tuple[ProgramNode, ProgramNode]:
-        """The fraction without the factors both have."""
+        """Numerator and denominator without their common factors."""
         above, below = self.factors(numerator), self.factors(denominator)
         common = above & below
         if not common or self.constant(numerator) == 0:
@@ -149,7 +149,7 @@ def _constant(payload: Any) -> Any:
 
 
 class ProgramNode:
-    """A result of a program under construction."""
+    """Result of one step of a program, with +, * and / that record further steps."""
 
     __slots__ = ("index", "program")
 

@@ -1,4 +1,4 @@
-"""Sympy expressions put together as they come, without sorting: for results too long to be looked through."""
+"""Sympy expressions built without sorting their terms, for results too long to be sorted."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from torsionnet.symbolic.algebra.algebras import Expressions
 
 
 class Raw:
-    """An expression under construction."""
+    """Unsorted sympy expression under construction."""
 
     __slots__ = ("expression",)
 
@@ -37,7 +37,7 @@ def _is_neutral(operation: Any, left: Any, right: Any) -> bool:
 
 
 class RawExpressions(Expressions):
-    """The algebra of :class:`Raw`."""
+    """Algebra of unsorted sympy expressions, see :class:`Raw`."""
 
     def leaf(self, payload: Any) -> Raw:
         return Raw(super().leaf(payload))

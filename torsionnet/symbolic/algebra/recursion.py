@@ -1,4 +1,4 @@
-"""The division-free recursion on a tree of blocks.
+"""Division-free recursion on a tree of blocks for determinants and readings.
 
 Below a coordinate v hang blocks, each with its determinants A_b and Q_b for v free and held (see
 :mod:`torsionnet.symbolic.algebra.bundle` and :mod:`torsionnet.symbolic.algebra.loops`). With g_v the dynamic stiffness
@@ -28,34 +28,34 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 
 class Solved(Protocol):
-    """A block and all that hangs on it, seen from its top."""
+    """Protocol of a solved block: determinants and readings of the block with all that hangs on it."""
 
     @property
     def held(self) -> ProgramNode:
-        """The determinant with the top held."""
+        """Determinant of the block with the top coordinate held."""
         ...
 
     @property
     def free(self) -> ProgramNode:
-        """The determinant with the top free."""
+        """Determinant of the block with the top coordinate free."""
         ...
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of a coordinate under a unit torque on the top, without what hangs on that coordinate."""
+        """Motion of a coordinate under a unit torque on the top, without the parts that hang on that coordinate."""
         ...
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """A row over the coordinates of the block under a unit torque on the top."""
+        """Reading of a row over the block's coordinates under a unit torque on the top."""
         ...
 
 
 Tied: TypeAlias = Callable[[GraphBlock[Quotient], Mapping[str, Quotient], Program], Solved]
-"""Solves a block of more than two coordinates, with what hangs on it."""
+"""Function that solves a block of more than two coordinates, with all that hangs on it."""
 
 
 @dataclass
 class Recursion:
-    """A and Q of every coordinate that is connected to the root, taken down in a program."""
+    """Determinants A (free) and Q (held) of every coordinate connected to the root, recorded in a program."""
 
     network: Network[Quotient]
     program: Program
@@ -75,17 +75,17 @@ class Recursion:
 
     @property
     def determinant(self) -> ProgramNode:
-        """Det D."""
+        """Determinant of the whole network, det D, as a program node."""
         return self.A[self.root] * self.beside
 
     @property
     def held(self) -> ProgramNode:
-        """Det D with the root held."""
+        """Determinant of the whole network with the root held, as a program node."""
         return self.Q[self.root] * self.beside
 
     @cached_property
     def beside(self) -> ProgramNode:
-        """The determinants of all that is not connected to the root."""
+        """Product of the determinants of all parts not connected to the root."""
         result = self.program.leaf(1)
         for other in roots_of(self.network, self.root)[1:]:
             result = result * Recursion(self.network, self.program, other, self.tied).A[other]
@@ -128,22 +128,22 @@ class Recursion:
         return [a * b for a, b in zip(ahead, reversed(behind), strict=True)] if blocks else []
 
     def _aside(self, name: str, block: GraphBlock[Quotient]) -> ProgramNode:
-        """What hangs on a coordinate besides a block."""
+        """Product of the determinants that hang on a coordinate besides a block."""
         return self._ground(name).below * self._hanging(name, block)
 
     def _carried(self, end: str) -> ProgramNode:
-        """Product along the path to ``end``, with all that hangs off it."""
+        """Product along the path to ``end``, with all that hangs off the path."""
         result = self.beside
         for block, far in self.tree.path(end):
             result = result * self.solved[block].carried(far) * self._aside(block.top, block)
         return result
 
     def motion(self, end: str) -> ProgramNode:
-        """Det D times the angle at ``end`` under a unit torque at the root."""
+        """Numerator of the angle at ``end`` under a unit torque at the root: det D times the angle."""
         return self._carried(end) * self.Q[end]
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Det D times row theta under a unit torque at the root; what is not connected to it does not move."""
+        """Numerator of row theta under a unit torque at the root: det D times the reading."""
         row = {name: value for name, value in row.items() if name in self.Q}
         block = self._common(row)
         if block is not None:
@@ -154,6 +154,6 @@ class Recursion:
         return total
 
     def _common(self, row: SymbolRow) -> GraphBlock[Quotient] | None:
-        """The block in which all of several coordinates are."""
+        """Block that contains all of several coordinates; None if no block does."""
         found = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
         return next((block for block in found if block.covers(row)), None)

@@ -15,12 +15,12 @@ from torsionnet.symbolic.algebra.algebras import S
 from torsionnet.symbolic.algebra.network import Stiffness
 
 BITS = 12
-"""Room for one exponent."""
+"""Bits of a packed monomial for the exponent of one generator: exponents up to 4095."""
 MASK = (1 << BITS) - 1
 
 
 class Sparse:
-    """A sum of integer * monomial, over scale^depth.
+    """Sparse polynomial: sum of integer * monomial, over scale^depth.
 
     A monomial is one integer, with ``BITS`` bits for the exponent of each generator, so that monomials multiply by
     adding. Fractions are kept out: all numbers have one common denominator, the scale.
@@ -44,7 +44,7 @@ class Sparse:
         return Sparse(total, depth, self.scale)
 
     def at_depth(self, depth: int) -> dict[int, int]:
-        """The integers over scale^depth."""
+        """Coefficients of the monomials over the denominator scale^depth."""
         if depth == self.depth:
             return self.terms
         factor = self.scale ** (depth - self.depth)
@@ -67,7 +67,7 @@ class Sparse:
 
 @dataclass(frozen=True)
 class Monomials:
-    """The algebra of :class:`Sparse`: generators s, parameters, and inverses and roots of parameters."""
+    """Algebra of sparse polynomials, whose generators are s, parameters, and inverses and roots of parameters."""
 
     generators: tuple[Any, ...]
     scale: int
@@ -77,7 +77,7 @@ class Monomials:
         return {generator: BITS * position for position, generator in enumerate(self.generators)}
 
     def leaf(self, payload: Any) -> Sparse:
-        """A constant, an expression, or a dynamic stiffness."""
+        """Sparse polynomial of a constant, an expression or a dynamic stiffness."""
         depth = 0 if _is_whole(payload) else 1
         found: dict[int, int] = {}
         for power, part in enumerate(_parts(payload)):
@@ -88,7 +88,7 @@ class Monomials:
         return Sparse(found, depth, self.scale)
 
     def by_power(self, polynomial: Sparse) -> list[dict[int, int]]:
-        """Terms for every power of s; what has cancelled is left out."""
+        """Terms of a sparse polynomial for every power of s, without cancelled ones."""
         shift = self._place[S]
         found: dict[int, dict[int, int]] = {}
         for monomial, number in polynomial.terms.items():
@@ -98,7 +98,7 @@ class Monomials:
         return [found.get(power, {}) for power in range(max(found, default=0) + 1)]
 
     def as_dict(self, polynomial: Sparse) -> dict[tuple[int, ...], Any]:
-        """Exponents of the generators -> rational coefficient, as sympy's rings take it."""
+        """Rational coefficients by the exponents of the generators, in the format of sympy's rings."""
         divisor = polynomial.scale**polynomial.depth
         return {
             tuple(monomial >> place & MASK for place in self._place.values()): sympy.QQ(number, divisor)
@@ -107,7 +107,7 @@ class Monomials:
         }
 
     def expression(self, terms: Mapping[int, int], divisor: int = 1) -> Any:
-        """A sympy sum; equal numbers make no difference to its terms."""
+        """Sympy sum of terms over a common divisor."""
         return sympy.Add(*self._terms(terms, divisor))
 
     def _terms(self, terms: Mapping[int, int], divisor: int) -> Iterator[Any]:
@@ -122,7 +122,7 @@ class Monomials:
 
 
 def monomials_for(payloads: Iterable[Any]) -> Monomials:
-    """The algebra in which all payloads can be written."""
+    """Algebra of sparse polynomials in which all payloads can be written."""
     names: dict[Any, None] = {}
     scale = 1
     for payload in payloads:
@@ -142,7 +142,7 @@ def _is_whole(payload: Any) -> bool:
 
 
 def monomials(expression: Any) -> list[tuple[Fraction, dict[Any, int]]]:
-    """(number, {generator: power}) of every term; inverses and roots are generators of their own."""
+    """Number and {generator: power} of every term of an expression; inverses and roots are generators of their own."""
     if isinstance(expression, Fraction):
         return [(expression, {})] if expression else []
     if expression.is_Symbol:
