@@ -6,10 +6,10 @@ import pytest
 from scipy.stats import binomtest, spearmanr
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.study.answers.map_of_study import parameter_map
-from torsionnet.study.answers.scatter_of_study import rank_correlations
+from torsionnet.study.answers.map_answer import parameter_map
+from torsionnet.study.answers.scatter_answer import rank_correlations
 from torsionnet.study.answers.share_interval import counted_share
-from torsionnet.study.answers.tornado_of_study import one_at_a_time
+from torsionnet.study.answers.tornado_answer import one_at_a_time
 from torsionnet.study.answers.worst_case_search import largest
 
 

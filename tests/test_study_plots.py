@@ -10,9 +10,9 @@ from torsionnet import plot
 from torsionnet.core.units import RPM
 from torsionnet.study import define, run_study
 from torsionnet.study.answers.draws_beyond import limited_values
-from torsionnet.study.answers.map_of_study import MapFound, ParameterMap
-from torsionnet.study.answers.percentile_bands_of_study import BandsFound
-from torsionnet.study.answers.yield_of_limits import YieldFound
+from torsionnet.study.answers.map_answer import MapFound, ParameterMap
+from torsionnet.study.answers.percentile_bands_answer import BandsFound
+from torsionnet.study.answers.yield_answer import YieldFound
 from torsionnet.study.quantities.quantity import QuantityForm
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.shown_units import IN_SI, ShownUnits, shown_units

@@ -15,8 +15,8 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
     """Register of types by kind, in alphabetical order, whatever the order in which files were imported.
 
     A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name, or of
-    the one whose name begins with the kind and ``_of_``; where there is none, out of the first family that has it. Only
-    if no family has, and when all kinds are listed, every file of the packages is imported.
+    the one whose name begins with the kind and ``_of_`` or ``_answer``; where there is none, out of the first family that
+    has it. Only if no family has, and when all kinds are listed, every file of the packages is imported.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
 
     def __getitem__(self, kind: str) -> T:
         if kind not in self._types:
-            own = [file for file in self._files if file == kind or file.startswith(f"{kind}_of_")]
+            own = [file for file in self._files if file == kind or file.startswith((f"{kind}_of_", f"{kind}_answer"))]
             for file in own or self.families:
                 self._import(file)
                 if kind in self._types:

@@ -12,7 +12,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer
-from torsionnet.study.answers.asking import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
+from torsionnet.study.answers.answer_inputs import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.correlation import Correlation, name_faults

@@ -9,7 +9,7 @@ from torsionnet.core.expressions import Number
 from torsionnet.core.units import CELSIUS, UnitError, parse_unit
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.answers.asking import measure_of, units_of
+from torsionnet.study.answers.answer_inputs import measure_of, units_of
 from torsionnet.study.quantities.quantity_limit import ValueInUnit
 from torsionnet.study.space.variations.variation import Variation
 

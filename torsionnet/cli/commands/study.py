@@ -165,8 +165,8 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     from contextlib import suppress
 
     from torsionnet.core.errors import SolveError, UsageError
-    from torsionnet.study.answers.percentile_bands_of_study import PercentileBands
-    from torsionnet.study.answers.scatter_of_study import Scatter
+    from torsionnet.study.answers.percentile_bands_answer import PercentileBands
+    from torsionnet.study.answers.scatter_answer import Scatter
 
     if result is None:
         return {}

@@ -36,7 +36,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.map_of_study import MapFound, ParameterMap
+    from torsionnet.study.answers.map_answer import MapFound, ParameterMap
 
 LINES = 9
 COLOURS = 64

@@ -15,7 +15,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.study.answers.draws_beyond import LimitedValues
-    from torsionnet.study.answers.yield_of_limits import YieldFound
+    from torsionnet.study.answers.yield_answer import YieldFound
 
 ROOM = 0.05
 """Of the width of all values and of the limits that are no farther off than that width; others are only told of."""

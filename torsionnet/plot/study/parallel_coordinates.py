@@ -17,7 +17,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.parallel_coordinates_of_study import ParallelFound
+    from torsionnet.study.answers.parallel_coordinates_answer import ParallelFound
 
 WIDE = 100.0
 """Ratio of the largest to the smallest value from which an axis has equal factors."""

@@ -23,7 +23,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.percentile_bands_of_study import BandsFound
+    from torsionnet.study.answers.percentile_bands_answer import BandsFound
 
 MOST_COLUMNS = 3
 HEIGHT = 2.3

@@ -16,7 +16,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.scatter_of_study import ScatterFound
+    from torsionnet.study.answers.scatter_answer import ScatterFound
 
 MANY = 3000
 """Points from which their density is drawn."""

@@ -24,7 +24,7 @@ from torsionnet.plot.study.study_axes import (
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.tornado_of_study import Swings, TornadoFound
+    from torsionnet.study.answers.tornado_answer import Swings, TornadoFound
 
 MOST_PARAMETERS = 12
 

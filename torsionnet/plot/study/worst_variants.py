@@ -15,7 +15,7 @@ from torsionnet.plot.study.study_axes import axis_label, key_below, named_rows, 
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.worst_case_of_study import WorstCaseFound, WorstVariant
+    from torsionnet.study.answers.worst_case_answer import WorstCaseFound, WorstVariant
 
 COLORS = {"largest": style.PALETTE[1], "smallest": style.PALETTE[0]}
 FEW = 4

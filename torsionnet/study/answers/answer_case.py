@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.answers.asking import case_label
+from torsionnet.study.answers.answer_inputs import case_label
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.variant_block import VariantBlock
 from torsionnet.study.space.space import Space

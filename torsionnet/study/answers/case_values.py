@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, VariantValues
-from torsionnet.study.answers.asking import case_label
+from torsionnet.study.answers.answer_inputs import case_label
 
 
 @dataclass(frozen=True, eq=False)

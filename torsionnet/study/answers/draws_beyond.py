@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.answers.asking import measure_of
+from torsionnet.study.answers.answer_inputs import measure_of
 from torsionnet.study.answers.conclusion_data import IN_WORDS
 from torsionnet.study.reductions.limit_counts import LimitTotals
 

@@ -18,7 +18,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
-from torsionnet.study.answers.asking import LIMIT, distribution_faults, limit_faults, limit_words
+from torsionnet.study.answers.answer_inputs import LIMIT, distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.answers.importance_sampling import FEWEST, importance_sampling
 from torsionnet.study.answers.rare_event import RareEvent

@@ -18,7 +18,7 @@ from torsionnet.core.errors import Fault, SolveError, UsageError
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
-from torsionnet.study.answers.asking import QUANTITY, chosen_quantities, distribution_faults, quantity_faults
+from torsionnet.study.answers.answer_inputs import QUANTITY, chosen_quantities, distribution_faults, quantity_faults
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.asking import PARAMETER
+from torsionnet.study.answers.answer_inputs import PARAMETER
 from torsionnet.study.design.conditions_damper import DamperOverConditions, damper_over_conditions
 from torsionnet.study.design.design_entries import DESIGN, DesignBounds, bounded
 

@@ -14,7 +14,7 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
-from torsionnet.study.answers.asking import PARAMETER, QUANTITY, measure_of
+from torsionnet.study.answers.answer_inputs import PARAMETER, QUANTITY, measure_of
 from torsionnet.study.design.design_entries import DESIGN, DesignBounds, bounded
 from torsionnet.study.design.design_goals import DesignGoals
 from torsionnet.study.design.design_problem import DesignProblem

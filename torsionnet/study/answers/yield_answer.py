@@ -17,7 +17,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.asking import CONFIGURATION, LIMIT, case_label, limit_faults, limit_words
+from torsionnet.study.answers.answer_inputs import CONFIGURATION, LIMIT, case_label, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
 from torsionnet.study.answers.draws_beyond import CountedBeyond, DrawsBeyond, KeptBeyond, LimitedValues, limited_values
 from torsionnet.study.answers.share_interval import Share, counted_share

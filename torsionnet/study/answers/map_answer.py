@@ -16,7 +16,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_case import AnswerCase, OfVariants, answer_cases
-from torsionnet.study.answers.asking import QUANTITY, VARIED, measure_of, quantity_faults, units_of
+from torsionnet.study.answers.answer_inputs import QUANTITY, VARIED, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 

@@ -17,7 +17,7 @@ from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.asking import QUANTITY, chosen_quantities, measure_of, quantity_faults, units_of
+from torsionnet.study.answers.answer_inputs import QUANTITY, chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
 

@@ -15,7 +15,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.asking import QUANTITY, case_label, measure_of
+from torsionnet.study.answers.answer_inputs import QUANTITY, case_label, measure_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.quantities.quantity import QuantityForm
 
