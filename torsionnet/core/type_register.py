@@ -15,8 +15,8 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
     """Register of types by kind, in alphabetical order, whatever the order in which files were imported.
 
     A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name, or of
-    the one whose name begins with the kind and ``_of_`` or ``_answer``; where there is none, out of the first family that
-    has it. Only if no family has, and when all kinds are listed, every file of the packages is imported.
+    the one whose name begins with the kind and ``_of_`` or ``_answer``; where there is none, out of the first family
+    that has it. Only if no family has, and when all kinds are listed, every file of the packages is imported.
 
     Parameters
     ----------
