@@ -236,7 +236,7 @@ class TestWhatIsWrong:
             ship().mean_response(output)
 
     def test_no_torques(self):
-        with pytest.raises(tn.UsageError, match="nothing says which mean torques act"):
+        with pytest.raises(tn.UsageError, match="no mean torques are given"):
             ship("").mean_response("torque(coupling)")
 
     @pytest.mark.parametrize(

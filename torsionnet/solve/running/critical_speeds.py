@@ -1,4 +1,4 @@
-"""Critical speeds: every order of what runs against every mode."""
+"""Critical speeds: crossings of every order of every excitation with every mode."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
 from torsionnet.solve.running.order_response import input_senses, order_response, with_motions_held
 from torsionnet.solve.running.speed_peaks import with_peaks
 
-LINE = "line frequency"
-"""What lines at multiples of the line frequency are called."""
+LINE_FREQUENCY = "line frequency"
+"""Name of the excitation of order lines at 1 and 2 times the frequency of the electric grid."""
 
 
 def critical_speeds(
@@ -48,7 +48,7 @@ def critical_speeds(
 ) -> CriticalSpeeds:
     """See :meth:`torsionnet.Drivetrain.critical_speeds`."""
     if not 0 <= reach < 1:
-        raise UsageError(f"reach is a share of the speeds from 0 up to 1, got {reach}")
+        raise UsageError(f"reach is a share of the speeds, 0 or more and below 1, got {reach}")
     if line_frequency is not None and not 0 < line_frequency < math.inf:
         raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}")
     rule = margin_rule(margin)
@@ -57,29 +57,31 @@ def critical_speeds(
     # The vibrations are those with imposed motions held, as in the order response.
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
     title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
-    question = _Question(held, title, reference, speed_range, rule, reach, lowest)
-    question.known = {name: question.known_speeds(name, float(group[0].ratio)) for name, group in lines.items()}
+    search = _CrossingSearch(held, title, reference, speed_range, rule, reach, lowest)
+    search.known = {name: search.known_speeds(name, float(group[0].ratio)) for name, group in lines.items()}
     if line_frequency:
-        lines[LINE] = [OrderLine(LINE, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)]
-    crossings = [one for name, group in lines.items() for one in question.crossings(name, group)]
+        lines[LINE_FREQUENCY] = [
+            OrderLine(LINE_FREQUENCY, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)
+        ]
+    crossings = [one for name, group in lines.items() for one in search.crossings(name, group)]
     crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed))
     found = CriticalSpeeds(
         reference=reference,
-        speed_range=question.speed_range,
-        modes=question.modes,
+        speed_range=search.speed_range,
+        modes=search.modes,
         crossings=tuple(crossings),
         lines=tuple(line for group in lines.values() for line in group),
         nodes=held.assembly.nodes,
-        rule=question.rule,
+        rule=search.rule,
         title=title,
         condition=drivetrain.configuration,
-        notes=tuple(question.notes()),
+        notes=tuple(search.notes()),
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
         return found
-    ends = [question.limits, *question.known.values()]
+    ends = [search.limits, *search.known.values()]
     common = max(low for low, _ in ends), min(high for _, high in ends)
-    limits = question.speed_range if question.over_speed.follow else common
+    limits = search.speed_range if search.over_speed.follow else common
     peaks, channels = with_peaks(changed, found.crossings, outputs, reference, limits)
     return replace(found, crossings=peaks, outputs=channels)
 
@@ -87,11 +89,11 @@ def critical_speeds(
 def order_margins(
     drivetrain: AssembledModel, *, speeds: ArrayLike | None = None, excitations: Iterable[str] | None = None
 ) -> tuple[CriticalSpeed, ...]:
-    """Every order against every mode, however far away, with its margin; without forces and peaks."""
+    """Margin of every order line to every mode, however far away; without forces and peaks."""
     lines, reference, speed_range = excited_lines(drivetrain, speeds, None, excitations)
     held = with_motions_held(drivetrain, {name: drivetrain.definition.excitations[name] for name in lines})
-    question = _Question(held, drivetrain.title, reference, speed_range, None, 0.0, None)
-    return tuple(question.met(mode, line) for group in lines.values() for line in group for mode in question.modes)
+    search = _CrossingSearch(held, drivetrain.title, reference, speed_range, None, 0.0, None)
+    return tuple(search.met(mode, line) for group in lines.values() for line in group for mode in search.modes)
 
 
 def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tuple[float, float]:
@@ -103,9 +105,9 @@ def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tu
 def excited_lines(
     drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None, excitations: Iterable[str] | None
 ) -> tuple[dict[str, list[OrderLine]], str, tuple[float, float]]:
-    """Every line by its excitation, the reference node and the operating range.
+    """Order lines by excitation, the reference node, and the operating range in rad/s.
 
-    An order response at the ends of the range has them all, and refuses what cannot be answered.
+    All are read from an order response at the ends of the range, which also refuses excitations that cannot act.
     """
     given = drivetrain.definition.speeds
     at = np.atleast_1d(np.asarray(given.values if given and speeds is None else () if speeds is None else speeds))
@@ -123,8 +125,8 @@ def _with_dampers(drivetrain: AssembledModel, state: str, names: Iterable[str] |
     return drivetrain if definition is drivetrain.definition else drivetrain.with_definition(definition)
 
 
-class _Question:
-    """What all crossings have in common."""
+class _CrossingSearch:
+    """Modes of a drivetrain and rules for their crossings with order lines: operating range, margin, reach."""
 
     def __init__(
         self,
@@ -150,18 +152,18 @@ class _Question:
         }
 
     def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
-        """The lines of one excitation against every mode."""
+        """Crossings of the lines of one excitation with every mode, near the operating range."""
         blank = [self.met(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
         return near if excitation is None else list(self._with_forces(near, excitation, self.known[name]))
 
     def met(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
-        """A line against a mode, near the operating range or not."""
+        """Crossing of a line with a mode, near the operating range or not."""
         return self._settled(self._crossing(mode, line), line)
 
     def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
-        """The operating range, and what is listed beyond it where the data of an excitation go so far."""
+        """Lowest and highest speed in rad/s, widened by ``reach`` where the data of the excitation cover that."""
         excitation = self.drivetrain.definition.excitations[name]
         low, high = (
             beyond if _has_torques(excitation, beyond * ratio) else end
@@ -185,14 +187,14 @@ class _Question:
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
     def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
-        """With the mode at the critical speed itself, where parameters follow the operating point."""
+        """Crossing with the mode at the critical speed itself, where parameters follow the operating point."""
         if not self.over_speed.follow or not one.order:
             return one
         return self._crossing(self.over_speed.settled(one.mode, self._natural(one)), line)
 
     @staticmethod
     def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:
-        """The critical speed of ``|lambda|/2pi``, else of the undamped frequency, for any mode in place of its own."""
+        """Function of a mode: critical speed in rad/s by ``|lambda|/2pi``, else by the undamped frequency."""
         which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
         return lambda mode: replace(one, mode=mode).speed(which)
 
@@ -244,13 +246,13 @@ class _Question:
         )
 
     def _acting_speed(self, one: CriticalSpeed) -> float:
-        """The critical speed at which the torques are taken: of the natural frequency where that is near."""
+        """Critical speed in rad/s at which torques are taken: of the natural frequency where that is in range."""
         low, high = self.limits
         found = [one.speed(which) for which in ("natural", "undamped", "damped")]
         return next((speed for speed in found if low <= speed <= high), self.speed_range[1])
 
     def _largest(self, shape: Mapping[str, complex], shaft: str) -> float:
-        """Largest angle of a shape, referred to a shaft by the mean speeds."""
+        """Largest angle of a mode shape, referred to a shaft by the mean speeds."""
         own = self.turning.get(shaft)
         if own is None:
             return abs(shape[shaft])
@@ -258,7 +260,7 @@ class _Question:
 
 
 def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
-    """Whether its data reach so far."""
+    """Whether the torque data of an excitation cover a speed in rad/s of its shaft."""
     try:
         excitation.torques(np.array([speed]))
     except UsageError:
@@ -267,7 +269,7 @@ def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
 
 
 def _distance(natural: float, low: float, high: float) -> float:
-    """From excitation frequencies between two, over the nearer of them; 0 inside."""
+    """Distance of a natural frequency from the range low to high, over its nearer end; 0 inside."""
     if natural < low:
         return 1 - natural / low
     return natural / high - 1 if natural > high else 0.0

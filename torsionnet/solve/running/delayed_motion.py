@@ -1,7 +1,7 @@
 """Motion over time where torques of controllers act with a delay.
 
-What a controller applies now it has found a delay ago, so that its torque is known before it is needed and drives the
-others like one from outside (the method of steps). States go from point to point by the exact transition for torques
+The torque of a delayed controller follows from the motion one delay ago, so that it is known in advance and acts like
+a torque from outside (the method of steps). States go from point to point by the exact transition for torques
 that run straight between points; delayed torques are read between points by cubics. The error falls with the square of
 the step: it is taken out by extrapolation from two steps, and what that leaves is estimated from a third.
 """
@@ -22,19 +22,19 @@ from torsionnet.solve.dynamic_stiffness.action_states import LawStates, refuse_d
 from torsionnet.solve.dynamic_stiffness.state_space import NEGLIGIBLE, StateSpaceForm, first_order, output_matrices
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-MOST_STEPS = 400_000
-"""Points in time of all passes together."""
-LEAST = 3
-"""Points that a delay is long at least."""
-ENOUGH = 1e-6
-"""Share of the largest reading that the error may be."""
-TOLD = 1e-4
-"""Share above which a warning tells it."""
+MOST_TIME_STEPS = 400_000
+"""Points in time of all passes together, which bounds the time of a simulation: steps run one by one in Python."""
+FEWEST_STEPS_PER_DELAY = 3
+"""Steps in the shortest delay: the cubic that reads a delayed torque ends before the current point."""
+ERROR_TOLERANCE = 1e-6
+"""Estimated error, over the largest reading, at which the step is halved no more."""
+ERROR_WARNED = 1e-4
+"""Estimated error, over the largest reading, above which a warning gives it."""
 
 
 @dataclass(frozen=True)
 class DelayedForm:
-    """x' = A x + B [u, T], y = C x + D [u, T], and the torques v = E x + F [u, T] that act as T a delay later."""
+    """State space with delayed torques T: x' = A x + B [u, T], y = C x + D [u, T], T(t + delay) = E x + F [u, T]."""
 
     A: FloatArray
     B: FloatArray
@@ -48,7 +48,7 @@ class DelayedForm:
 def with_delays(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
-    """Readings (n_out, n) under torques (n_in, n) in N m.
+    """Readings (n_out, n) over time under torques (n_in, n) in N m, with delayed controllers.
 
     Raises
     ------
@@ -56,23 +56,27 @@ def with_delays(
         The delays are too short against the time asked for, or a law has no motion over time.
     """
     form, h, n = _form(drivetrain, request), 1 / sampling_rate, torques.shape[1]
-    fineness = max(1, math.ceil(LEAST * h / form.delays.min()))
+    fineness = max(1, math.ceil(FEWEST_STEPS_PER_DELAY * h / form.delays.min()))
     used = 3 * fineness * n
-    if used > MOST_STEPS:
-        text = f"the shortest delay, {form.delays.min():.3g} s, needs more than {MOST_STEPS} steps over {n * h:.3g} s"
+    if used > MOST_TIME_STEPS:
+        text = (
+            f"the shortest delay, {form.delays.min():.3g} s, needs more than {MOST_TIME_STEPS} steps over {n * h:.3g} s"
+        )
         raise UsageError(f"{text}; simulate a shorter time")
     last = _stepped(form, torques, h, fineness)
     found, error = last, math.inf
-    while error > ENOUGH and used <= MOST_STEPS:
+    while error > ERROR_TOLERANCE and used <= MOST_TIME_STEPS:
         fineness *= 2
         finer = _stepped(form, torques, h, fineness)
         extrapolated = finer + (finer - last) / 3
         sizes = np.abs(extrapolated).max(axis=1, keepdims=True)
         error = float((np.abs(extrapolated - found) / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))
         last, found, used = finer, extrapolated, used + 2 * fineness * n
-    if error > TOLD:
+    if error > ERROR_WARNED:
         text = f"with delays, readings are right to about {100 * error:.2g} % of their largest value"
-        warnings.warn(f"{text}; a higher sampling rate or a shorter time gives more", TorsionnetWarning, stacklevel=5)
+        warnings.warn(
+            f"{text}; a higher sampling rate or a shorter time gives more digits", TorsionnetWarning, stacklevel=5
+        )
     return found
 
 
@@ -104,17 +108,17 @@ def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
 
 
 def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """What a law senses and its rate, over states and torques."""
+    """Matrices of the motion that a controller senses, and of its rate: each over states and over torques."""
     y, direct = law.sensed @ form.X, law.sensed @ form.U
     uses_rate = law.at_once[1] or law.G[:, 1].any()
     if uses_rate and np.abs(direct).max(initial=0.0) > NEGLIGIBLE * np.abs(form.U).max(initial=0.0):
-        text = "the rate of what has neither inertia nor damper follows the rate of a torque"
-        raise UsageError(f"{law.action.owner}: {text}")
+        text = "senses the rate of a motion without inertia and damper, which follows the rate of a torque"
+        raise UsageError(f"{law.action.owner} {text}; give its nodes inertia or dampers")
     return y, direct, y @ form.A, y @ form.B
 
 
 def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) -> FloatArray:
-    """Readings at the samples, by so many steps from one to the next."""
+    """Readings (n_out, n) at the samples, with ``fineness`` time steps from each sample to the next."""
     n_in, n = torques.shape
     count, step = (n - 1) * fineness + 1, h / fineness
     places = np.arange(count) / fineness
@@ -136,7 +140,7 @@ def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) ->
 
 
 class _Between:
-    """Reads a signal so many points ago, by the cubic through four points; before the first it is zero."""
+    """Interpolator of a signal ``ago`` points back, by the cubic through four points; zero before the first point."""
 
     def __init__(self, ago: float) -> None:
         whole = math.ceil(ago - 1e-9)
@@ -153,7 +157,7 @@ class _Between:
 
 
 def _lagrange(x: float) -> FloatArray:
-    """Weights of values at 0, 1, 2 and 3 for the one at x."""
+    """Weights of values at 0, 1, 2 and 3 in the interpolated value at x."""
     return np.array([
         -(x - 1) * (x - 2) * (x - 3) / 6,
         x * (x - 2) * (x - 3) / 2,
@@ -165,7 +169,7 @@ def _lagrange(x: float) -> FloatArray:
 def first_order_hold(
     A: FloatArray | ComplexArray, B: FloatArray | ComplexArray, h: float
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """exp(A h), G_0 and G_1 for a torque that runs straight from one sample to the next."""
+    """Matrices exp(A h), G_0 and G_1 of a step h, for torques that run straight from one sample to the next."""
     n, n_in = B.shape
     whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
     whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h

@@ -1,7 +1,7 @@
 """Power that vibration dissipates in elements: torque times rate, summed over frequencies.
 
-Power is quadratic: orders of one frequency are added as complex amplitudes first, then every frequency gives its own
-mean power.
+Power is quadratic: orders of one frequency are added as complex amplitudes first, then the mean powers of all
+frequencies are added.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The speeds at which running machinery is examined first, and whether more is looked at between them."""
+"""Speeds at which running machinery is examined first, and whether speeds are added between them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from torsionnet.solve.running.resonant_speeds import around_resonances
 
 @dataclass(frozen=True, eq=False)
 class ExaminedSpeeds:
-    """Speeds of a reference shaft.
+    """Speeds of a reference shaft that are examined, and whether more are added between them.
 
     Attributes
     ----------
     question : OrderQuestion
-        What acts, and the speeds that were asked for.
+        Excitations, and the speeds that the caller or the model gives.
     refine : bool
-        Whether these stand for all speeds between them: a range does, a list of speeds does not.
+        Whether speeds are added between these: in a range, not in a list of speeds.
     """
 
     question: OrderQuestion
@@ -40,7 +40,7 @@ class ExaminedSpeeds:
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
     ) -> ExaminedSpeeds:
-        """As of an order response; without ``refine`` a list of speeds in the model is what is examined."""
+        """Examined speeds from the arguments of an order response; ``refine`` None: unless the model lists speeds."""
         given = drivetrain.definition.speeds
         is_list = speeds is None and given is not None and bool(given.list)
         question = OrderQuestion.of(drivetrain, speeds, speed_of, excitations)
@@ -49,7 +49,7 @@ class ExaminedSpeeds:
 
     @property
     def reference(self) -> str:
-        """Node whose speeds are meant."""
+        """Node to which the speeds belong."""
         return self.question.reference
 
     @property
@@ -58,7 +58,7 @@ class ExaminedSpeeds:
         return float(self.question.at.min()), float(self.question.at.max())
 
     def first(self, breaks: FloatArray) -> FloatArray:
-        """Speeds in rad/s to begin with: no far gaps, around narrow resonances, and where something has an edge."""
+        """Speeds in rad/s of the first pass: gaps filled, more around narrow resonances, and at ``breaks``."""
         if not self.refine:
             return self.question.at
         speeds = filled(self.question.at)

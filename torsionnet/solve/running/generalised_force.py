@@ -1,4 +1,4 @@
-"""How much of an order a mode takes up: the torques of all cylinders summed on its shape, with their phases."""
+"""Generalised forces: torques of all cylinders at one order summed on a mode shape, with their phases."""
 
 from __future__ import annotations
 
@@ -14,18 +14,21 @@ from torsionnet.solve.running.worst_case import contributions
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes
 
 NOT_EXCITED = 0.01
-"""Generalised force, over that of a single cylinder at the largest amplitude of its shaft, that counts as none."""
+"""Generalised force, over that of one cylinder at the largest angle of the shape, below which a mode is not excited.
+
+A larger value hides weak crossings, a smaller one lists more that hardly respond.
+"""
 CANCELLED = 1e-6
-"""Sum of unit vectors on a node that is zero but for rounding."""
+"""Size of a sum of unit phase vectors below which these cancel; rounding leaves far less."""
 
 
 @dataclass(frozen=True)
 class GeneralisedForce:
-    """``|sum_n phi_n T_n|`` in N m, for a shape whose largest angle is 1; the largest of all cases.
+    """Generalised force ``|sum_n phi_n T_n|`` in N m for a shape whose largest angle is 1, of the worst case.
 
-    ``relative`` is the same over the torque of one cylinder at the largest amplitude of the shape, all angles referred
-    to the shaft of the excitation. ``case`` says which case it is and ``part`` which part is out of action in it, where
-    there are several.
+    ``relative`` is this force over the torque of one cylinder at the largest amplitude of the shape, all angles
+    referred to the shaft of the excitation. ``case`` names the worst case and ``part`` the part out of action in it,
+    where there are several cases.
     """
 
     value: float
@@ -35,13 +38,14 @@ class GeneralisedForce:
 
     @property
     def acts(self) -> bool:
+        """Whether the order excites the mode."""
         return self.relative >= NOT_EXCITED
 
 
 def star_diagram(
     excitation: OrderExcitation, name: str, order: float, shape: Mapping[str, complex], title: str = "", out: str = ""
 ) -> StarDiagram:
-    """The phase vectors of one order on a shape given by node; the part ``out`` is out of action."""
+    """Star diagram of one order: phase vectors of the cylinders on a mode shape by node; the part ``out`` is out of action."""
     found = {part: (node, 0j if part == out else v) for part, (node, v) in excitation.phase_vectors(order).items()}
     amplitudes = np.array([shape[node] for node, _ in found.values()])
     largest = np.abs(amplitudes).max(initial=0) or 1.0
@@ -56,9 +60,10 @@ def generalised_force(
     shape: Mapping[str, complex],
     largest: float,
 ) -> GeneralisedForce:
-    """Of the torques at one of their speeds and lines, in the sense of their nodes, N m.
+    """Generalised force of the torques at one speed and line, each positive in the sense of its node.
 
-    ``largest`` is the largest angle of the shape, referred to the shaft of the excitation.
+    ``at`` are the indices of speed and line; ``largest`` is the largest angle of the shape, referred to the shaft of
+    the excitation.
     """
     speed, line = at
     torques = dict(zip(found.nodes, found.amplitudes[speed, line].tolist(), strict=True))
@@ -68,13 +73,13 @@ def generalised_force(
     cases = _cases(found, at, shape)
     value = max(one[0] for one in cases)
     worst = [one for one in cases if one[0] >= (1 - CANCELLED) * value]
-    _, case, part = worst[0]  # among equal ones it is no choice, and of all alike none is named
+    _, case, part = worst[0]  # equal cases are named together; where all are equal none is named
     case = "" if 1 < len(worst) == len(cases) else " or ".join(label for _, label, _ in worst)
     return GeneralisedForce(value, value / single if single > 0 else 0.0, case, part)
 
 
 def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:
-    """Size of the sum, label and part out of action of every case, with what scatters in the worst combination."""
+    """Generalised force, label and part out of action of every case, each with the worst spread of cylinders."""
     speed, line = at
     gains = np.array([shape[node] for node in found.nodes])[None, None, None, :]
     columns = {node: (place, 1.0) for place, node in enumerate(found.nodes)}

@@ -1,9 +1,8 @@
-"""Mean torques and what they wind up: the static solution under the torques from outside.
+"""Mean torques and twists: the static solution under the torques from outside.
 
-Springs hand mean torques on. Dampers stand for vibration, and inertias feel nothing at steady speed; so of all laws
-only stiffness is left, the real part at rest where it depends on frequency, and of controllers what follows rates is
-nothing. Motions that no spring resists are held in
-one node each. What that node takes is what the torques leave over, which is nothing where they are in balance.
+Only stiffness counts, its real part at 0 Hz where it depends on frequency: at steady speed inertias and dampers take no
+mean torque, and controllers act by angles, not by rates. Motions that no spring resists are held at one node each. The
+torque on that node is what the outside torques leave over, which is zero where they are in balance.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
 from torsionnet.solve.running.operating_groups import Places, at_speeds, in_arrays, solved_together
 
-NOTHING = 1e-13
-"""What rounding leaves of a sum over its terms."""
+SUM_ROUNDING = 1e-13
+"""Size of a sum, over the sizes of its terms, below which the sum is rounding and counts as 0."""
 
 
 def mean_response(
@@ -53,7 +52,7 @@ def mean_response(
         torques_there = acting[places, None, :]
         found = (torques_there * per_torque).sum(axis=2)
         sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)
-        found = np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
+        found = np.where(np.abs(found) > SUM_ROUNDING * sizes, found, 0.0)
         values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
         _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
     channels = tuple(one.channel for one in wanted)
@@ -63,7 +62,7 @@ def mean_response(
 def _solved(
     held: AssembledModel, reference: str, at: FloatArray, wanted: Sequence[Functional], nodes: Sequence[str]
 ) -> Iterator[tuple[FloatArray, Places]]:
-    """Readings (n, n_readings, n_nodes) per torque on a node, and the places of the speeds at which they hold."""
+    """Yield readings per torque on a node, (n, n_readings, n_nodes), and the indices of the speeds they are for."""
     everywhere = np.arange(len(at))
     if held.definition.load is None:  # the one speed at which the parameters have their values already
         groups: Iterable[tuple[AssembledModel, Places]] = [(held, everywhere)]
@@ -102,12 +101,12 @@ def external_torques(
 def _stated(
     drivetrain: AssembledModel, speeds: ArrayLike | None, reference: str
 ) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
-    """The torques of the operating point, which hold at its speed alone."""
+    """Reference node, speed and torques by node of the operating point; there is no other speed."""
     definition, values = drivetrain.definition, drivetrain.exact_values
     torques = {node: torque for node, torque in stated_torques(definition, values).items() if torque}
     if not torques:
         raise UsageError(
-            "nothing says which mean torques act; give load: {absorbed_at: node, power: 3000 kW, torque_exponent: 2}"
+            "no mean torques are given; give load: {absorbed_at: node, power: 3000 kW, torque_exponent: 2}"
         )
     if speeds is not None:
         raise UsageError("without an entry load: mean torques are known at the operating point only; leave out speeds")
@@ -118,7 +117,7 @@ def _stated(
 
 
 def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
-    """Refuse motions that mean torques do not determine."""
+    """Refuse readings that mean torques do not determine."""
     for output in outputs:
         reason = undetermined(drivetrain, output)
         if reason:
@@ -126,7 +125,7 @@ def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional
 
 
 def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
-    """Why mean torques say nothing about a reading, or None."""
+    """Reason why mean torques do not determine a reading, or None where they do."""
     motions = [term for term in output.terms if term.law is None]
     if any(term.power for term in motions):
         return "torques do not determine it"
@@ -135,7 +134,7 @@ def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
 
 
 def _held(drivetrain: AssembledModel) -> AssembledModel:
-    """The drivetrain with every motion that no spring resists held in one node."""
+    """Drivetrain with every motion that no spring resists held at one node."""
     definition = drivetrain.definition
     holders = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
     elements = {**definition.elements, **{one.name: one for one in holders}}
@@ -143,7 +142,7 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
 
 
 def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
-    """The outputs, and after them what is left over in the nodes held, per torque on each node."""
+    """Request for the outputs and, after them, the torques on the held nodes, per torque on each node."""
     sensors = [one.sensor for one in outputs if one.sensor]
     sensors += [Sensor("torque", name) for name in _held_in(held)]
     readings = tuple(functional(held, sensor) for sensor in sensors)
@@ -160,7 +159,7 @@ def _refuse_actions(rig: AssembledModel) -> None:
 
 
 def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
-    """Readings (n_variants, n_readings, n_nodes) per torque on a node; those of equal stiffness are solved once."""
+    """Readings (n_variants, n_readings, n_nodes) per torque on a node; variants of equal stiffness are solved once."""
     resting = _at_rest(kappa)
     _, first, which = np.unique(resting.stiffness, axis=0, return_index=True, return_inverse=True)
     found = transfer_functions(request, resting.variants(first), "graph")
@@ -169,7 +168,7 @@ def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Holder(Element):
-    """A clamp on any node, also on one inside of an element."""
+    """Clamp on any node, also on an inner node of an element."""
 
     held: str = field(kw_only=True)
 
@@ -183,7 +182,7 @@ class _Holder(Element):
 
 
 def _holders(elements: Mapping[str, Element], nodes: Sequence[str]) -> list[_Holder]:
-    """With names that no element has."""
+    """Clamps on the nodes, under names that no element has."""
     word = "held"
     while any(name.startswith(word) for name in elements):
         word += "_"
@@ -191,7 +190,7 @@ def _holders(elements: Mapping[str, Element], nodes: Sequence[str]) -> list[_Hol
 
 
 def _at_rest(kappa: LawStiffness) -> LawStiffness:
-    """The elastic part alone."""
+    """Copy of the stiffnesses at 0 Hz without inertias and dampers."""
     stiffness = kappa.stiffness.copy()
     for law, values in kappa.sampled:
         stiffness[:, law] += values[:, 0].real
@@ -201,7 +200,7 @@ def _at_rest(kappa: LawStiffness) -> LawStiffness:
 
 
 def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
-    """Refuse torques that leave more over than rounded figures do; ``sizes`` are the sums of their magnitudes."""
+    """Refuse mean torques out of balance by more than rounded figures; ``sizes`` are sums of their magnitudes."""
     over = np.abs(left_over) > TOLERANCE * sizes
     if over.any():
         text = f"the mean torques leave {np.abs(left_over[over]).max():.4g} N*m over"
@@ -209,7 +208,7 @@ def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
 
 
 def _rest(drivetrain: AssembledModel, left_over: FloatArray) -> tuple[str, ...]:
-    """A note on torques that rounded figures leave over."""
+    """Note on the torque that rounded figures leave over, if any."""
     largest = np.abs(left_over).max(initial=0.0)
     if not largest:
         return ()

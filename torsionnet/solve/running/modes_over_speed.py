@@ -1,4 +1,4 @@
-"""Modes of running machinery whose parameters follow the operating point."""
+"""Modes at any speed of a drivetrain whose parameters follow the operating point."""
 
 from __future__ import annotations
 
@@ -17,18 +17,26 @@ from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.operating_groups import at_speeds
 
-TOLERANCE, MOST_STEPS = 1e-6, 60
-"""Share by which a critical speed and the speed its mode is calculated at may differ, and in how many steps."""
+SPEED_TOLERANCE = 1e-6
+"""Relative difference up to which a critical speed agrees with the speed at which its mode was calculated.
 
-STRIDE = 1.2
-"""From a speed to the next on the way to one on the other side of the line."""
+A smaller value costs more sets of modes; speeds are shown in six figures.
+"""
+MOST_ITERATIONS = 60
+"""Iterations for a critical speed before it is bracketed instead; more only delay that."""
+
+BRACKET_FACTOR = 1.2
+"""Ratio of each trial speed to the one before while a bracket of a critical speed is sought.
+
+A larger ratio may step over two crossings at once, a smaller one needs more sets of modes.
+"""
 
 
 class ModesOverSpeed:
-    """The vibration modes at speeds of a reference node; beyond the range of speeds those of its ends.
+    """Vibration modes at any speed of a reference node; outside the range of speeds the modes of its ends.
 
-    Where no parameter follows the operating point there is one set of modes. ``numbers`` are those of the modes at the
-    operating point, by rising undamped frequency: a mode keeps its number at every speed.
+    Where no parameter follows the operating point there is one set of modes. ``numbers`` are the numbers of the modes
+    at the operating point, by rising undamped frequency: a mode keeps its number at every speed.
     """
 
     def __init__(
@@ -46,7 +54,7 @@ class ModesOverSpeed:
         return bool(self.drivetrain.definition.following)
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
-        """Rising with their undamped frequencies."""
+        """Modes at a speed in rad/s, by rising undamped frequency."""
         inside = min(max(speed, self.speed_range[0]), self.speed_range[1])
         if inside not in self._found:
             ((rig, _),) = at_speeds(self.drivetrain, self.reference, np.array([inside]))
@@ -58,23 +66,23 @@ class ModesOverSpeed:
         return self._found[inside]
 
     def settled(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
-        """The mode of this number at the speed that itself is critical with.
+        """Mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.
 
         Raises
         ------
         SolveError
-            The two do not settle: the frequency leaps over the line.
+            No speed agrees with its mode: the frequency leaps over the order line.
         """
         if not self.follow:
             return mode
         speed, length, before = speed_of(mode), 1.0, np.inf
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_ITERATIONS):
             found = self._numbered(mode.number, speed)
             if found is None:
                 return mode
             mode = found
             step = speed_of(mode) - speed
-            if abs(step) <= TOLERANCE * speed:
+            if abs(step) <= SPEED_TOLERANCE * speed:
                 return mode
             length = length / 2 if abs(step) > 0.7 * before else length
             before = abs(step)
@@ -88,7 +96,7 @@ class ModesOverSpeed:
     def _bracketed(
         self, mode: VibrationMode, speed: float, speed_of: Callable[[VibrationMode], float]
     ) -> VibrationMode:
-        """Where a mode rises nearly with the line, as one of pendulums does, steps from one to the other do not end.
+        """Mode at its own critical speed, by bracketing: for modes that rise nearly with the line, as of pendulums.
 
         Beyond the range of speeds modes stay as they are, so that there always are speeds on both sides.
         """
@@ -98,16 +106,17 @@ class ModesOverSpeed:
             found = self._numbered(mode.number, at)
             return math.nan if found is None else speed_of(found) - at
 
-        factor = STRIDE if above(speed) > 0 else 1 / STRIDE
+        factor = BRACKET_FACTOR if above(speed) > 0 else 1 / BRACKET_FACTOR
         other = speed * factor
         while above(speed) * above(other) > 0:
             speed, other = other, other * factor
         settled = math.nan
         if above(speed) * above(other) <= 0:
-            ends, share = (min(speed, other), max(speed, other)), TOLERANCE / 10
+            ends, share = (min(speed, other), max(speed, other)), SPEED_TOLERANCE / 10
             settled = float(brentq(above, ends[0], ends[1], xtol=share * speed, rtol=share))
         last = self._numbered(mode.number, settled)
-        if last is not None and abs(above(settled)) <= 10 * TOLERANCE * settled:
+        if last is not None and abs(above(settled)) <= 10 * SPEED_TOLERANCE * settled:
             return last
         text = f"mode {mode.number} and its critical speed near {speed * RPM:.6g} rpm"
-        raise SolveError(f"{text} do not settle within {TOLERANCE:g} of each other")
+        advice = "the frequency leaps across the order; see the modes at speeds nearby"
+        raise SolveError(f"{text} do not settle within {SPEED_TOLERANCE:g} of each other; {advice}")

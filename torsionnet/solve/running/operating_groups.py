@@ -19,7 +19,7 @@ from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import batch_plan
-from torsionnet.solve.running.total_ratios import remembered_ratio
+from torsionnet.solve.running.total_ratios import cached_total_ratio
 
 Settled: TypeAlias = Mapping[str, FloatArray]
 """Parameter -> values (n_speeds,) that were iterated with the vibration."""
@@ -63,7 +63,7 @@ def _values(drivetrain: AssembledModel, reference: str, speeds: FloatArray, sett
     """Values by name, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
     own = reference_node(drivetrain.definition) or reference
-    ratio = 1.0 if own == reference else abs(float(remembered_ratio(drivetrain, own, reference)))
+    ratio = 1.0 if own == reference else abs(float(cached_total_ratio(drivetrain, own, reference)))
     values = [points.at(speed) for speed in (speeds * ratio).tolist()]
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
@@ -88,7 +88,7 @@ def in_arrays(
 
 
 SPEEDS_PER_BLOCK = 500
-"""Speeds that are solved in one call, which bounds the memory; a larger value saves little time."""
+"""Speeds that are solved in one call, which bounds the memory; a larger value makes fewer calls."""
 
 
 def _nothing(_: AssembledModel) -> Hashable:

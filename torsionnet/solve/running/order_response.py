@@ -29,7 +29,7 @@ from torsionnet.solve.responses.shared_response import shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
 from torsionnet.solve.running.operating_groups import SPEEDS_PER_BLOCK, Settled, at_speeds, in_arrays, solved_together
 from torsionnet.solve.running.settling import settled_by_vibration
-from torsionnet.solve.running.total_ratios import remembered_ratio
+from torsionnet.solve.running.total_ratios import cached_total_ratio
 from torsionnet.solve.running.worst_case import contributions, worst_case
 from torsionnet.solve.running.worst_combination import Contributions
 
@@ -197,7 +197,7 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
 
 
 def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
-    return -1.0 if remembered_ratio(drivetrain, node, reference) < 0 else 1.0
+    return -1.0 if cached_total_ratio(drivetrain, node, reference) < 0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -406,4 +406,4 @@ def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
         raise UsageError(
             f'"{node}" is not there in this configuration, so that its orders have no speed; name another shaft'
         )
-    return remembered_ratio(drivetrain, node, reference)
+    return cached_total_ratio(drivetrain, node, reference)

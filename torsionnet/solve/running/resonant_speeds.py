@@ -1,4 +1,4 @@
-"""Speeds at which an order meets a mode, for those resonances that are narrower than a step of speeds."""
+"""Speeds around resonances of order lines with modes that are narrower than a step of the speeds."""
 
 from __future__ import annotations
 
@@ -15,27 +15,33 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
 
-AROUND = (-3.0, -1.0, 0.0, 1.0, 3.0)
-"""Half widths from the critical speed.
+HALF_WIDTHS_AROUND = (-3.0, -1.0, 0.0, 1.0, 3.0)
+"""Distances from a critical speed at which speeds are added, in half widths of the resonance.
 
 The sum of a resonance and of all else is largest where their phases agree, up to a few half widths away.
 """
-WIDE = 1.5
-"""A resonance whose half width is more than so many steps is seen without."""
-UNDAMPED = 1e-7
-"""Damping ratio that counts at least."""
-PLACES = 9
-"""Speeds at which modes that follow the speed are known; where they cross a line they are read off between two."""
-STEADY = 0.005
-"""Share by which a frequency may move from one of them to the next for that."""
+WIDEST_REFINED = 1.5
+"""Half width, in steps of speed, from which on a resonance needs no further speeds: several steps lie within.
+
+A larger value adds speeds around resonances that the steps show already.
+"""
+SMALLEST_DAMPING_RATIO = 1e-7
+"""Damping ratio that a mode has at least: the half width of an undamped resonance would be 0."""
+MODE_SPEEDS = 9
+"""Speeds over the range at which modes that follow the speed are calculated; between two they are interpolated."""
+LARGEST_FREQUENCY_CHANGE = 0.005
+"""Relative change of a natural frequency between two such speeds up to which the interpolation is used.
+
+A larger value misplaces resonances, a smaller one needs more sets of modes.
+"""
 Resonance = tuple[float, float]
-"""Speed and half width, rad/s of the reference shaft."""
+"""Critical speed and half width of a resonance, rad/s of the reference shaft."""
 
 
 def around_resonances(
     drivetrain: AssembledModel, reference: str, lines: Sequence[OrderLine], speeds: FloatArray
 ) -> FloatArray:
-    """Speeds in rad/s around every resonance that rising speeds may pass over."""
+    """Speeds in rad/s to add around every resonance that is narrower than the steps of rising speeds."""
     limits = float(speeds[0]), float(speeds[-1])
     over_speed = ModesOverSpeed(drivetrain, reference, limits)
     if over_speed.follow:
@@ -44,7 +50,7 @@ def around_resonances(
 
 
 def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatArray) -> FloatArray:
-    """The same where the poles in rad/s are those of every speed."""
+    """Speeds in rad/s to add around resonances with poles (rad/s) that are the same at every speed."""
     found = (
         resonance
         for pole in poles[poles.imag > 0].tolist()
@@ -63,23 +69,23 @@ def _around(resonances: Iterable[Resonance], speeds: FloatArray) -> FloatArray:
     for speed, width in resonances:
         after = min(max(int(np.searchsorted(speeds, speed)), 1), len(speeds) - 1)
         step = float(speeds[after] - speeds[after - 1])
-        if speeds[0] <= speed <= speeds[-1] and width < WIDE * step:
-            found += [speed + width * times for times in AROUND if width * abs(times) < step]
+        if speeds[0] <= speed <= speeds[-1] and width < WIDEST_REFINED * step:
+            found += [speed + width * times for times in HALF_WIDTHS_AROUND if width * abs(times) < step]
     return np.array(found)
 
 
 def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterator[Resonance]:
-    """Where a line has a frequency, forwards or backwards; all in Hz."""
+    """Resonances of a line with a mode of the given damped frequency, half width and natural frequency, in Hz."""
     rate = float(line.relative) / (2 * math.pi)
     for frequency in (damped, -damped) if rate else ():
-        yield (frequency - line.fixed) / rate, max(abs(width), UNDAMPED * natural) / abs(rate)
+        yield (frequency - line.fixed) / rate, max(abs(width), SMALLEST_DAMPING_RATIO * natural) / abs(rate)
 
 
 def _following(
     over_speed: ModesOverSpeed, lines: Sequence[OrderLine], limits: tuple[float, float]
 ) -> Iterator[Resonance]:
-    """Where lines meet modes that move with the speed: between two speeds where they move little, else at the speed."""
-    at = np.linspace(*limits, PLACES)
+    """Resonances of lines with modes that follow the speed: interpolated where these change little, else iterated."""
+    at = np.linspace(*limits, MODE_SPEEDS)
     for modes_there in zip(*map(over_speed.at, at.tolist()), strict=False):
         damped, natural, width = (
             np.array([value(mode) for mode in modes_there])
@@ -89,7 +95,7 @@ def _following(
             beyond = damped - np.abs(line.frequency(at))
             for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0).tolist():
                 ends = slice(place, place + 2)
-                if np.ptp(damped[ends]) > STEADY * damped[ends].max():
+                if np.ptp(damped[ends]) > LARGEST_FREQUENCY_CHANGE * damped[ends].max():
                     yield from _settled(over_speed, modes_there[place], line, limits)
                     continue
                 share = beyond[place] / (beyond[place] - beyond[place + 1]) if np.ptp(beyond[ends]) else 0.0

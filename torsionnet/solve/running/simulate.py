@@ -4,7 +4,7 @@ Each triangular block of the first-order system is stepped by its own matrix exp
 
     z[n+1] = exp(T h) z[n] + G_0 u[n] + G_1 u[n+1]
 
-which is a recursive filter for every state, its input the states after it. No step size, no iteration, no drift.
+which is a recursive filter for every state, driven by the states after it. No step size, no iteration, no drift.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from torsionnet.solve.responses.by_spectrum import by_spectrum
 from torsionnet.solve.running.delayed_motion import first_order_hold, with_delays
 
 QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration", "Pa": "stress"}
+"""Quantity of a signal by the unit of its reading."""
 
 
 def simulate(
@@ -67,7 +68,7 @@ def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
 def respond(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
-    """Readings (n_out, n) under torques (n_in, n) in N m."""
+    """Readings (n_out, n) over time under torques (n_in, n) in N m, from rest."""
     if drivetrain.assembly.system.dynamic:
         return by_spectrum(drivetrain, request, torques, sampling_rate)
     if any(one.delay for one in drivetrain.assembly.system.actions):
@@ -81,7 +82,7 @@ def respond(
 
 
 def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
-    """What one block adds to the outputs."""
+    """Contribution of one triangular block to the outputs, shape (n_out, n)."""
     from scipy.signal import lfilter
 
     step, before, after = first_order_hold(block.T, block.B, h)

@@ -1,7 +1,7 @@
-"""Where the amplitude of an order is largest over speed, next to a critical speed.
+"""Peaks over speed of the amplitude of an order, next to a critical speed.
 
-With damping that is neither at the undamped nor at the damped frequency: the torques grow with speed, other modes add
-their share, and every output has a peak of its own.
+With damping a peak lies neither at the undamped nor at the damped frequency: the torques grow with speed, other modes
+add their share, and every output has a peak of its own.
 """
 
 from __future__ import annotations
@@ -23,10 +23,17 @@ from torsionnet.solve.responses.peaks import inner_maxima
 from torsionnet.solve.running.order_response import order_response
 
 POINTS, FINER_POINTS, ROUNDS = 41, 11, 3
+"""Speeds of the first grid around a critical speed, of each finer grid, and the number of finer grids.
+
+More of them place peaks more finely and solve more speeds.
+"""
 WIDTHS, LEAST_WIDTH, MOST_WIDTH = 8.0, 0.03, 0.35
-"""Half width of the speeds searched, over the critical speed: so many damping ratios, within limits."""
-SAME = 1e-3
-"""Relative distance of speeds of one peak."""
+"""Half width of the searched speeds over the critical speed: so many damping ratios, within these limits.
+
+Wider searches find peaks that the damping shifts far, and mistake peaks of other orders for them.
+"""
+SAME_PEAK = 1e-3
+"""Relative distance of speeds below which peaks of two crossings are one peak; the search is finer than that."""
 
 
 def with_peaks(
@@ -36,14 +43,14 @@ def with_peaks(
     reference: str,
     limits: tuple[float, float],
 ) -> tuple[tuple[CriticalSpeed, ...], tuple[Channel, ...]]:
-    """The crossings with the peaks of their orders within the limits (rad/s), and the outputs.
+    """Crossings with the peaks of their orders within the limits (rad/s), and the channels of the outputs.
 
-    One peak belongs to the crossing next to it only.
+    A peak belongs only to the crossing nearest to it.
 
     Raises
     ------
     UsageError
-        A parameter follows a vibration: what one excitation alone would make of it says nothing.
+        A parameter depends on the vibration of all excitations together, so that single orders have no peaks.
     """
     swayed = [name for name, one in drivetrain.definition.following.items() if one.by == AMPLITUDE]
     if swayed:
@@ -62,7 +69,7 @@ def with_peaks(
 
 
 class _Search:
-    """The peaks of the orders of one excitation; every step solves the speeds of all of them together."""
+    """Search for the peaks of the orders of one excitation; every step solves the speeds of all crossings together."""
 
     def __init__(
         self,
@@ -78,7 +85,7 @@ class _Search:
         self.channels: tuple[Channel, ...] = ()
 
     def peaks(self) -> dict[int, tuple[SpeedPeak, ...]]:
-        """By identity of the crossing, one for each output that has a peak."""
+        """Peaks by ``id`` of the crossing, one for each output that has a peak."""
         grids = [self._around(one) for one in self.crossings]
         first = self._sizes(self.crossings, grids)
         found: dict[int, tuple[SpeedPeak, ...]] = {}
@@ -115,7 +122,7 @@ class _Search:
 
     @staticmethod
     def _next_maximum(one: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
-        """Speeds around the maximum next to the critical speed."""
+        """Finer speeds (rad/s) around the maximum nearest to the critical speed; None where there is no maximum."""
         inner = inner_maxima(sizes) if len(sizes) else []
         if not inner:
             return None
@@ -123,7 +130,7 @@ class _Search:
         return np.linspace(grid[best - 1], grid[best + 1], FINER_POINTS)
 
     def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
-        """Speed and amplitude of each maximum, on ever finer grids."""
+        """Speed in rad/s and amplitude of each maximum, on ever finer grids."""
         found: dict[int, tuple[float, float]] = {}
         for _ in range(ROUNDS if grids else 0):
             sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
@@ -135,14 +142,14 @@ class _Search:
         return found
 
     def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
-        """Without those that are next to another critical speed of the same order."""
+        """Peaks that are not nearer to another critical speed of the same order."""
         kept = {}
         for number, (speed, size) in peaks.items():
             one = self.crossings[number]
             rivals = [
                 other
                 for rival, other in enumerate(self.crossings)
-                if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME
+                if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME_PEAK
             ]
             nearest = min(rivals, key=lambda other: abs(math.log(speed / other.speed("natural"))))
             if nearest is one:

@@ -1,4 +1,4 @@
-"""Mean torques through all elements at one speed."""
+"""Static state: mean torques, twists and stresses of all elements at one speed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def static_state(drivetrain: AssembledModel, speed: float | None = None) -> Stat
 
 
 def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
-    """The nodes at which an element hands on a mean torque; the second end of a spring has what the first one has."""
+    """Nodes at which an element passes on a mean torque; of a spring the first end only, the second has the same."""
     parts = element.parts(Values(values))
     if not any(isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic) for part in parts):
         return []
@@ -44,7 +44,7 @@ def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
 
 
 def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) -> tuple[list[Sensor], list[str]]:
-    """The torques and twists that are determined, and why others are not."""
+    """Sensors of torque, twist and stress that mean torques determine, and notes on the others."""
     sensors: list[Sensor] = []
     notes: list[str] = []
     for element, node in ports:

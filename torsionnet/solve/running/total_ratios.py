@@ -1,4 +1,4 @@
-"""Revolutions of one shaft per revolution of another, found once for all that has the same rows."""
+"""Revolutions of one shaft per revolution of another, cached for all drivetrains with the same rows."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.model.speeds import total_ratio
 
 
-def remembered_ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    """Speed of a node over that of the reference; see :func:`torsionnet.model.speeds.total_ratio`."""
+def cached_total_ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
+    """Mean speed of a node over that of the reference node; see :func:`torsionnet.model.speeds.total_ratio`."""
     return drivetrain.assembly.system.memo.once(
         Fraction,
         ("total ratio", node, reference),

@@ -1,7 +1,7 @@
-"""The worst of several cases of excitation by superposition: one solution, whatever the number of cases.
+"""Worst of several cases of excitation by superposition: one solution, whatever the number of cases.
 
-A misfire of each cylinder, gas torques that differ by some per cent, engines at any angle to each other: what changes
-is the torque of single cylinders or its phase, and the response is linear in it.
+A misfire of each cylinder, gas torques that differ by some per cent, engines at any angle to each other: only torques
+of single cylinders or their phases change, and the response is linear in them.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from torsionnet.response.worst_response import ROUNDING, SEARCHED, WorstResponse
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes, worst_combination
 
 MOST_CASES = 400
+"""Combinations of alternatives that are examined at most, which bounds time and memory: each is a full response."""
 Entry = TypeVar("Entry", bound=np.generic)
 
 
@@ -35,19 +36,19 @@ def contributions(
     lines: slice,
     columns: Mapping[str, tuple[int, float]],
 ) -> Contributions:
-    """Outputs of torques on top.
+    """Contributions to the outputs of torques that are added to the nominal ones.
 
     Parameters
     ----------
     excitation : str
-        Its name.
+        Name of the excitation.
     shares : TorqueShares
     gains : (n_speeds, n_lines, n_out, n_inputs) complex array
         Outputs for unit inputs.
     lines : slice
-        Those of the excitation.
+        Indices of the lines of the excitation.
     columns : mapping
-        Node -> place of its torque among the inputs, and its sign there; what is missing feels nothing.
+        Node -> index of its torque among the inputs, and its sign there; torques on other nodes have no effect.
     """
     values = np.zeros((len(shares.labels), *gains[:, lines, :, 0].shape), dtype=complex)
     for number, (node, torque) in enumerate(zip(shares.nodes, shares.amplitudes, strict=True)):
@@ -60,7 +61,7 @@ def contributions(
 def worst_case(
     nominal: OrderResponse, alternatives: Sequence[Contributions], scatter: Sequence[Contributions]
 ) -> OrderResponse:
-    """By output and speed the case, combination and angle between engines with the largest half range."""
+    """Response with, for each output and speed, the case, signs and engine angles that give the largest half range."""
     if not alternatives and not scatter and not is_unsettled(nominal.lines):
         return nominal
     cases = _cases(nominal, alternatives)
@@ -73,7 +74,7 @@ def worst_case(
     worst = [case for case, _, _ in found.values()]
     sizes = np.array([case.half_range for case in worst])
     same = 1 - (SEARCHED if any(angles for _, _, angles in found.values()) else ROUNDING)
-    chosen = np.argmax(sizes >= same * sizes.max(axis=0), axis=0)  # of equal ones the first
+    chosen = np.argmax(sizes >= same * sizes.max(axis=0), axis=0)  # the first of equal cases
     values = _picked([case.values.swapaxes(1, 2) for case in worst], chosen).swapaxes(1, 2)
     return WorstResponse(
         nominal.speeds,
@@ -96,7 +97,7 @@ def worst_case(
 def _at_its_worst(
     case: OrderResponse, scatter: Sequence[Contributions]
 ) -> tuple[OrderResponse, NDArray[np.int8], tuple[EngineAngle, ...]]:
-    """A case with what is up or down in it, the signs (n_speeds, n_out, n_contributions), the angles of engines."""
+    """Case with the worst contributions, their signs (n_speeds, n_out, n_contributions), and the engine angles."""
     if not is_unsettled(case.lines):
         return *worst_combination(case, scatter), ()
     found = settled(case.values, case.lines, [(one.lines, one.values) for one in scatter])
@@ -106,18 +107,20 @@ def _at_its_worst(
 
 
 def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
-    """Labels, with the excitation where there are several."""
+    """Labels of the contributions, with the name of the excitation where there are several."""
     return [label if len(among) == 1 else f"{one.excitation}: {label}" for label in one.labels]
 
 
 def _cases(
     nominal: OrderResponse, alternatives: Sequence[Contributions]
 ) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
-    """Every combination of one alternative of each excitation that has some, and the parts that these are of."""
+    """Label -> response and (excitation, part) pairs, of every combination of one alternative per excitation."""
     count = math.prod(len(one.labels) for one in alternatives)
     if count > MOST_CASES:
         names = " and ".join(one.excitation for one in alternatives)
-        raise UsageError(f"{names} make {count} cases together; let one of them have alternatives at a time")
+        raise UsageError(
+            f"{names} make {count} cases together, more than {MOST_CASES}; let one of them have alternatives at a time"
+        )
     named = [list(enumerate(_named(one, alternatives))) for one in alternatives]
     found = {}
     for choice in itertools.product(*named):
@@ -130,7 +133,7 @@ def _cases(
 
 
 def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[np.int64]) -> tuple[EngineAngle, ...]:
-    """By engine the angle in the case chosen."""
+    """Angle and period of each engine in the worst case of each speed and output."""
     return tuple(
         replace(
             same[0],
@@ -142,5 +145,5 @@ def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[n
 
 
 def _picked(several: Sequence[NDArray[Entry]], chosen: NDArray[np.int64]) -> NDArray[Entry]:
-    """Of arrays (n_speeds, n_out, n) the rows of the one chosen by speed and output."""
+    """Rows (n_speeds, n_out, n), each from the array of the worst case at its speed and output."""
     return np.asarray(np.take_along_axis(np.array(several), chosen[None, :, :, None], axis=0)[0])

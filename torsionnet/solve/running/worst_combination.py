@@ -1,6 +1,6 @@
-"""Contributions that may each be up or down: the combination that makes the most of an output.
+"""Worst combination of contributions that may each add or subtract: the signs with the largest half range.
 
-The half range is a convex function of the deviations, so that it is largest where each of them is at one end.
+The half range is a convex function of the deviations, so that it is largest where each deviation is at one end.
 """
 
 from __future__ import annotations
@@ -15,35 +15,39 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderResponse
 
-PER_PERIOD = 8
-"""Points for each period of the highest order, where combinations are looked for; the one found is summed finely."""
-COARSE = 2
-"""Points from one to the next place of the highest value with which the search begins.
+POINTS_PER_PERIOD = 8
+"""Points per period of the highest order while signs are searched; the half range is then summed more finely."""
+START_STRIDE = 2
+"""Points from one start of the search to the next.
 
-With 8 of them combinations were missed by up to 7 %, with these by less than 1 %; all of them find no more.
+With a stride of 8 half ranges were missed by up to 7 %, with 2 by less than 1 %; a stride of 1 found no more.
 """
 ROUNDS = 3
-TOGETHER = 50
+"""Rounds that improve the places of the highest and lowest value in turn; more cost time and may find more."""
+SPEEDS_PER_SEARCH = 50
 """Speeds that are searched together, which bounds the memory."""
 PARALLEL = 1e-9
-"""Share across an edge below which a contribution lies along it."""
-LONGEST = 100
-"""Revolutions: the waveform of a common cycle beyond these is searched by excitation."""
+"""Part of a contribution across an edge, over its size, below which the contribution is parallel to the edge."""
+LONGEST_CYCLE = 100
+"""Revolutions of a common cycle of all shafts beyond which signs are searched for each excitation alone.
+
+A larger value searches longer waveforms, which takes time and memory in proportion.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Contributions:
-    """What torques that come on top do to the outputs.
+    """Contributions to the outputs of torques that are added to the nominal ones, by share of an excitation.
 
     Attributes
     ----------
     excitation : str
     labels : tuple of str
     lines : slice
-        The lines of that excitation.
+        Indices of the lines of the excitation.
     values : (n_shares, n_speeds, n_lines, n_out) complex array
     parts : tuple of str
-        The part of the machine that each is of.
+        Part of the machine, as a cylinder, to which each share belongs.
     """
 
     excitation: str
@@ -53,7 +57,7 @@ class Contributions:
     parts: tuple[str, ...]
 
     def without(self, parts: Container[tuple[str, str]]) -> Contributions:
-        """With nothing of some parts, named by excitation and part."""
+        """Copy in which the contributions of some parts, named by excitation and part, are zero."""
         kept = np.array([(self.excitation, part) not in parts for part in self.parts], dtype=float)
         return replace(self, values=self.values * kept[:, None, None, None])
 
@@ -78,11 +82,11 @@ def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -
 
 
 def worst_combination(case: OrderResponse, scatter: Sequence[Contributions]) -> tuple[OrderResponse, NDArray[np.int8]]:
-    """The response with the worst combination by speed and output, and its signs (n_speeds, n_out, n_contributions)."""
+    """Response with the worst combination at each speed and output, and signs (n_speeds, n_out, n_contributions)."""
     signs = [np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)]
     values = case.values.copy()
     for group in [list(scatter)] if _repeats_soon(case) and scatter else [[one] for one in scatter]:
-        parts = [slice(start, start + TOGETHER) for start in range(0, len(case.speeds), TOGETHER)]
+        parts = [slice(start, start + SPEEDS_PER_SEARCH) for start in range(0, len(case.speeds), SPEEDS_PER_SEARCH)]
         signs.append(np.concatenate([_signs(case, group, part) for part in parts]))
         first = 0
         for one in group:
@@ -93,11 +97,11 @@ def worst_combination(case: OrderResponse, scatter: Sequence[Contributions]) -> 
 
 
 def _repeats_soon(case: OrderResponse) -> bool:
-    return case.revolutions is not None and case.revolutions <= LONGEST
+    return case.revolutions is not None and case.revolutions <= LONGEST_CYCLE
 
 
 def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> NDArray[np.int8]:
-    """Signs (n_speeds, n_out, n) at some speeds, by the values along the cycle of all lines or those of one shaft."""
+    """Worst signs (n_speeds, n_out, n) at some speeds, from values along the cycle of all lines or of one shaft."""
     base, *shares = _waves(case, group, part)
     high, low = _highest_and_lowest(base, np.array(shares))
     ends = [np.take_along_axis(np.array(shares), at[None, :, :, None], axis=3)[..., 0] for at in (high, low)]
@@ -105,9 +109,9 @@ def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> list[FloatArray]:
-    """Along the cycle: the case, then every contribution; (n_speeds, n_out, n_points) each.
+    """Waveforms along the cycle of the case, then of every contribution, each (n_speeds, n_out, n_points).
 
-    Where all lines repeat after some time they all count, else those of the shaft in question.
+    Where all lines have a short common cycle they all count, else only the lines of the shaft of the excitation.
     """
     places = list(range(len(case.lines)))
     orders = [case.lines[at].relative for at in places]
@@ -117,10 +121,10 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
         orders = [case.lines[at].exact_order for at in places]
     cycle = math.lcm(*(order.denominator for order in orders))
     counts = [int(order * cycle) for order in orders]
-    # Orders of one shaft repeat many times while the reference behind a gear comes to the same place again.
+    # Orders of one shaft repeat many times in one cycle of a reference shaft behind a gear.
     repeats = math.gcd(*counts) or 1
     counts = [count // repeats for count in counts]
-    points = PER_PERIOD * max(counts)
+    points = POINTS_PER_PERIOD * max(counts)
     basis = np.exp(2j * np.pi * np.outer(counts, np.arange(points)) / points)
     found = [np.einsum("slo,lm->som", case.values[part][:, places], basis).real]
     for one in group:
@@ -130,10 +134,10 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Two places along the cycle whose difference is largest with the signs that suit it; (n_speeds, n_out) each."""
+    """Two places along the cycle with the largest difference under the best signs; each (n_speeds, n_out)."""
     best = np.full(base.shape[:2], -np.inf)
     high, low = np.zeros(base.shape[:2], dtype=np.int64), np.zeros(base.shape[:2], dtype=np.int64)
-    for start in range(0, base.shape[2], COARSE):
+    for start in range(0, base.shape[2], START_STRIDE):
         found = _differences(base, shares, np.full(base.shape[:2], start))
         at = np.argmax(found, axis=2)
         value = np.take_along_axis(found, at[..., None], axis=2)[..., 0]
@@ -146,7 +150,7 @@ def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[n
 
 
 def _differences(base: FloatArray, shares: FloatArray, at: NDArray[np.int64]) -> FloatArray:
-    """Value at a place less that at every other one, all deviations as they suit it."""
+    """Differences (n_speeds, n_out, n_points) of the value at ``at`` from every other value, under the best signs."""
     found = np.take_along_axis(base, at[..., None], axis=2) - base
     for share in shares:
         found += np.abs(np.take_along_axis(share, at[..., None], axis=2) - share)
