@@ -45,7 +45,7 @@ class GeneralisedForce:
 def star_diagram(
     excitation: OrderExcitation, name: str, order: float, shape: Mapping[str, complex], title: str = "", out: str = ""
 ) -> StarDiagram:
-    """Star diagram of one order: phase vectors of cylinders on a mode shape by node; the part ``out`` is out of action."""
+    """Star diagram of one order: phase vectors of the cylinders on a mode shape; the part ``out`` is out of action."""
     found = {part: (node, 0j if part == out else v) for part, (node, v) in excitation.phase_vectors(order).items()}
     amplitudes = np.array([shape[node] for node, _ in found.values()])
     largest = np.abs(amplitudes).max(initial=0) or 1.0
