@@ -14,7 +14,7 @@ from torsionnet.plot import interference_diagram, star_diagrams
 from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
 from torsionnet.response.vibration_mode import amplification
 from torsionnet.solve.running.generalised_force import star_diagram
-from torsionnet.solve.running.speed_peaks import SAME
+from torsionnet.solve.running.speed_peaks import SAME_PEAK
 from torsionnet.solve.sensitivity import mode_sensitivities
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.quantities.variant_block import VariantBlock
@@ -459,7 +459,7 @@ class TestQuestions:
             for peak in one.peaks:
                 by_order.setdefault(one.order, []).append(peak.speed)
         for speeds in by_order.values():
-            assert np.diff(sorted(speeds)).min(initial=1) > SAME * max(speeds) / 2
+            assert np.diff(sorted(speeds)).min(initial=1) > SAME_PEAK * max(speeds) / 2
 
 
 def with_machine(**entries):
