@@ -35,7 +35,7 @@ def test_chunks_grow_with_the_count(count):
 
 
 def test_histograms_that_wait_are_few(monkeypatch):
-    monkeypatch.setattr(histogram, "WAITING", 100)
+    monkeypatch.setattr(histogram, "MOST_WAITING_BINS", 100)
     parts = np.random.default_rng(1).normal(size=(400, 50, 1))
     growing, most = GrowingHistogram(), 0
     for part in parts:

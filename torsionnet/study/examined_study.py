@@ -1,4 +1,4 @@
-"""The entries of a study beside its model: what of them is sound, and everything that is wrong."""
+"""Checks of the entries of a study against its model: the sound part of the study, and all faults."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from torsionnet.study.study_fit import lacking, taken_names, unknown_limits, wro
 
 
 def faults_in(space: Space, models: Mapping[str, Model]) -> list[Fault]:
-    """What is found in configurations besides what the space knows, and where these have no effect.
+    """Faults of the varied parameters in single configurations, and warnings where configurations have no effect.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def faults_in(space: Space, models: Mapping[str, Model]) -> list[Fault]:
 
 
 def _overruled(spaces: Mapping[str, Space]) -> list[Fault]:
-    """Parameters to which configurations give values of their own, all of which a variation replaces by the same."""
+    """Warnings of parameters whose values in the configurations are all replaced by the same variation."""
     names = next(iter(spaces.values())).names if spaces else ()
     faults = []
     for name in names:
@@ -67,21 +67,21 @@ def _typical(space: Space, name: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class ExaminedStudy:
-    """What of a study is sound, so that a fault in one place hides none in another.
+    """The sound entries of a study and all its faults, so that a fault in one place hides none in another.
 
     Attributes
     ----------
     model : Drivetrain
     given : mapping
-        The entries as they are written.
+        All entries as written in the file.
     values : mapping
-        Those that could be read, answers among them.
+        Entries that could be read, answers among them.
     configurations : tuple of str
     space : Space or None
-        Of the parameters that vary soundly; None if there are none.
+        Space of the parameters that vary without a fault; None if there are none.
     quantities, limits : mapping
     faults : tuple of Fault
-        Of everything but what answers ask.
+        Faults of all entries but the answers.
     """
 
     model: Drivetrain
@@ -98,18 +98,18 @@ class ExaminedStudy:
         return all(fault.severity != "error" for fault in self.faults)
 
     def named(self, key: str) -> list[str]:
-        """Names in a table of the file, sound or not."""
+        """Names in a table of the study file, such as ``quantities``, sound or not."""
         return names_in(self.given, key)
 
 
 def names_in(given: Mapping[str, Any], key: str) -> list[str]:
-    """The keys of a table; none where it is no table."""
+    """Keys of a table of the study file; none where the entry is not a table."""
     table = given.get(key)
     return [str(name) for name in table] if isinstance(table, Mapping) else []
 
 
 def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
-    """Read the entries of a study and compare them with its model, each as far as it is sound."""
+    """Read the entries of a study and check them against its model."""
     values, faults = StudyEntries.read_entries(given)
     model = model.with_entries_named(values.get("vary") or ())
     configurations, found = chosen_configurations(values.get("configurations") or (), model)
@@ -131,7 +131,7 @@ def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
 
 
 def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any]) -> tuple[Space | None, list[Fault]]:
-    """The space of all that varies, else of what varies soundly, and all findings."""
+    """Space of all varied parameters, else of those without faults, and all findings."""
     vary: Mapping[str, Variation] = values.get("vary") or {}
     correlation: tuple[Correlation, ...] = values.get("correlation") or ()
     if not vary:
@@ -153,7 +153,7 @@ def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any
 
 
 def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -> dict[str, StudyQuantity]:
-    """Those without faults, and not made of others that have them."""
+    """Quantities that have no fault and are not calculated from one with a fault."""
     sound = {name: one for name, one in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)}
     while lost := [name for name, one in sound.items() if one.made_of - sound.keys()]:
         sound = {name: one for name, one in sound.items() if name not in lost}
@@ -161,7 +161,7 @@ def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -
 
 
 def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
-    """Without those of names that are there, though what they name could not be read."""
+    """Faults but for unknown names of quantities that are in the file though they could not be read."""
     return [fault for fault in faults if fault.kind != "unknown name" or fault.about not in names]
 
 
@@ -170,7 +170,7 @@ def _errors(faults: list[Fault]) -> bool:
 
 
 def misnamed_in_answers(read: ExaminedStudy) -> list[Fault]:
-    """Names that the study does not have, in answers with other faults too; what is named may have faults itself."""
+    """Faults of names in the answers that the study does not have; a named entry may have faults of its own."""
     known = {
         QUANTITY: read.named("quantities"),
         LIMIT: read.named("limits"),
@@ -203,13 +203,10 @@ def _kind_and_entries(raw: object) -> tuple[type[StudyAnswer] | None, Mapping[st
 
 
 def unfit_answers(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_whole: bool) -> list[Fault]:
-    """What does not fit in answers that could be read.
+    """Faults of the answers against the study.
 
-    Of a study that is not whole they are told what is wrong with single entries only: what an answer lacks altogether
-    may be what has a fault.
+    Of a study with other faults only faults of single entries are given: what an answer lacks altogether may be an
+    entry that has a fault.
     """
     faults = [fault.under("answers", name) for name, one in answers.items() for fault in one.unfit(study)]
     return faults if is_whole else [fault for fault in faults if len(fault.path) > 2]
-
-
-RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}

@@ -22,7 +22,7 @@ def labelled_variants(
     parameters: Mapping[str, Mapping[str, FloatArray]],
     attributes: Mapping[str, Any],
 ) -> Any:
-    """An ``xarray.Dataset``: numbers over configuration and variant, curves over configuration, percentile and point.
+    """Build an ``xarray.Dataset``: numbers over configuration, variant; curves over configuration, percentile, point.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def labelled_variants(
     parameters : mapping
         Configuration -> parameter -> (n,) values.
     attributes : mapping
-        Where it comes from.
+        Attributes of the dataset: title, seed, version, study, model, notes.
     """
     try:
         import xarray as xr

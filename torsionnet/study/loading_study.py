@@ -1,4 +1,4 @@
-"""Studies from files."""
+"""Reading a study from its file or from the library."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from torsionnet.study.study_file import StudyEntries
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
-    """The study in a file, or in the library under a name.
+    """Load a study from a file, or from the library by its name.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _document(file: Path) -> LocatedDocument:
 
 
 def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
-    """The model named; what is wrong with its file keeps its own places."""
+    """Model of a study by its name or path, and faults; those of its file keep their own places."""
     try:
         return load(folder / name if Path(name).suffix else name), []
     except UsageError as error:

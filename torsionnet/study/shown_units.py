@@ -1,4 +1,4 @@
-"""In which units the numbers of a study are shown: those in which its author, or that of the model, wrote them."""
+"""Units in which the numbers of a study are shown: those written in the study, else those written in the model."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.study.space.variations.variation import Variation
 
 @dataclass(frozen=True)
 class ShownUnits:
-    """Units by parameter and quantity; what is not among them is shown by conventions.
+    """Shown units by parameter and quantity; others follow the conventions.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class ShownUnits:
     conventions: Conventions = SI
 
     def unit(self, name: str, si: str | None = None) -> str:
-        """The unit shown of what is in ``si``."""
+        """Unit in which a parameter or quantity in the SI unit ``si`` is shown."""
         si = self.si.get(name, "") if si is None else si
         return self.written.get(name) or (self.conventions.unit(si) if si and _factor(si) else si)
 
@@ -54,10 +54,11 @@ class ShownUnits:
 
 
 IN_SI = ShownUnits()
+"""Units that show every number in SI."""
 
 
 def _factor(unit: str) -> float | None:
-    """To SI; None of what is no unit of the field's, as dB."""
+    """Factor from a unit to SI; None of a unit without one, such as dB."""
     try:
         return float(parse_unit(unit).factor)
     except UnitError:
@@ -65,7 +66,7 @@ def _factor(unit: str) -> float | None:
 
 
 def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> ShownUnits:
-    """The units of what varies and of what is asked, by the study's own values, then by those of the model.
+    """Shown units of the varied parameters and the quantities, by the values in the study, then by those in the model.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> Sh
 
 
 def _units(variation: Variation) -> Iterator[str]:
-    """Of the values that a variation gives, but for shares."""
+    """Units written behind the values of a variation, except percent."""
     for key, _ in variation.specs():
         value = getattr(variation, key)
         for one in value if isinstance(value, tuple) else (value,):
@@ -106,13 +107,13 @@ def _units(variation: Variation) -> Iterator[str]:
 
 
 def _unit(value: object) -> str:
-    """As it was written; empty where there is none, or the scale begins elsewhere than in SI."""
+    """Unit written behind a value; empty where there is none, or where its zero is not that of SI (degC)."""
     unit = value.unit_written if isinstance(value, Number) else ""
     return "" if unit == CELSIUS else unit
 
 
 def _is_of(unit: str, si: str) -> bool:
-    """Whether it is a unit of what is in ``si``; a bare number is in %, or in nothing."""
+    """Whether a unit has the dimension of the SI unit ``si``; an empty ``si`` counts as rad."""
     try:
         return parse_unit(unit).dimension == parse_unit(si or "rad").dimension
     except UnitError:

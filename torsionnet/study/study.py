@@ -1,4 +1,4 @@
-"""A study: what varies, in which configurations, and what is asked of every variant."""
+"""A study of a drivetrain: varied parameters, configurations, and the quantities of every variant."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
 
-COMPILED = 2000
-"""Variants from which on the compiled solver is worth its start."""
+FEWEST_COMPILED = 2000
+"""Number of variants from which on the compiled solver is used; with fewer, loading it takes longer than it saves."""
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Variants of a drivetrain and what is asked of them; :func:`define` makes one.
+    """Variants of a drivetrain with the quantities, limits and answers sought; :func:`define` makes a study.
 
     Attributes
     ----------
     model : Drivetrain
     space : Space
-        What varies, and how; the same in every configuration.
+        Varied parameters and their distributions; the same in every configuration.
     quantities : mapping
         By name.
     configurations : tuple of str
@@ -44,7 +44,7 @@ class Study:
     name : str
         Title.
     findings : tuple of Fault
-        What is worth knowing though nothing is wrong.
+        Warnings about the entries.
     """
 
     model: Drivetrain
@@ -67,17 +67,17 @@ class Study:
 
     @property
     def seed(self) -> int | None:
-        """What the draws follow from; None where nothing is drawn."""
+        """Seed of the random draws; None where nothing is drawn."""
         return self.space.sampling.seed if self.space.sampling and self.space.random_names else None
 
     @property
     def method(self) -> str:
-        """How responses are solved, the same for all variants: compiled where numba works and there are many."""
-        return "compiled" if self.count >= COMPILED and compiled_works() else "graph"
+        """Method of the response solver, the same for all variants: compiled where numba works, and for many."""
+        return "compiled" if self.count >= FEWEST_COMPILED and compiled_works() else "graph"
 
     @cached_property
     def model_text(self) -> str:
-        """All that the model says, as text that changes whenever a number does."""
+        """Complete definition of the model as JSON text, which changes with any number in it."""
         return json.dumps(self.model.definition.flat_data(), default=str, ensure_ascii=False)
 
     def to_data(self) -> dict[str, Json]:
@@ -104,9 +104,10 @@ class Study:
         return self.model.configured(configuration) if configuration else self.model
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
-        """What calculates the quantities of any variants in a configuration.
+        """Evaluator of the quantities of any variants in a configuration.
 
-        ``names`` vary, by default those of the space; ``method`` is of the solver, by default that of the study.
+        ``names`` are the varied parameters, by default those of the space; ``method`` is that of the response solver,
+        by default that of the study.
         """
         model = self.model_in(configuration)
         return Evaluator(model, names or self.space.names, self.quantities, method or self.method, configuration)
@@ -178,7 +179,7 @@ def define(
 
 
 def study_of(model: Drivetrain, given: Mapping[str, Any]) -> tuple[Study | None, list[Fault]]:
-    """The study of a model that entries describe as a file has them, None if anything is wrong, and all findings."""
+    """Build the study of a model from the entries of a file: the study, None if there is an error, and all findings."""
     read = examined(model, given)
     values = read.values
     faults = [*read.faults, *misnamed_in_answers(read)]

@@ -1,4 +1,4 @@
-"""The entries of a study file."""
+"""Entries of a study file: names, types, defaults and descriptions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all,
 
 
 class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
-    """``all``, the name of one, or a list of names."""
+    """Entry for configurations: ``all``, one name, or a list of names."""
 
     @property
     def absent(self) -> tuple[str, ...]:
@@ -47,7 +47,7 @@ class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
 
 
 class QuantityOfFileOrPython(Typed[StudyQuantity]):
-    """A quantity of a file, or any that Python made, functions of a user among them."""
+    """Entry for a quantity: a table of the file, or an object made in Python, such as a user function."""
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         return (raw, []) if isinstance(raw, StudyQuantity) else super().read(raw)
@@ -99,16 +99,16 @@ class StudyEntries(Declared):
 
     @property
     def space(self) -> SpaceEntries:
-        """What varies."""
+        """Entries of the varied parameters, their correlation and their sampling."""
         return SpaceEntries(vary=self.vary, correlation=self.correlation, sampling=self.sampling)
 
     def chosen(self, model: Model) -> tuple[tuple[str, ...], list[Fault]]:
-        """The configurations of a model that are meant, and faults of those it does not have."""
+        """Configurations of the model that the study names, and faults of names it does not have."""
         return chosen_configurations(self.configurations, model)
 
 
 def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str, ...], list[Fault]]:
-    """The configurations of a model that are meant by names, and faults of those it does not have."""
+    """Configurations of the model by the names in a study file, and faults of names it does not have."""
     if not asked:
         return ("",), []
     if tuple(asked) == (ALL,):
@@ -128,7 +128,7 @@ def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str
 
 
 def _expanded(written: str, axes: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Names of the configurations that ``gear=all,clutch=open`` stands for."""
+    """Names of all configurations that ``gear=all,clutch=open`` stands for."""
     parts = [part.partition("=") for part in written.split(",")]
     choices = [
         [f"{axis.strip()}={name}" for name in axes[axis.strip()]]

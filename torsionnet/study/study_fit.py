@@ -1,4 +1,4 @@
-"""Whether what a study asks can be answered by its model in every configuration."""
+"""Checks of the quantities and limits of a study against its model in every configuration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RESERVED = {name: f"what labels of results call the {name}" for name in ("config
 
 
 def taken_names(quantities: Iterable[Any], parameters: Iterable[Any]) -> list[Fault]:
-    """Quantities with the name of a column of something else, which would take its place in tables of variants."""
+    """Faults of quantities with the name of another column of the tables of variants."""
     meanings = dict.fromkeys(parameters, "a parameter that varies") | RESERVED
     return [
         Fault(f'"{name}" is {meanings[name]}; give the quantity another name', ("quantities", name), on_key=True)
@@ -25,7 +25,7 @@ def taken_names(quantities: Iterable[Any], parameters: Iterable[Any]) -> list[Fa
 
 
 def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fault]:
-    """Faults of limits of quantities that are none."""
+    """Faults of limits on unknown quantities."""
     known = [str(name) for name in quantities]
     return [
         Fault(
@@ -39,7 +39,7 @@ def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fau
 
 
 def lacking(model: Drivetrain, configurations: Sequence[str], quantities: Mapping[str, StudyQuantity]) -> list[Fault]:
-    """Faults of quantities that a configuration lacks."""
+    """Faults of quantities that cannot be calculated in a configuration."""
     found: dict[tuple[object, str], list[tuple[str, Fault]]] = {}
     for configuration in configurations:
         here = model.configured(configuration) if configuration else model
@@ -56,7 +56,7 @@ def wrong_units(
     quantities: Mapping[str, StudyQuantity],
     limits: Mapping[str, QuantityLimit],
 ) -> list[Fault]:
-    """Limits in units in which their quantity is not."""
+    """Faults of limits whose unit has not the dimension of their quantity."""
     here = model.configured(configurations[0]) if configurations and configurations[0] else model
     faults: list[Fault] = []
     for name, limit in limits.items():
@@ -67,6 +67,6 @@ def wrong_units(
 
 
 def _said(same: Sequence[tuple[str, Fault]], count: int) -> Fault:
-    """A fault once, with the configurations that have it where others have not."""
+    """One fault for all configurations that have it; it names them where others have not."""
     names, fault = [name for name, _ in same if name], same[0][1]
     return fault if len(same) == count or not names else replace(fault, configuration=", ".join(names))

@@ -1,4 +1,4 @@
-"""What a study came to: values, sums and percentiles of every quantity in every configuration."""
+"""Result of a study: values, statistics and percentiles of every quantity in every configuration."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from torsionnet.study.reductions.quantity_summary import Summary
 from torsionnet.study.study import Study
 
 SHOWN = (2.5, 50.0, 97.5)
-"""Percentiles in tables."""
-AT_ONCE = 20_000
-"""Lines that are made into text together, which takes a hundred times the memory of their numbers."""
+"""Percentiles in tables: the median and the limits of the middle 95 %."""
+CSV_BLOCK_LINES = 20_000
+"""Number of lines made into text together, which takes a hundred times the memory of their numbers."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,9 +45,9 @@ class StudyResult:
     kept : KeptValues
         Values of all variants, or of an even part of very many.
     impossible : mapping
-        Configuration -> variants that no drivetrain can be.
+        Configuration -> number of variants whose values the model refuses.
     remarks : mapping
-        Configuration -> {what was warned of: how often}.
+        Configuration -> {text of a warning: how often}.
     folder : Path or None
     beyond : LimitTotals or None
         Variants beyond limits, where the values of a part only are kept.
@@ -78,11 +78,11 @@ class StudyResult:
         return case, quantity
 
     def summary(self, quantity: str, configuration: str | None = None) -> Summary:
-        """Sums and percentiles of a quantity."""
+        """Mean, deviation, extremes and percentiles of a quantity in a configuration."""
         return self.summaries[self._key(quantity, configuration)]
 
     def values(self, quantity: str, configuration: str | None = None) -> FloatArray:
-        """Values (n,) of all variants in SI; NaN where one has none.
+        """Values of a quantity in SI, shape (n,), of all variants; NaN where a variant has no value.
 
         Raises
         ------
@@ -100,7 +100,7 @@ class StudyResult:
         return self.kept.numbers[key]
 
     def kept_values(self, quantity: str, configuration: str | None = None) -> FloatArray:
-        """Values (n,) in SI of the variants that are kept; of a curve (n, 2), its smallest and its largest value.
+        """Values of a quantity in SI of the kept variants, (n,); smallest and largest value (n, 2) of a curve.
 
         The variants are those with the indices 0, m, 2 m, ..., where m is ``kept.every``; all where that is 1.
         """
@@ -108,20 +108,20 @@ class StudyResult:
         return self.kept.numbers[key] if key in self.kept.numbers else self.kept.extremes[key]
 
     def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
-        """Values (n,) of the parameters of all variants in SI."""
+        """Values (n,) in SI of every varied parameter of all variants."""
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         space = self.study.space.at(self.study.model_in(case))
         return space.values(0, space.count)
 
     def kept_parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
-        """Values (n,) in SI of the parameters of the variants that are kept."""
+        """Values (n,) in SI of every varied parameter of the kept variants."""
         if self.kept.every == 1:
             return self.parameters(configuration)
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         return {name: self.kept.parameters[case, name] for name in self.study.space.names}
 
     def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray:
-        """Values (n_shares, n_points) that so many per cent do not exceed; exact where all values are kept."""
+        """Percentiles (n_shares, n_points) of a quantity at shares in per cent; exact where all values are kept."""
         key = self._key(quantity, configuration)
         values = self.kept.numbers.get(key, np.empty(0))
         if self.kept.every == 1 and np.isfinite(values).any():
@@ -131,14 +131,14 @@ class StudyResult:
         return self.summaries[key].percentiles(shares)
 
     def model(self, index: int, configuration: str | None = None) -> Drivetrain:
-        """One variant as a model."""
+        """Drivetrain with the parameter values of variant ``index``."""
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         model = self.study.model_in(case)
         values = self.study.space.at(model).values(index, index + 1)
         return model.configured(**{name: float(column[0]) for name, column in values.items()})
 
     def table(self) -> Table:
-        """A line for each number in each configuration."""
+        """Table of the statistics of every quantity that is a number, a line for each configuration."""
         columns = [Column("quantity"), Column("configuration"), Column("unit"), Column("variants"), Column("mean")]
         columns += [Column("standard deviation"), Column("smallest")]
         columns += [Column(f"{share:g} %") for share in SHOWN] + [Column("largest"), Column("largest at variant")]
@@ -162,7 +162,7 @@ class StudyResult:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is worth knowing about all of them."""
+        """Notes on the result: number of variants, missing values, accuracy, warnings and how often they came."""
         texts = [f"{self.study.count} variants; seed {self.study.seed}"] if self.study.seed is not None else []
         count = sum(self.impossible.values())
         if count:
@@ -178,7 +178,7 @@ class StudyResult:
         return (*texts, *(f"{text} ({count} variants)" for text, count in total.most_common()))
 
     def _missing(self) -> list[str]:
-        """Quantities that variants lack though they are drivetrains."""
+        """Notes on quantities without a finite value in some variants that the model accepts."""
         lacking: Counter[str] = Counter()
         for (case, name), one in self.summaries.items():
             lacking[name] += self.study.space.count - self.impossible.get(case, 0) - int(one.moments.count.max())
@@ -189,7 +189,7 @@ class StudyResult:
         ]
 
     def to_data(self) -> dict[str, Json]:
-        """Everything but the values of single variants, in full precision."""
+        """Result as JSON data in full precision, without the values of single variants."""
         quantities = [
             {"quantity": name, "configuration": case, **one.to_data(self.percentiles(name, SHOWN, case))}
             for (case, name), one in self.summaries.items()
@@ -206,7 +206,7 @@ class StudyResult:
         }
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Configuration, parameters and numbers of the variants that are kept, case by case, each (n,) in SI.
+        """Columns of the table of kept variants: configuration, parameters and quantities, each (n,) in SI.
 
         Where these are not all, ``variant`` has the index of each in its configuration.
         """
@@ -223,18 +223,18 @@ class StudyResult:
         return found | {name: np.concatenate([self.kept_values(name, case) for case in cases]) for name in numbers}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a line for every variant that is kept, in full precision."""
+        """Write a CSV file with a line for every kept variant, in full precision."""
         columns = self.columns()
         headings = tuple(Column(name, self._unit(name)) for name in columns)
         above = len(self.notes) + 2  # lines: the title, and the headings
         with replacing(path) as file, file.open("w", encoding="utf-8", newline="") as stream:
-            for start in range(0, len(next(iter(columns.values()))), AT_ONCE):
-                block = (column[start : start + AT_ONCE].tolist() for column in columns.values())
+            for start in range(0, len(next(iter(columns.values()))), CSV_BLOCK_LINES):
+                block = (column[start : start + CSV_BLOCK_LINES].tolist() for column in columns.values())
                 text = Table(self.study.title, headings, tuple(zip(*block, strict=True)), self.notes).to_csv()
                 stream.write(text if start == 0 else text.split("\n", above)[above])
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a line for every variant that is kept as Parquet, with model, seed and version in its metadata."""
+        """Write a Parquet file with a line for every kept variant; model, seed and version are in its metadata."""
         try:
             import pyarrow as pa
             import pyarrow.parquet as pq
@@ -247,7 +247,7 @@ class StudyResult:
             pq.write_table(table, file)
 
     def to_xarray(self) -> Any:
-        """An ``xarray.Dataset``: numbers over configuration and variant, curves over configuration and percentile."""
+        """Result as an ``xarray.Dataset``: numbers over configuration and variant, curves as percentiles."""
         curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
         bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
         parameters = {case: self.kept_parameters(case) for case in self.study.configurations}
@@ -257,7 +257,7 @@ class StudyResult:
 
     @property
     def _about(self) -> dict[str, Any]:
-        """Where the numbers come from."""
+        """Metadata of exported files: title, seed, version, study, model and notes."""
         seed, study = self.study.seed, json.dumps(self.study.to_data(), ensure_ascii=False)
         about: dict[str, Any] = {"title": self.study.title, "seed": -1 if seed is None else seed}
         return about | {

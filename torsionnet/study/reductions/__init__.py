@@ -1,1 +1,1 @@
-"""What is kept of values that come in chunks: sums that can be put together in a fixed order."""
+"""Statistics of values that come in chunks: moments, histograms, counts beyond limits, kept values."""

@@ -18,14 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.assembly.rows import FloatArray
 
 ACCURACY = 0.002
-"""Largest relative error of a percentile, beside that between one value and the next."""
+"""Largest relative error of a percentile, beside the step between neighbouring values; less takes more bins."""
 MOST_COUNTERS = 4_000_000
-"""Bins that are counted in an array with a place for each, which is quickest."""
-RATIO = (1 + ACCURACY) / (1 - ACCURACY)
-WAITING = 2_000_000
-"""Bins of histograms that wait for being put together, which is quicker for many at once."""
-BEYOND = 1 << 19
-"""Added to the bins of positive values; those of negative ones are mirrored at 0, which is a bin of its own."""
+"""Largest number of bins that are counted in a dense array, which is quickest and takes 32 MB at this size."""
+BIN_RATIO = (1 + ACCURACY) / (1 - ACCURACY)
+"""Ratio of neighbouring bin edges, with which the middle of a bin is off by :data:`ACCURACY` at both edges."""
+MOST_WAITING_BINS = 2_000_000
+"""Number of bins of histograms that wait before being merged; merging many at once is quicker, but takes memory."""
+BIN_OFFSET = 1 << 19
+"""Number added to the bins of positive values; those of negative ones are mirrored at 0, a bin of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +36,7 @@ class Histogram:
     Attributes
     ----------
     bins : (n_bins,) integers
-        ``point * 2^21 + bin + 2^20``, ascending.
+        Ascending bin numbers: ``point * 2^21 + bin + 2^20``.
     counts : (n_bins,) integers
 
     Examples
@@ -51,7 +52,7 @@ class Histogram:
 
     @classmethod
     def of(cls, values: FloatArray) -> Self:
-        """Of values (n, n_points); what is not finite is not counted."""
+        """Histogram of values (n, n_points); values that are not finite are not counted."""
         there = np.isfinite(values)
         points = np.broadcast_to(np.arange(values.shape[1]), values.shape)[there]
         own = _bins(values[there])
@@ -66,7 +67,7 @@ class Histogram:
 
     @classmethod
     def joined(cls, parts: Sequence[Histogram]) -> Self:
-        """Of the values of all."""
+        """Histogram of the values of several histograms together."""
         bins = np.concatenate([np.zeros(0, dtype=np.int64), *(part.bins for part in parts)])
         counts = np.concatenate([np.zeros(0, dtype=np.int64), *(part.counts for part in parts)])
         order = np.argsort(bins, kind="stable")  # which only merges what is ascending already
@@ -75,7 +76,7 @@ class Histogram:
         return cls(bins[firsts], np.add.reduceat(counts[order], firsts) if len(firsts) else counts)
 
     def percentiles(self, shares: ArrayLike, n_points: int) -> FloatArray:
-        """Values (n_shares, n_points) that so many per cent are below or equal to; NaN where nothing is counted."""
+        """Percentiles (n_shares, n_points) at shares in per cent; NaN where no value was counted."""
         wanted = np.asarray(shares, dtype=float) / 100
         found = np.full((len(wanted), n_points), np.nan)
         for point in range(n_points):
@@ -91,13 +92,13 @@ class Histogram:
 
 @dataclass
 class GrowingHistogram:
-    """The histograms of any number of parts in the memory of some.
+    """Sum of any number of histograms that are merged as they come, in bounded memory.
 
     Attributes
     ----------
     waiting : list of Histogram
     bins : int
-        Of all that wait.
+        Number of bins of all that wait to be merged.
     sharing : int
         How many histograms grow side by side, in the same memory.
     """
@@ -107,26 +108,28 @@ class GrowingHistogram:
     sharing: int = 1
 
     def add(self, part: Histogram) -> None:
-        """One more part."""
+        """Add the histogram of one more part."""
         self.waiting.append(part)
         self.bins += len(part.bins)
-        if self.bins > 2 * len(self.waiting[0].bins) + WAITING // self.sharing:
+        if self.bins > 2 * len(self.waiting[0].bins) + MOST_WAITING_BINS // self.sharing:
             self.waiting = [self.whole()]
             self.bins = len(self.waiting[0].bins)
 
     def whole(self) -> Histogram:
-        """Of all parts so far."""
+        """Histogram of all parts added so far."""
         return Histogram.joined(self.waiting)
 
 
 def _bins(values: FloatArray) -> NDArray[np.int64]:
     with np.errstate(divide="ignore"):
-        sizes = np.floor(np.log(np.abs(values)) / log(RATIO))
-    return np.where(values == 0, 0, np.sign(values) * (sizes.clip(1 - BEYOND, BEYOND - 1) + BEYOND)).astype(np.int64)
+        sizes = np.floor(np.log(np.abs(values)) / log(BIN_RATIO))
+    return np.where(values == 0, 0, np.sign(values) * (sizes.clip(1 - BIN_OFFSET, BIN_OFFSET - 1) + BIN_OFFSET)).astype(
+        np.int64
+    )
 
 
 def _middles(bins: NDArray[np.int64]) -> FloatArray:
-    """Of all values of a bin, the one that is off by the same share of the smallest and the largest."""
-    sizes = np.abs(bins) - BEYOND
-    middle = np.exp(sizes * log(RATIO)) * (2 * RATIO / (1 + RATIO))
+    """Middle values of bins, with the same relative distance from both edges."""
+    sizes = np.abs(bins) - BIN_OFFSET
+    middle = np.exp(sizes * log(BIN_RATIO)) * (2 * BIN_RATIO / (1 + BIN_RATIO))
     return np.where(bins == 0, 0.0, np.sign(bins) * middle)

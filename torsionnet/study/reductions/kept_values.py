@@ -1,4 +1,4 @@
-"""The values of single variants that a study keeps: of all, or of an even part where there are very many."""
+"""Values of single variants that a study keeps: all of them, or every m-th where there are very many."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 
 Cases = Mapping[tuple[str, str], FloatArray]
-"""By configuration and name."""
+"""Mapping (configuration, name) -> values."""
 
 
 @dataclass(frozen=True, eq=False)
 class KeptValues:
-    """Of the variants 0, m, 2 m, ... of each configuration.
+    """Values of the variants 0, m, 2 m, ... of each configuration.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class KeptValues:
     parameters: Cases = field(default_factory=dict)
 
     def words(self, count: int) -> str:
-        """Which of so many variants of a study are kept; nothing where these are all.
+        """Words for the part of ``count`` variants that is kept; empty where all are.
 
         >>> KeptValues(every=7).words(20_000_000)
         'one in 7 of 20000000 variants'
@@ -44,7 +44,7 @@ class KeptValues:
 
 
 def kept_indices(start: int, stop: int, every: int) -> slice:
-    """Which of the variants ``start`` to ``stop - 1`` are kept.
+    """Slice of the kept ones among the variants ``start`` to ``stop - 1``.
 
     >>> list(range(10, 20))[kept_indices(10, 20, 4)]
     [12, 16]

@@ -1,8 +1,8 @@
-"""How many variants are beyond which limits together, counted in chunks.
+"""Counts of the variants beyond each combination of limits, taken in chunks.
 
-Of a chunk it is kept which variants are beyond which limit, a bit each, so that chunks of other configurations with the
-same draws can be laid over it. Of all chunks it is counted how often each set of limits was exceeded together; whole
-numbers add up to the same whatever the order, and any limits can be asked for together afterwards.
+A chunk keeps a bit for each variant and limit, so that chunks of other configurations with the same draws can be united
+with it. All chunks together keep how often each set of limits was exceeded; whole numbers add up to the same whatever
+the order, and any limits can be asked for together afterwards.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from torsionnet.core.errors import UsageError
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 MOST_LIMITS = 64
-"""Limits that a set of them, a number of 64 bits, has places for."""
+"""Largest number of limits: a set of limits is a number of 64 bits."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimitBits:
-    """Which of the variants of a chunk are beyond which limit.
+    """Bits of a chunk that say which variants are beyond which limit.
 
     Attributes
     ----------
@@ -38,12 +38,12 @@ class LimitBits:
 
     @classmethod
     def of(cls, beyond: NDArray[np.bool_], missing: NDArray[np.int64]) -> Self:
-        """Of what is beyond, (n_limits, n)."""
+        """Bits of a boolean array (n_limits, n), true where a variant is beyond a limit."""
         return cls(np.packbits(beyond, axis=1), missing)
 
     @classmethod
     def laid_over(cls, parts: Sequence[LimitBits]) -> Self:
-        """Beyond a limit in any of them, for the same draws in several configurations."""
+        """Bits of the variants beyond a limit in any of several configurations with the same draws."""
         return cls(
             np.bitwise_or.reduce([part.bits for part in parts]), np.sum([part.missing for part in parts], axis=0)
         )
@@ -51,7 +51,7 @@ class LimitBits:
 
 @dataclass
 class LimitCounts:
-    """How many variants are beyond each set of limits, and no others.
+    """Number of variants beyond each set of limits and within all others.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class LimitCounts:
     missing: NDArray[np.int64] | None = None
 
     def add(self, part: LimitBits) -> None:
-        """The variants of one more chunk."""
+        """Count the variants of one more chunk."""
         self.missing = part.missing if self.missing is None else self.missing + part.missing
         every = np.unpackbits(part.bits, axis=1)
         some = every[:, every.any(axis=0)]
@@ -83,14 +83,14 @@ class LimitCounts:
             self.sets[int(one)] = self.sets.get(int(one), 0) + int(count)
 
     def beyond(self, limits: Iterable[int]) -> int:
-        """Variants beyond any of the limits at these places."""
+        """Number of variants beyond any of the limits at these places."""
         wanted = sum(1 << place for place in limits)
         return sum(count for one, count in self.sets.items() if one & wanted)
 
 
 @dataclass(frozen=True, eq=False)
 class LimitTotals:
-    """Counted as the variants were calculated.
+    """Counts of variants beyond limits that were taken while the variants were calculated.
 
     Attributes
     ----------
@@ -107,20 +107,20 @@ class LimitTotals:
     any_case: LimitCounts
 
     def beyond(self, names: Sequence[str], configuration: str) -> int:
-        """Variants of a configuration beyond any of the limits of these quantities."""
+        """Number of variants of a configuration beyond any of the limits of these quantities."""
         return self.cases[configuration].beyond(self._places(names))
 
     def beyond_in_any(self, names: Sequence[str]) -> int:
-        """The same, in any of the configurations."""
+        """Number of draws beyond any of the limits of these quantities in any configuration."""
         return self.any_case.beyond(self._places(names))
 
     def missing(self, names: Sequence[str]) -> int:
-        """Values that there are none of, in all configurations."""
+        """Number of missing values of these quantities in all configurations."""
         found = [one.missing for one in self.cases.values() if one.missing is not None]
         return sum(int(one[place]) for one in found for place in self._places(names))
 
     def agree_with(self, limits: Mapping[str, QuantityLimit], names: Sequence[str]) -> None:
-        """Refuse limits that are not those that were counted by."""
+        """Refuse limits other than those by which the variants were counted."""
         others = [name for name in names if self.limits.get(name) != limits[name]]
         if others:
             raise UsageError(

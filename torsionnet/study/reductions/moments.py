@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """Of all values but NaN, each attribute (n_points,).
+    """Number, mean, squared deviations and extremes of all values but NaN, each attribute (n_points,).
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class Moments:
     smallest, largest : floats
         NaN where there are no values.
     smallest_at, largest_at : integers
-        Which variants these are, the first of several; -1 where there are none.
+        Numbers of the variants with the extremes, the first of several; -1 where there are none.
 
     Examples
     --------
@@ -45,7 +45,7 @@ class Moments:
 
     @classmethod
     def of(cls, values: FloatArray, start: int) -> Self:
-        """Of values (n, n_points), the first of which are those of variant ``start``."""
+        """Moments of values (n, n_points), the first row of which is variant ``start``."""
         there = np.isfinite(values)
         count = there.sum(axis=0)
         some = count > 0
@@ -66,7 +66,7 @@ class Moments:
         )
 
     def joined(self, other: Moments) -> Moments:
-        """With the values of variants that come later."""
+        """Moments of these values together with those of later variants."""
         count = self.count + other.count
         apart = other.mean - self.mean
         share = other.count / np.maximum(count, 1)

@@ -1,4 +1,4 @@
-"""A quantity of a study over all variants of one configuration."""
+"""Statistics of a quantity over all variants of one configuration."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from torsionnet.study.reductions.moments import Moments
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """A quantity in one configuration: ``measure`` (unit, points), ``moments`` and ``histogram`` over its points."""
+    """Statistics of a quantity in one configuration: ``measure`` (unit, points), ``moments``, ``histogram``."""
 
     measure: QuantityForm
     moments: Moments
     histogram: Histogram
 
     def percentiles(self, shares: ArrayLike) -> FloatArray:
-        """Values (n_shares, n_points) that so many per cent do not exceed, to 0.2 % of themselves."""
+        """Percentiles (n_shares, n_points) at shares in per cent, within 0.2 % of themselves."""
         return self.histogram.percentiles(shares, len(self.measure.points))
 
     def to_data(self, percentiles: FloatArray) -> dict[str, Json]:
-        """In full precision, with percentiles (n_shares, n_points)."""
+        """Statistics as JSON data in full precision, with percentiles (n_shares, n_points)."""
         moments, is_curve = self.moments, self.measure.is_curve
         known = {
             "variants": moments.count,

@@ -1,1 +1,1 @@
-"""What varies in a study, and variant number i: distributions, lists and ranges, how they are drawn and correlated."""
+"""Space of the variants of a study: distributions, lists and ranges of parameters, their sampling and correlation."""

@@ -53,12 +53,12 @@ class Correlation(Declared):
 
     @property
     def pairs(self) -> Iterator[tuple[str, str]]:
-        """Every two of the parameters."""
+        """Pairs of names of all correlated parameters."""
         return combinations(self.between, 2)
 
 
 def name_faults(correlations: Sequence[Correlation], random: Sequence[str], grid: Sequence[str]) -> list[Fault]:
-    """Names that no distribution has, and pairs that are given twice."""
+    """Faults of names without a distribution, and of pairs that are given twice."""
     faults = []
     seen: dict[frozenset[str], int] = {}
     for index, one in enumerate(correlations):

@@ -1,4 +1,4 @@
-"""The correlation matrix of a study, or why there is none."""
+"""Correlation matrix of the normal variables behind the parameters of a study, and its faults."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.variations.variation import Marginal
 
-TERMS = 80
-REACH = 9.0
-"""Standard deviations that are integrated over; beyond are 1e-19 of the variants."""
+HERMITE_TERMS = 80
+"""Highest degree of the Hermite series of a distribution; a series with fewer fits skewed distributions worse."""
+INTEGRATED_DEVIATIONS = 9.0
+"""Standard deviations to both sides that are integrated over; 1e-19 of the variants lie beyond."""
 PANELS, NODES = 120, 8
+"""Panels of the Gauss-Legendre quadrature, and nodes in each."""
 
 
 class HermiteSeries:
-    """Coefficients of a distribution, scaled to a standard deviation of 1."""
+    """Coefficients of a distribution in Hermite polynomials of a normal variable, scaled to a deviation of 1."""
 
     def __init__(self, marginal: Marginal) -> None:
         nodes, weights = _nodes()
@@ -30,25 +32,25 @@ class HermiteSeries:
 
 
 def _nodes() -> tuple[FloatArray, FloatArray]:
-    """Where functions of a standard normal variable are taken, and the share of the variants there."""
+    """Nodes and weights of the quadrature over a standard normal variable."""
     inner, weights = leggauss(NODES)
-    edges = np.linspace(-REACH, REACH, PANELS + 1)
-    half = REACH / PANELS
+    edges = np.linspace(-INTEGRATED_DEVIATIONS, INTEGRATED_DEVIATIONS, PANELS + 1)
+    half = INTEGRATED_DEVIATIONS / PANELS
     nodes = (edges[:-1, None] + half * (inner + 1)).ravel()
     density = np.exp(-(nodes**2) / 2) * np.tile(weights, PANELS)
     return nodes, density / density.sum()
 
 
 def _polynomials(nodes: FloatArray) -> FloatArray:
-    """He_k/sqrt(k!) for k up to TERMS, (TERMS + 1, n)."""
+    """Normalised Hermite polynomials He_k/sqrt(k!) at nodes (n,), k from 0 to HERMITE_TERMS, one row each."""
     rows = [np.ones_like(nodes), nodes]
-    for k in range(1, TERMS):
+    for k in range(1, HERMITE_TERMS):
         rows.append((nodes * rows[k] - np.sqrt(k) * rows[k - 1]) / np.sqrt(k + 1))
     return np.array(rows)
 
 
 class CorrelationOfPair:
-    """The correlation of two variables over that of the normal variables behind them."""
+    """Correlation of two parameters as a function of that of the normal variables behind them."""
 
     def __init__(self, first: HermiteSeries, second: HermiteSeries) -> None:
         self._powers = np.concatenate([[0.0], first.coefficients * second.coefficients])
@@ -58,7 +60,7 @@ class CorrelationOfPair:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Between which correlations of the values can be."""
+        """Lowest and highest correlation that the values can have."""
         return self.of_values(-1.0), self.of_values(1.0)
 
     def of_normals(self, of_values: float) -> float:
@@ -71,16 +73,17 @@ class CorrelationOfPair:
 
 
 LEAST_EIGENVALUE = 1e-10
-INVOLVED = 0.05
-"""Share of the largest component of an eigenvector above which a parameter takes part in it."""
+"""Smallest eigenvalue of a correlation matrix that counts as above 0; below, Cholesky factors lose their digits."""
+INVOLVED_SHARE = 0.05
+"""Share of the largest component of an eigenvector above which a parameter is named in the message."""
 Pair = tuple[int, str, str]
-"""Place in the entry, and two names."""
+"""Place of a pair in the entry, and the two names."""
 
 
 def normal_correlation(
     correlations: Sequence[Correlation], marginals: Mapping[str, Marginal]
 ) -> tuple[FloatArray, list[Fault]]:
-    """Correlation matrix of the normal variables behind all parameters, and why there is none."""
+    """Correlation matrix of the normal variables behind all parameters, and faults where it cannot exist."""
     names = list(marginals)
     given, matrix = np.eye(len(names)), np.eye(len(names))
     series = {name: HermiteSeries(marginals[name]) for one in correlations for name in one.between}
@@ -110,7 +113,7 @@ def _pairs(correlations: Sequence[Correlation]) -> Iterator[Pair]:
 def _contradictions(
     correlations: Sequence[Correlation], names: Sequence[str], matrix: FloatArray, what: str
 ) -> Iterator[Fault]:
-    """Coefficients that no variables can have together, of each group of correlated parameters."""
+    """Faults of coefficients that contradict each other, one for each group of correlated parameters."""
     if _least(matrix) >= LEAST_EIGENVALUE:
         return
     together: Groups[str] = Groups()
@@ -124,10 +127,10 @@ def _contradictions(
 
 
 def _contradiction(pairs: Sequence[Pair], group: Sequence[str], matrix: FloatArray, what: str) -> Fault:
-    """What is wrong with the matrix of some parameters, and the smallest change of one coefficient that would do."""
+    """Fault of a matrix that is not positive definite, with the smallest change of one coefficient that mends it."""
     values, vectors = np.linalg.eigh(matrix)
     weights = np.abs(vectors[:, 0])
-    involved = [name for name, weight in zip(group, weights, strict=True) if weight > INVOLVED * weights.max()]
+    involved = [name for name, weight in zip(group, weights, strict=True) if weight > INVOLVED_SHARE * weights.max()]
     text = f"the correlations of {', '.join(involved)} {what}: the smallest eigenvalue is {values[0]:.3g}, not above 0"
     repairs = []
     for pair in pairs:
@@ -148,7 +151,7 @@ def _least(matrix: FloatArray) -> float:
 
 
 def _possible(matrix: FloatArray, i: int, j: int) -> tuple[float, float] | None:
-    """Coefficients of one pair with which the matrix is one, the others as they are; None if there are none.
+    """Lowest and highest coefficient of one pair with which the matrix is positive definite; None if there is none.
 
     They are those of which the partial correlation, given all other parameters, lies between -1 and 1.
     """

@@ -1,4 +1,4 @@
-"""The distribution of several parameters together."""
+"""Joint distribution of several parameters: a Gaussian copula."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ class JointDistribution:
     Attributes
     ----------
     marginals : mapping
-        By parameter.
+        Parameter -> its distribution.
     root : (n, n) array or None
-        Lower triangular: independent normal variables to correlated ones; None where nothing is correlated.
+        Lower triangular factor from independent to correlated normal variables; None where nothing is correlated.
     """
 
     marginals: Mapping[str, Marginal]
     root: FloatArray | None
 
     def from_unit(self, shares: FloatArray) -> dict[str, FloatArray]:
-        """Values at points of the unit cube (n, n_names).
+        """Values (n,) of the parameters at points of the unit cube (n, n_names).
 
         Where there is correlation, the values of a parameter depend on the shares of those before it, too.
         """
@@ -38,12 +38,12 @@ class JointDistribution:
         return {name: one.ppf(shares[:, place]) for place, (name, one) in enumerate(self.marginals.items())}
 
     def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:
-        """Values at independent standard normal variables (n, n_names)."""
+        """Values (n,) of the parameters at independent standard normal variables (n, n_names)."""
         marginals = enumerate(self.marginals.items())
         return {name: one.from_normal(self._correlated(normal, place)) for place, (name, one) in marginals}
 
     def _correlated(self, normal: FloatArray, place: int) -> FloatArray:
-        """A correlated normal variable out of independent ones.
+        """One correlated normal variable (n,) from independent ones.
 
         Summed term by term: a product of matrices rounds differently with the number of rows.
         """
@@ -53,7 +53,7 @@ class JointDistribution:
         return np.asarray(sum(row[term] * normal[:, term] for term in np.flatnonzero(row).tolist()))
 
     def to_standard_normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Inverse of :meth:`from_standard_normal`."""
+        """Independent standard normal variables (n, n_names) of parameter values."""
         return self._independent(self._normal(values))
 
     def _normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
@@ -63,7 +63,7 @@ class JointDistribution:
         return correlated if self.root is None else np.asarray(np.linalg.solve(self.root, correlated.T).T)
 
     def log_density(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Logarithm of the probability density, (n,)."""
+        """Logarithm of the joint probability density, (n,)."""
         found = np.sum([one.log_density(values[name]) for name, one in self.marginals.items()], axis=0)
         if self.root is None:
             return np.asarray(found)

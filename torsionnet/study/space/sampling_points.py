@@ -1,4 +1,4 @@
-"""Points of the unit cube by index: random and Latin hypercube."""
+"""Random and Latin hypercube points of the unit cube by index."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import FloatArray
 
 Words = NDArray[np.uint64]
-ROUNDS = 4
-FEW = 4096
-"""Numbers that are ordered outright: a network of few rounds reaches too few orders of few numbers."""
+FEISTEL_ROUNDS = 4
+"""Rounds of the Feistel network; with fewer, orders look less random."""
+MOST_SORTED = 4096
+"""Most numbers that are permuted by sorting; of few numbers a network of few rounds gives too few permutations."""
 
 
 def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence) -> NDArray[np.int64]:
-    """Which of the numbers from 0 to ``count - 1`` stand at some places of a random order of them all.
+    """Numbers at some places of a random permutation of 0 to ``count - 1``.
 
     A Feistel network of two digits orders a square of slightly more numbers; where it leads beyond ``count`` it is
     followed on until it does not, which keeps every number once (Black and Rogaway, 2002).
@@ -30,7 +31,7 @@ def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence
     count : int
         At most 2^62.
     seed : SeedSequence
-        Of the order.
+        Seed of the permutation.
 
     Examples
     --------
@@ -38,10 +39,10 @@ def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence
     >>> sorted(order.tolist())
     [0, 1, 2, 3, 4]
     """
-    if count <= FEW:
+    if count <= MOST_SORTED:
         return np.argsort(np.random.PCG64(seed).random_raw(count), kind="stable")[places]
     side = np.uint64(isqrt(count - 1) + 1)
-    keys = np.asarray(seed.generate_state(2 * ROUNDS, np.uint64), dtype=np.uint64)
+    keys = np.asarray(seed.generate_state(2 * FEISTEL_ROUNDS, np.uint64), dtype=np.uint64)
     found = _shuffled(places.astype(np.uint64), side, keys)
     outside = np.flatnonzero(found >= count)
     while len(outside):
@@ -59,19 +60,19 @@ def _shuffled(numbers: Words, side: np.uint64, keys: Words) -> Words:
 
 
 def _mixed(numbers: Words, key: np.uint64) -> Words:
-    """Bits that depend on all bits of the number (the finaliser of SplitMix64)."""
+    """Hash of numbers with a key (the finaliser of SplitMix64)."""
     z = numbers * np.uint64(0x9E3779B97F4A7C15) + key
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return np.asarray(z ^ (z >> np.uint64(31)))
 
 
-BLOCK = 4096
-"""Points that one state of the generator gives; whatever is asked for, blocks begin at its multiples."""
+SEED_BLOCK = 4096
+"""Points from one state of the generator; blocks begin at multiples, so that a point depends on its index alone."""
 
 
 class UnitPoints(Protocol):
-    """Any stretch of a sequence of points, which depends on nothing but the indices."""
+    """Sequence of points of the unit cube, any stretch of which depends on the indices alone."""
 
     def __call__(self, start: int, stop: int) -> FloatArray:
         """Points ``start`` to ``stop - 1``, (stop - start, n_names), above 0 and below 1."""
@@ -80,9 +81,9 @@ class UnitPoints(Protocol):
 
 @dataclass(frozen=True)
 class RandomPoints:
-    """Independent points.
+    """Independent random points.
 
-    Every name has numbers of its own: those of the others stay when one is added.
+    Every name has its own numbers, which stay the same when another name is added.
     """
 
     names: tuple[str, ...]
@@ -91,10 +92,10 @@ class RandomPoints:
     def __call__(self, start: int, stop: int) -> FloatArray:
         found = np.empty((stop - start, len(self.names)))
         for column, name in enumerate(self.names):
-            for block in range(start // BLOCK, -(-stop // BLOCK)):
-                begin, end = max(start, block * BLOCK), min(stop, (block + 1) * BLOCK)
-                numbers = _uniform(_seed(name, self.seed, block), end - block * BLOCK)
-                found[begin - start : end - start, column] = numbers[begin - block * BLOCK :]
+            for block in range(start // SEED_BLOCK, -(-stop // SEED_BLOCK)):
+                begin, end = max(start, block * SEED_BLOCK), min(stop, (block + 1) * SEED_BLOCK)
+                numbers = _uniform(_seed(name, self.seed, block), end - block * SEED_BLOCK)
+                found[begin - start : end - start, column] = numbers[begin - block * SEED_BLOCK :]
         return found
 
 
@@ -104,7 +105,7 @@ def _seed(name: str, *further: int) -> np.random.SeedSequence:
 
 
 def _uniform(seed: np.random.SeedSequence, count: int) -> FloatArray:
-    """Numbers above 0 and below 1, from raw bits, which are the same in every version of numpy."""
+    """Random numbers (count,) above 0 and below 1 from raw bits, which are the same in every version of numpy."""
     raw = np.random.PCG64(seed).random_raw(count) >> np.uint64(12)
     return np.asarray((raw.astype(float) + 0.5) * 2.0**-52)
 

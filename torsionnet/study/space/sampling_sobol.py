@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import FloatArray
 
 BITS = 30
-"""Of every coordinate, and of the number of points: what scipy takes unless told otherwise."""
+"""Number of bits of every coordinate, and of the number of points: the default of scipy."""
 LOW_BITS = 12
-"""Points that differ in these bits of their index alone are found from one table."""
+"""Number of low bits of the index that one table of 4096 points covers; more bits take a longer table to build."""
 Words = NDArray[np.uint32]
 
 
 class SobolPoints:
-    """The sequence of :class:`scipy.stats.qmc.Sobol`, scrambled.
+    """Scrambled Sobol sequence, that of :class:`scipy.stats.qmc.Sobol`.
 
     Point i is the sum modulo 2, over the bits set in the Gray code of i, of direction numbers; these are found from
     the points 0, 1, 2, 4, ... so that any stretch costs no more than another.
@@ -49,7 +49,7 @@ def _sums(indices: Words, directions: Words) -> Words:
 
 @lru_cache(maxsize=8)
 def _table(dimension: int, bits: int, seed: int) -> tuple[Words, Words]:
-    """The first points (2^LOW_BITS, n) and the direction numbers (bits, n)."""
+    """First points (2^LOW_BITS, n) of the sequence and direction numbers (bits, n)."""
     from scipy.stats.qmc import Sobol
 
     engine = Sobol(dimension, bits=BITS, seed=np.random.default_rng(seed))

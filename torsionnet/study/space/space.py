@@ -1,4 +1,4 @@
-"""All variants of a study by index: what varies, together with what, and how it is drawn."""
+"""Variants of a study by index: values of the varied parameters."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from torsionnet.study.space.space_reading import BoundSpace, bound_space
 from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
 COVERAGE = 0.9973
-"""Share of the values of a parameter within its tolerance where the distribution has no limits: three standard
-deviations of a normal one to both sides."""
+"""Share of the values within the tolerance of a distribution without limits: three standard deviations of a normal one
+to both sides."""
 
 
 class Space:
@@ -33,7 +33,7 @@ class Space:
     Parameters
     ----------
     model : Drivetrain
-        What relative values are relative to.
+        Model whose values percentages refer to.
     vary : mapping
         Parameter -> variation.
     correlation : sequence of Correlation, optional
@@ -72,7 +72,7 @@ class Space:
 
     @classmethod
     def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
-        """The space of ``{vary: ..., correlation: ..., sampling: ...}``, if nothing is wrong, and all findings."""
+        """Read the space from ``{vary: ..., correlation: ..., sampling: ...}``: None with an error, and findings."""
         if not isinstance(raw, Mapping):
             return None, SpaceEntries.read(raw)[1]
         values, faults = SpaceEntries.read_entries(raw)
@@ -84,7 +84,7 @@ class Space:
 
     @classmethod
     def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
-        """The space of entries that have been read; the paths of the findings begin with their keys."""
+        """Space of entries that were read, None with an error, and all findings."""
         bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
         if bound is None:
             return None, faults
@@ -97,10 +97,10 @@ class Space:
 
     def __setstate__(self, state: tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]) -> None:
         self.entries, self._bound, self.remarks = state
-        """What is worth knowing though nothing is wrong."""
+        """Warnings about the entries."""
 
     def at(self, model: Model) -> Self:
-        """The same variants of another model, as of another configuration: relative to the values there."""
+        """Space of the same variants for another model or configuration, relative to its values."""
         new, faults = self.of(self.entries, model)
         if new is None:
             raise ModelError(faults, "the space of variants")
@@ -121,27 +121,27 @@ class Space:
 
     @property
     def marginals(self) -> Mapping[str, Marginal]:
-        """Distributions, of parameters that have one."""
+        """Parameter -> distribution, of the parameters with one."""
         return MappingProxyType(self._bound.joint.marginals)
 
     @property
     def random_names(self) -> tuple[str, ...]:
-        """Parameters with a distribution."""
+        """Names of the parameters with a distribution."""
         return tuple(self._bound.joint.marginals)
 
     @property
     def grid(self) -> Mapping[str, GridAxis]:
-        """Parameters that take one value after the other; the last one changes first."""
+        """Parameter -> axis, of the parameters with a list or range; the last one changes first."""
         return MappingProxyType(self._bound.axes)
 
     @property
     def nominal(self) -> Mapping[str, float]:
-        """Values in the model in SI; NaN where it has none."""
+        """Parameter -> value in the model in SI; NaN where it follows the operating point."""
         return MappingProxyType(self._bound.nominal)
 
     @cached_property
     def draws(self) -> int:
-        """Draws of the parameters with a distribution; 1 where there are none."""
+        """Number of draws of the parameters with a distribution; 1 where there are none."""
         if not self.random_names:
             return 1
         return self.sampling.count if self.sampling else 0
@@ -152,7 +152,7 @@ class Space:
         return prod(axis.count for axis in self.grid.values()) * self.draws
 
     def values(self, start: int, stop: int) -> dict[str, FloatArray]:
-        """Values of the variants ``start`` to ``stop - 1`` in SI, (stop - start,) each."""
+        """Values in SI of every parameter in the variants ``start`` to ``stop - 1``, (stop - start,) each."""
         if not 0 <= start <= stop <= self.count:
             raise IndexError(f"variants are 0 to {self.count - 1}, asked for {start} to {stop - 1}")
         if start == stop:
@@ -163,7 +163,7 @@ class Space:
         return {name: found[name] for name in self.names}
 
     def _on_grid(self, point: int, further: Any) -> dict[str, FloatArray]:
-        """Values at points of the grid ``further`` (n,) than one, of which the index may be any whole number."""
+        """Values (n,) of the grid parameters at points ``further`` (n,) steps than the point with this index."""
         found = {}
         for name, axis in reversed(list(self.grid.items())):
             point, digit = divmod(point, axis.count)
@@ -193,7 +193,7 @@ class Space:
         return self._bound.joint.from_standard_normal(normal)
 
     def to_standard_normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Inverse of :meth:`from_standard_normal`, (n, n_random)."""
+        """Independent standard normal variables (n, n_random) of values of the :attr:`random_names`."""
         return self._bound.joint.to_standard_normal(values)
 
     def log_density(self, values: Mapping[str, FloatArray]) -> FloatArray:

@@ -31,7 +31,7 @@ SAMPLING = Nested("how variants are drawn", lambda: Samples, "sampling", shown=S
 
 @dataclass(frozen=True, kw_only=True)
 class SpaceEntries(Declared):
-    """What varies, and how."""
+    """Varied parameters, their correlation and their sampling."""
 
     kind: ClassVar[str] = "space"
     article: ClassVar[str] = "a space of variants"

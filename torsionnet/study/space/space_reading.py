@@ -1,4 +1,4 @@
-"""Variations bound to the values of a model, or everything that is wrong with them."""
+"""Variations in SI, relative to the values of a model, and the faults of their entries."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.variations.nominal import NominalReader, nominals, parameter_uses
 from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
-NEGLIGIBLE = 1e-9
-"""Share of the variants that may be impossible without being talked about."""
+NEGLIGIBLE_SHARE = 1e-9
+"""Share of the variants that may be impossible without a fault; a larger one would hide rare failures to calculate."""
 
 
 def unreachable(model: Model, marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]) -> list[Fault]:
-    """Errors of what a model would refuse, warnings of what is outside the bounds of a parameter.
+    """Errors of variations with values that the model refuses, warnings of those outside a parameter's bounds.
 
     Only parameters that are themselves a value of an element are looked at; what is calculated from several is seen
     where the variants are made.
@@ -56,7 +56,7 @@ def _impossible(
             reason = spec.bound_fault(spec.lower - 1)
             yield from _tails(name, marginals[name], spec.lower, inf, f"{spec.description} {reason}")
         sides = float(marginals[name].cdf(0.0)), float(marginals[name].sf(0.0))
-        passes = spec.nonzero and min(sides) > NEGLIGIBLE
+        passes = spec.nonzero and min(sides) > NEGLIGIBLE_SHARE
     if passes:
         yield Fault(f"{name} would pass through 0: {spec.description} must not be zero; keep it on one side")
 
@@ -74,26 +74,26 @@ def _outside(
 
 
 def _tails(name: str, marginal: Marginal, lower: float, upper: float, what: str) -> Iterator[Fault]:
-    """Shares of the values below and above what is possible."""
+    """Faults of the shares of a distribution below and above what is possible."""
     tails = (marginal.cdf(lower), "below", lower, "low"), (marginal.sf(upper), "above", upper, "high")
     for share, side, limit, key in tails:
-        if share > NEGLIGIBLE:
+        if share > NEGLIGIBLE_SHARE:
             text = f"{100 * float(share):.2g} % of {name} would be {side} {limit:g} ({what})"
             yield Fault(f"{text}; give {key}: {limit:g} to truncate")
 
 
 @dataclass(frozen=True, eq=False)
 class BoundSpace:
-    """What varies in SI.
+    """Distributions and axes of the varied parameters in SI.
 
     Attributes
     ----------
     nominal : mapping
         Values in the model; NaN where it has none.
     joint : JointDistribution
-        Of parameters with a distribution.
+        Joint distribution of the parameters that have one.
     axes : mapping
-        Of parameters with values on a grid.
+        Parameter -> axis, of the parameters with a list or range.
     """
 
     nominal: Mapping[str, float]
@@ -104,7 +104,7 @@ class BoundSpace:
 def bound_space(
     vary: Mapping[str, Variation], correlation: Sequence[Correlation], sampling: Samples | None, model: Model
 ) -> tuple[BoundSpace | None, list[Fault]]:
-    """The space in SI, None if there is an error, and all findings."""
+    """Space in SI, None if there is an error, and all findings."""
     faults = [_unknown(name, model) for name in vary if name not in model.parameters]
     known = nominals(model, [name for name in vary if name in model.parameters])
     marginals: dict[str, Marginal] = {}
@@ -145,7 +145,7 @@ def _unknown(name: str, model: Model) -> Fault:
 
 
 def _no_entry(element: Element, key: str, path: Path) -> Fault:
-    """What was meant by an entry that has no value to vary."""
+    """Fault of a varied entry of an element that has no value or does not exist."""
     varying = [name for name, spec in element.specs() if isinstance(spec, QuantityKind)]
     if key in varying:
         text = f"{element.name} has no {key} in the model; give it a value there, then it can vary"

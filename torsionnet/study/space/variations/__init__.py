@@ -1,1 +1,1 @@
-"""How a parameter varies: distributions, lists and ranges, each by the word in ``type:``."""
+"""Variations of a parameter: distributions, lists and ranges, one class for each word in ``type:``."""

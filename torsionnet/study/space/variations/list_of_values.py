@@ -1,4 +1,4 @@
-"""Values that are taken one after the other."""
+"""The variation ``type: list``: given values of a parameter, one after the other."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class ListOfValues(Variation):
 
 @dataclass(frozen=True, eq=False)
 class ValueTable:
-    """Values by index."""
+    """Function from indices to the values of a list."""
 
     values: FloatArray
 

@@ -1,4 +1,4 @@
-"""Values whose logarithms are normally distributed: above zero, and longer above than below."""
+"""The variation ``type: lognormal``: values above 0 whose logarithms are normally distributed."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from torsionnet.study.space.variations.variation import (
 
 
 class LognormalMarginal(Marginal):
-    """Mean and standard deviation of the values, in SI."""
+    """Lognormal distribution by mean and standard deviation of the values, in SI."""
 
     low, high = -inf, inf
 
     def __init__(self, mean: float, deviation: float) -> None:
         self.deviation = sqrt(log1p((deviation / mean) ** 2))
-        """Of the logarithm."""
+        """Standard deviation of the logarithm."""
         self.middle = log(mean) - self.deviation**2 / 2
         """Logarithm of the median."""
 

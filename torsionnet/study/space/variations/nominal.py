@@ -1,4 +1,4 @@
-"""What a variation is relative to: the value and the unit that a parameter has in the model."""
+"""Value and unit of a parameter in the model, to which a variation is relative."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from torsionnet.model.parameters import dimensions
 
 @dataclass(frozen=True)
 class ParameterUse:
-    """An entry of an element: what it is, and the name of its dimension."""
+    """Entry of an element that a parameter gives: its kind of quantity, and the name of its dimension."""
 
     quantity: QuantityKind[object]
     dimension: str
 
 
 def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
-    """Uses of every parameter that stands alone somewhere; those of the same kind once."""
+    """Entries that every parameter gives alone, without an expression; entries of the same kind once."""
     found: dict[str, dict[object, ParameterUse]] = {}
     for element in model.definition.elements.values():
         for _, spec, expression, dimension in element.expressions():
@@ -33,8 +33,8 @@ def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
     return {name: list(uses.values()) for name, uses in found.items()}
 
 
-SLIP = 1e-3
-"""Share of a mean below which a deviation without unit is taken for a slip of the pen."""
+LEAST_BARE_DEVIATION = 1e-3
+"""Share of a mean below which a deviation without unit is refused: 0.05 usually means 5 %, not 0.05 N m/rad."""
 
 
 def is_share(number: Number) -> bool:
@@ -44,7 +44,7 @@ def is_share(number: Number) -> bool:
 
 @dataclass(frozen=True)
 class Nominal:
-    """A parameter as the model has it.
+    """Value and unit of a parameter in the model.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Nominal:
 
 
 def nominals(model: Model, names: Iterable[str]) -> dict[str, Nominal]:
-    """Of parameters that the model has."""
+    """Value and unit of each of the named parameters in the model."""
     known, _ = dimensions(model.definition.parameters)
     uses = parameter_uses(model)
     return {name: _nominal(model, name, known.get(name), uses.get(name, [])) for name in names}
@@ -85,9 +85,9 @@ def _nominal(model: Model, name: str, dimension: Dimension | None, uses: Sequenc
 
 
 class NominalReader:
-    """Turns the values of one variation into numbers in SI, and keeps what is wrong with them.
+    """Conversion of the values of one variation to SI numbers, with the faults found.
 
-    A value that is wrong becomes NaN, with which no further comparison fails.
+    A faulty value becomes NaN, with which no further comparison fails.
     """
 
     def __init__(self, nominal: Nominal) -> None:
@@ -99,7 +99,7 @@ class NominalReader:
         return nan
 
     def value(self, number: Number | None, *path: str | int) -> float:
-        """A value, or a change from the model's value with a sign and in percent; without any, the model's value."""
+        """Value in SI of a number, of a signed percentage of the model's value, or, of None, the model's value."""
         nominal = self.nominal
         if number is None:
             if nominal.value is None:
@@ -122,7 +122,7 @@ class NominalReader:
         return nominal.value + float(number.value) * abs(nominal.value)
 
     def spread(self, number: Number, of: float, *path: str | int) -> float:
-        """A deviation, or a share ``of`` a value in percent; above 0."""
+        """Standard deviation in SI from a number or a percentage ``of`` a value; above 0."""
         if number.value <= 0:
             return self.fault(f"must be greater than 0, got {number}", *path)
         if not is_share(number):
@@ -134,9 +134,9 @@ class NominalReader:
         return float(number.value) * abs(of)
 
     def _no_slip(self, found: float, number: Number, of: float, path: tuple[str | int, ...]) -> float:
-        """A small bare number is more often meant as a share than in SI."""
+        """Refuse a small bare number as deviation, which is more often meant as a share than in SI."""
         nominal = self.nominal
-        if number.unit_dimension is None and nominal.unit and found < min(1, SLIP * abs(of)):
+        if number.unit_dimension is None and nominal.unit and found < min(1, LEAST_BARE_DEVIATION * abs(of)):
             text = f"{found:g} {nominal.unit} is only {found / abs(of):.1g} of {nominal.name}"
             return self.fault(f'{text}; write "{found * 100:g} %" for a share, or "{found:g} {nominal.unit}"', *path)
         return found

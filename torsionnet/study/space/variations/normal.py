@@ -1,4 +1,4 @@
-"""Normally distributed values."""
+"""The variation ``type: normal``: normally distributed values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HIGH = ParameterValue("no value is above; by default there is no such limit")
 
 
 class NormalMarginal(Marginal):
-    """Mean and standard deviation in SI."""
+    """Normal distribution by mean and standard deviation in SI."""
 
     low, high = -inf, inf
 

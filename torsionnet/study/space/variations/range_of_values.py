@@ -1,4 +1,4 @@
-"""Values at equal steps or equal ratios between two ends."""
+"""The variation ``type: range``: values at equal steps or equal ratios between two ends."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from torsionnet.study.space.variations.variation import (
 
 LOG = "log"
 OTHER_ENDS = ("from", "to", "start", "stop")
-"""What else the ends are called elsewhere."""
+"""Keys that other tools use for the ends, which are refused with the right names."""
 
 
 @register_variation
@@ -76,7 +76,7 @@ class ValueRange(Variation):
 
 @dataclass(frozen=True)
 class Steps:
-    """Values by index at equal steps or ratios; both ends are exact."""
+    """Function from indices to values at equal steps or ratios; both ends are exact."""
 
     low: float
     high: float

@@ -1,4 +1,4 @@
-"""Values between two limits, most often near one of them or between."""
+"""The variation ``type: triangular``: values between two limits with a most frequent one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.study.space.variations.variation import (
 
 
 class TriangularMarginal(Marginal):
-    """Lowest, most frequent and highest value in SI."""
+    """Triangular distribution by lowest, most frequent and highest value in SI."""
 
     def __init__(self, low: float, mode: float, high: float) -> None:
         self.low, self.mode, self.high = low, mode, high

@@ -1,4 +1,4 @@
-"""A distribution of which only the values between two limits are left."""
+"""Truncated distributions: only the values between two limits are left."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.variation import Marginal
 
-LEAST_SHARE = 1e-9
-"""Of the variants that must be left: less is a slip of the pen."""
+LEAST_SHARE_LEFT = 1e-9
+"""Smallest share of a distribution that may be left between limits; less is an error in the entry."""
 
 
 class TruncatedMarginal(Marginal):
-    """Values of ``whole`` from ``low`` to ``high``, as if all others were drawn again.
+    """Distribution of the values of ``whole`` from ``low`` to ``high``, as if all others were drawn again.
 
     Examples
     --------
@@ -32,7 +32,7 @@ class TruncatedMarginal(Marginal):
         self._below, self._above = whole.cdf(ends), whole.sf(ends)
         by_below, by_above = self._below[1] - self._below[0], self._above[0] - self._above[1]
         self.share = float(by_below if self._below[0] < 0.5 else by_above)
-        """Of the values of the whole that are left."""
+        """Share of the values of the whole distribution that are left."""
 
     def _both(self, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
         inside = np.clip(np.asarray(values, dtype=float), self.low, self.high)
@@ -67,7 +67,7 @@ class TruncatedMarginal(Marginal):
 
 
 def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: NominalReader) -> Marginal:
-    """A distribution between limits that a variation gives; without any, as it is."""
+    """Distribution between the limits of a variation; the whole one without limits."""
     if low is None and high is None:
         return whole
     ends: Any = [
@@ -79,7 +79,7 @@ def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: 
     if reader.faults:
         return whole
     found = TruncatedMarginal(whole, *ends)
-    if not found.share >= LEAST_SHARE:
+    if not found.share >= LEAST_SHARE_LEFT:
         key = "low" if low is not None else "high"
         reader.fault(f"hardly any value of {reader.nominal.name} is left from {ends[0]:g} to {ends[1]:g}", key)
     return found

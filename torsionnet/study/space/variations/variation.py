@@ -1,4 +1,4 @@
-"""What every variation has: it is written relative to a model, and bound to the values of one."""
+"""Base classes of variations, of distributions and of axes with given values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.study.space.variations.nominal import NominalReader
 
 
 class Marginal:
-    """Base of the distributions of one parameter.
+    """Base class of the distributions of one parameter.
 
     Both tails are exact: what is close to the upper end is asked for by the share above it.
 
@@ -34,19 +34,19 @@ class Marginal:
     high: float
 
     def cdf(self, values: ArrayLike) -> FloatArray:
-        """Share of the variants below."""
+        """Share of the variants below the values (cumulative distribution function)."""
         raise NotImplementedError
 
     def sf(self, values: ArrayLike) -> FloatArray:
-        """Share of the variants above."""
+        """Share of the variants above the values (survival function)."""
         raise NotImplementedError
 
     def ppf(self, shares: ArrayLike) -> FloatArray:
-        """Value with a share of the variants below it."""
+        """Values with given shares of the variants below them (inverse of :meth:`cdf`)."""
         raise NotImplementedError
 
     def isf(self, shares: ArrayLike) -> FloatArray:
-        """Value with a share of the variants above it."""
+        """Values with given shares of the variants above them (inverse of :meth:`sf`)."""
         raise NotImplementedError
 
     def log_density(self, values: ArrayLike) -> FloatArray:
@@ -54,7 +54,7 @@ class Marginal:
         raise NotImplementedError
 
     def from_normal(self, normal: ArrayLike) -> FloatArray:
-        """Values at the same shares as those of a standard normal variable."""
+        """Values at the same shares as values of a standard normal variable."""
         u = np.asarray(normal, dtype=float)
         from scipy.special import ndtr
 
@@ -62,7 +62,7 @@ class Marginal:
         return np.where(u < 0, self.ppf(tail), self.isf(tail))
 
     def to_normal(self, values: ArrayLike) -> FloatArray:
-        """Inverse of :meth:`from_normal`."""
+        """Values of a standard normal variable at the same shares as parameter values."""
         below, above = self.cdf(values), self.sf(values)
         from scipy.special import ndtri
 
@@ -74,7 +74,7 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class GridAxis:
-    """Values by index, of which only those that are asked for exist.
+    """Axis of the grid of variants: values of a parameter by index, calculated when needed.
 
     Attributes
     ----------
@@ -92,26 +92,26 @@ class GridAxis:
 
     @property
     def values(self) -> FloatArray:
-        """All, (count,)."""
+        """All values of the axis in SI, (count,)."""
         return self.at(np.arange(self.count))
 
 
 MIDDLE, SPREAD, LOWEST_VALUE, HIGHEST_VALUE = "mean", "standard deviation", "lowest", "highest"
 MOST_FREQUENT = "most frequent"
-"""Numbers of variations."""
+"""Names of the numbers of a variation in :meth:`Variation.sizes`."""
 
 V = TypeVar("V", bound="type[Variation]")
 
 
 class ParameterValue(Spec[Number]):
-    """A value of a parameter: with unit, in SI, or in percent of the value in the model."""
+    """Entry for a value of a parameter: with unit, in SI, or in percent of the value in the model."""
 
     def coerce(self, raw: object) -> Number:
         value = raw if isinstance(raw, Number) else read_value(raw)
         if not isinstance(value, Number):
             raise EntryError(f'expected a number with unit or in percent; "{value}" is an expression of parameters')
         if is_beyond_range(float(value.value)):
-            raise EntryError(f"{float(value.value):g} is no size that anything in a drivetrain has")
+            raise EntryError(f"{float(value.value):g} is beyond the range of values in a drivetrain; check its unit")
         return value
 
     def plain(self, value: Any) -> Json:
@@ -127,27 +127,27 @@ class Variation(Declared):
 
     article: ClassVar[str] = "a variation"
     is_random: ClassVar[bool] = True
-    """Whether it is a distribution that values are drawn from."""
+    """Whether the variation is a distribution that values are drawn from."""
 
     @property
     def words(self) -> str:
-        """What it is, as a reader of a report is told."""
+        """Words for the variation in reports, such as "normal, truncated"."""
         return self.kind
 
     def sizes(self, reader: NominalReader) -> dict[str, float]:
-        """The numbers that it is made of, in SI, by what they are: :data:`MIDDLE`, ...; of faultless entries."""
+        """Numbers of the variation in SI by name (:data:`MIDDLE`, ...), where its entries have no faults."""
         raise NotImplementedError
 
     def bound(self, reader: NominalReader) -> Marginal | GridAxis | None:
-        """The distribution or the values in SI; None where the reader found faults."""
+        """Distribution or axis of values in SI; None where the reader found faults."""
         raise NotImplementedError
 
 
 VARIATIONS: TypeRegister[type[Variation]] = TypeRegister("torsionnet.study.space.variations", ("triangle",))
-"""By the word in ``type:``."""
+"""Classes of variations by the word in ``type:``."""
 
 
 def register_variation(cls: V) -> V:
-    """Make a variation known by its ``kind``."""
+    """Class decorator that registers a variation by its ``kind``."""
     VARIATIONS[cls.kind] = cls
     return cls
