@@ -1,4 +1,4 @@
-"""Whether the test described fits the model: names of inputs and sensors, units of ranges and noise."""
+"""Checks that a bench test fits its model: names of inputs and sensors, units of ranges and noise."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
 
 MOST_SAMPLES = 1e8
-"""Of a channel: some gigabytes on the way."""
+"""Largest number of samples of a channel; more would take gigabytes of memory in the simulation."""
 FEWEST_SAMPLES = 10
+"""Smallest number of samples of a channel; fewer give no frequency response worth the name."""
 DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed", "stress": "pressure"}
-"""Dimension of what a sensor reads, where it is not named like its quantity."""
+"""Dimension of a sensor's reading by its quantity, where the two have different names."""
 
 
 def check_plan(plan: Plan, definition: Definition, path: Path = ("bench",)) -> list[Fault]:
-    """Every fault of a plan for this model; the sensors written out in full are left to the solver."""
+    """Faults of a bench plan for this model; sensors written out in full are left to the solver."""
     faults = [*_drive(plan, definition), *_size(plan)]
     for name, part in plan.channels.items():
         faults += [fault.under("channels", name) for fault in _channel(name, part, plan, definition)]
@@ -31,7 +32,7 @@ def check_plan(plan: Plan, definition: Definition, path: Path = ("bench",)) -> l
 
 
 def sensor_of(name: str, part: Transducer | Encoder, definition: Definition) -> Sensor | None:
-    """What a channel measures, None if nothing of the model is meant."""
+    """Sensor of the model that a channel measures, None if it names none."""
     return named_sensor(part.sensor or name, definition.sensors)
 
 

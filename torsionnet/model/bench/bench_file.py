@@ -1,4 +1,4 @@
-"""The file of a test bench: the model it names, and the test this is put to."""
+"""Bench file: names a model and describes the test of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exciter, sensors and data acquisition of a test bench."""
+"""Entries for the exciter, the sensors and the data acquisition of a test bench."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 
 DELAY = "time by which the channel lags behind the others"
+"""Description of the entry ``delay`` of every sensor."""
 SENSOR = 'what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox, output_shaft)"'
+"""Description of the entry ``sensor`` of every channel."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shares(Spec[dict[int, float]]):
-    """Order to share: ``{2: 2 %, 3: 1 %}``."""
+    """Entry of a share for each order: ``{2: 2 %, 3: 1 %}``."""
 
     highest: int = 20
 
@@ -132,7 +134,7 @@ class Encoder(Declared):
 
     @property
     def steps(self) -> int:
-        """Steps per revolution."""
+        """Counted steps per revolution."""
         return int(self.lines) * (4 if self.quadrature else 1)
 
 
@@ -163,3 +165,4 @@ class Acquisition(Declared):
 
 
 SENSORS: dict[str, type[Transducer | Encoder]] = {cls.kind: cls for cls in (Transducer, Encoder)}
+"""Types of sensor by the word in ``type:``."""

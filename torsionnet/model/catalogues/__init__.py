@@ -1,1 +1,1 @@
-"""Catalogues: tables from which elements and the limits on them take their entries by size."""
+"""Catalogue tables, from which elements and the limits on them take their entries by size."""

@@ -1,4 +1,4 @@
-"""A catalogue: a text file with a row for each size, its columns named as entries, each with its unit."""
+"""Catalogue of machine elements: a text file with a row for each size and a column for each entry, with units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from torsionnet.core.errors import Position
 
 @dataclass(frozen=True)
 class CatalogueCell:
-    """A value as a model file would write it, and where it stands; ``has_unit`` tells whether its column has one."""
+    """Value in a catalogue, as a model file would write it, with its position; ``has_unit`` is that of its column."""
 
     column: str
     raw: str
@@ -22,7 +22,7 @@ class CatalogueCell:
 
 @dataclass(frozen=True)
 class CatalogueRow:
-    """A row of a catalogue: what it says of one size, its empty cells left out."""
+    """Row of a catalogue: the entries of one size, without its empty cells."""
 
     file: str
     size: str
@@ -30,6 +30,7 @@ class CatalogueRow:
     path: Path = field(default=Path(), compare=False)
 
     def cell(self, column: str) -> CatalogueCell | None:
+        """Cell in the column of that name, None where there is none."""
         return next((cell for cell in self.cells if cell.column == column), None)
 
     def __str__(self) -> str:
@@ -38,7 +39,7 @@ class CatalogueRow:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """A catalogue in a file, for elements made in Python: ``catalogue=read_catalogue("x.csv"), size="A350"``.
+    """Catalogue in a file, for elements made in Python: ``catalogue=read_catalogue("x.csv"), size="A350"``.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What an element says of a catalogue: which one, and which of its rows."""
+"""Entries of an element that name a catalogue and the size in it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
 
 CATALOGUE, SIZE = "catalogue", "size"
+"""Names of the entries of an element for its catalogue and its size."""
 
 
 class CatalogueEntry(Spec["CatalogueRow"]):
-    """The name of a catalogue: a file beside the model, or one that comes with the package."""
+    """Entry of the name of a catalogue: a file beside the model, or one that comes with the package."""
 
     def coerce(self, raw: object) -> CatalogueRow:
         from torsionnet.model.catalogues.catalogue import CatalogueRow
@@ -35,7 +36,7 @@ class CatalogueEntry(Spec["CatalogueRow"]):
 
 
 class SizeName(Spec[str]):
-    """The size of a catalogue, which may look like a number."""
+    """Entry of a size in a catalogue, which may look like a number."""
 
     def coerce(self, raw: object) -> str:
         if isinstance(raw, bool) or not isinstance(raw, str | int | float):

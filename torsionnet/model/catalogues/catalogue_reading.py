@@ -1,4 +1,4 @@
-"""Catalogues out of their files."""
+"""Reading of catalogues from their files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, Cata
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 
 MOST_NAMED = 20
-"""Sizes that a message names."""
+"""Sizes listed at most in the message that a size does not exist, so that the message stays readable."""
 
 
 def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
@@ -47,7 +47,7 @@ def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
-    """The row of a size in a catalogue that the model calls ``file``.
+    """Row of one size in a catalogue that the model calls ``file``.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def _unknown(size: str, names: Iterable[str], file: str) -> Fault:
 
 @lru_cache(maxsize=16)
 def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
-    """All rows, read once while the file stays as it is."""
+    """All rows of a catalogue, read once as long as the file does not change."""
     del changed, length
     grid = read_grid(path)
     head, *rest = grid.rows
@@ -112,7 +112,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
 
 
 def _unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | None:
-    """The unit of a heading as a model file writes it, None for none."""
+    """Unit of a heading as a model file writes it, None where the heading has none."""
     if not text or text in ("1", "-"):
         return None if not text else ""
     try:

@@ -1,4 +1,4 @@
-"""The entries of an element that come from a row of a catalogue, and the fault of each that cannot."""
+"""Entries of an element that come from a row of a catalogue, and the faults of those that cannot be taken."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, Cata
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 
 PACKAGE = Path(__file__).resolve().parents[2]
+"""Folder of the package."""
 
 
 def shipped_catalogues() -> dict[str, Path]:
@@ -28,7 +29,7 @@ def shipped_catalogues() -> dict[str, Path]:
 
 
 def row_of(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]]:
-    """The row that ``catalogue`` and ``size`` of an element name; None where they name none."""
+    """Row that the entries ``catalogue`` and ``size`` of an element name, None where they name none, and faults."""
     file, size = entries.get(CATALOGUE), entries.get(SIZE)
     if isinstance(file, CatalogueRow):
         return file, []
@@ -72,7 +73,7 @@ def _path(file: str) -> Path:
 def entries_of(
     row: CatalogueRow, specs: Mapping[str, Spec[object]], given: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
-    """What a row says of entries that are not given in the model; ``loss_factor.psi`` heads a part of an entry."""
+    """Entries that a row gives and the model does not, by name, and faults; ``loss_factor.psi`` is part of an entry."""
     found: dict[str, Any] = {}
     faults: list[Fault] = []
     for cell in row.cells:
@@ -89,7 +90,7 @@ def entries_of(
 def resized(
     row: CatalogueRow, size: str, specs: Mapping[str, Spec[object]], stored: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
-    """What changes with another size: the row itself, and the entries that have the values of the row before."""
+    """Entries that change with another size: the row itself, and entries that still have the values of the old row."""
     from torsionnet.model.catalogues.catalogue_reading import catalogue_row
 
     try:
@@ -105,7 +106,7 @@ def resized(
 
 
 def value_of(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> Any:
-    """A cell as an entry takes it; what is wrong with it is a fault in the catalogue."""
+    """Value of a cell as an entry takes it; a value that does not fit is added to ``faults``."""
     dimension = getattr(spec, "dimension", "1")
     if dimension != "1" and cell.is_number and not cell.has_unit:
         example = f"{cell.column} [{expected_unit(dimension)}]"

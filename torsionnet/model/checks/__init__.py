@@ -1,4 +1,4 @@
-"""Consistency checks, one function each; :func:`check_definition` runs them all.
+"""Consistency checks of a model; :func:`check_definition` runs them all.
 
 Checks of names and values say everything they find. The structural ones need a model whose names and values are sound,
 and run on the base model and on every alternative of every axis.
@@ -20,11 +20,13 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import resolve
 
 MOST_COMBINATIONS = 64
+"""Largest number of configurations that are all checked; with more, each alternative is checked alone, as the time of
+the checks grows with the product of the numbers of alternatives."""
 
 
 @collector_paused()
 def check_definition(definition: Definition) -> list[Fault]:
-    """Every fault, warning and note of a model with all its configurations."""
+    """Faults, warnings and notes of a model with all its configurations."""
     faults = [fault for check in names.CHECKS for fault in check(definition)]
     faults += values.wrong_dimensions(definition) + values.overlay_dimensions(definition)
     faults += values.bound_dimensions(definition) + values.passive_tables(definition)
@@ -42,7 +44,7 @@ def check_definition(definition: Definition) -> list[Fault]:
 
 
 def check_variant(definition: Definition) -> list[Fault]:
-    """The checks that depend on values: for a configuration or changed parameters of a sound model."""
+    """Faults that depend on values: for a configuration or changed parameters of a sound model."""
     known, faults = resolve(definition.parameters)
     faults += values.wrong_dimensions(definition) + values.sizes(definition, known)
     faults += unusual_sizes(definition, known)
@@ -50,7 +52,7 @@ def check_variant(definition: Definition) -> list[Fault]:
 
 
 def choices(definition: Definition) -> list[dict[str, str]]:
-    """Every combination of alternatives while they are few, else each alternative alone."""
+    """Combinations of alternatives to be checked: all of them where they are few, else each alternative alone."""
     count = 1
     for alternatives in definition.configurations.values():
         count *= max(1, len(alternatives))
@@ -60,7 +62,7 @@ def choices(definition: Definition) -> list[dict[str, str]]:
 
 
 def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
-    """The definition in each of its :func:`choices`, by the label of the configuration."""
+    """Pairs (label of the configuration, definition) for each of the :func:`choices`."""
     axes = definition.configurations
     return ((label(choice, axes), _chosen(definition, choice)) for choice in choices(definition))
 
@@ -76,11 +78,12 @@ def _of_choice(definition: Definition, choice: Mapping[str, str]) -> list[Fault]
 
 
 def has_errors(faults: list[Fault]) -> bool:
+    """Whether any of the faults is an error, not only a warning or note."""
     return any(fault.severity == "error" for fault in faults)
 
 
 def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> list[Fault]:
-    """The findings of the base; what cannot be used there and in no configuration either is an error."""
+    """Findings of the base model; an entry that can be used in no configuration becomes an error."""
     useless = {fault.path for fault in base if fault.kind == USELESS}
     for found in others:
         useless &= {fault.path for fault in found if fault.kind == USELESS}
@@ -88,7 +91,7 @@ def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> lis
 
 
 def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
-    """What a configuration adds to the findings of the base model about one of its entries, with its name."""
+    """Findings about entries of a configuration that the base model does not have, with its name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
         replace(fault, configuration=name)

@@ -1,4 +1,4 @@
-"""Whether the mean torques of the operating point hold each other."""
+"""Check that the mean torques of the operating point are in balance."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques
 
 TOLERANCE = 0.05
-"""Of the largest torque: what figures rounded for a data sheet, and drag in bearings, leave over."""
+"""Share of the largest torque that may remain unbalanced: rounding of data sheets, and drag in bearings."""
 
 
 def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> list[Fault]:
-    """Mean torques on a part that turns freely, which would run away or stop: often a load with the sign of a drive.
+    """Warnings about mean torques out of balance on a part that turns freely, as a load with the sign of a drive.
 
     Springs hand mean torques on and dampers stand for vibration, so neither takes any. A single torque is half of what
     acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error.
@@ -38,7 +38,7 @@ def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> lis
 
 
 def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[Fault]:
-    """``done`` is the work of every torque on one rigid motion."""
+    """Warning that the torques do net work on one rigid motion; ``done`` is the work of each torque."""
     rest, largest = sum(done.values()), max(map(abs, done.values()))
     if abs(rest) <= TOLERANCE * largest:
         return []

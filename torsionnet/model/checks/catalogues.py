@@ -1,4 +1,4 @@
-"""Columns of catalogues that fit no entry: worth knowing, as one may be misspelt, or be of another type of element."""
+"""Check of catalogue columns that fit no entry, because one is misspelt or of another type of element."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
 
 REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})
-"""Columns that no entry has to fit."""
+"""Columns of a catalogue that are comments and fit no entry."""
 
 
 def unfit_columns(definition: Definition) -> list[Fault]:
-    """A note for each element with the columns of its catalogue that neither it nor a limit takes."""
+    """Notes on the catalogue columns of each element that neither it nor a limit takes."""
     faults: list[Fault] = []
     for name, element in definition.elements.items():
         if element.catalogue is None:

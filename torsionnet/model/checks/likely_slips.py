@@ -1,4 +1,4 @@
-"""What probably was meant by a power or a speed that does not agree with the others."""
+"""Likely causes of a power or speed that does not agree with others: a wrong unit, or the shaft of another node."""
 
 from __future__ import annotations
 
@@ -9,24 +9,28 @@ from torsionnet.core.units import RPM
 from torsionnet.model.excitations.rating import Rating
 
 NEAR = 0.35
-"""Share by which a slip may miss: an indicated power is up to a third above that at the coupling."""
+"""Relative difference up to which two powers count as the same but for a slip of the unit: an indicated power is up to
+a third above that at the coupling."""
 NEAR_SPEED = 0.005
+"""Relative difference up to which two speeds count as equal: data sheets round rated speeds to about half a percent."""
 _THOUSANDS = {
     1e-6: "a unit a million times larger",
     1e-3: "kW for MW, or W for kW",
     1e3: "MW for kW, or kW for W",
     1e6: "a unit a million times smaller",
 }
+"""Slip of the unit of a power by the factor between the stated and the expected value."""
 _OF_TORQUE = {
     1e-6: "a unit a million times larger",
     1e-3: "N*m for kN*m",
     1e3: "kN*m for N*m",
     1e6: "a unit a million times smaller",
 }
+"""Slip of the unit of a torque by the factor between the stated and the expected value."""
 
 
 def power_text(watts: float) -> str:
-    """A power in W with the unit that suits its size.
+    """Text of a power given in W, in the unit that suits its size.
 
     >>> power_text(3e6), power_text(3e3), power_text(2.0)
     ('3000 kW', '3 kW', '2 W')
@@ -35,12 +39,12 @@ def power_text(watts: float) -> str:
 
 
 def _short(value: float) -> str:
-    """Four digits: what a share of 5 % shows in."""
+    """Number with four digits, in which a difference of 5 % shows."""
     return f"{float(f'{value:.4g}'):.10g}"
 
 
 def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> str:
-    """A question about a speed in rad/s: whose else it is, or whether its unit is wrong; or nothing."""
+    """Text that asks whether a speed in rad/s is that of another node, or in a wrong unit; empty if neither fits."""
     meant = f'; did you mean "{expected * RPM:.6g} rpm"?'
     other = next((one for one, speed in known.items() if one != node and _is(stated, speed, NEAR_SPEED)), None)
     if other is not None:
@@ -53,7 +57,7 @@ def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, 
 
 
 def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping[str, float]) -> str:
-    """The same about a power in W; ``ratios`` are speeds of nodes over that of the machine's shaft."""
+    """Text that asks about the likely slip in a power in W; ``ratios`` are speeds of nodes over that of the machine."""
     of_torque = rating.power is None and rating.shares == (1.0, 1.0)
     share = stated / expected
     slips = _OF_TORQUE if of_torque else _THOUSANDS
@@ -75,7 +79,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
 
 
 def likely_load(power: float, share: float, torque: float | None) -> str:
-    """A question about the power of a load in W, of which ``share`` times as much is stated elsewhere."""
+    """Text that asks about the unit of a load in W, whose power is stated elsewhere as ``share`` times as much."""
     found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
                   if _is(1 / share, factor, NEAR)), None)  # fmt: skip
     if found is None:

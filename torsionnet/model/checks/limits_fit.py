@@ -1,4 +1,4 @@
-"""Checks of limits: do they name what there is, and has it what their rule needs."""
+"""Checks that limits name existing elements and nodes, and that these have the data the rules need."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.model.parameters import resolve
 
 
 def unfit_limits(definition: Definition) -> list[Fault]:
-    """Limits on what does not exist, and what the rules of the others miss."""
+    """Faults of limits on elements or nodes that do not exist, or that lack data for the rule."""
     values, wrong = resolve(definition.parameters)
     subject = limit_subject(definition, values)
     known = {"element": subject.elements, "node": subject.nodes}
@@ -31,7 +31,7 @@ def unfit_limits(definition: Definition) -> list[Fault]:
 
 
 def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
-    """What a limit lacks, with what the catalogue of its element adds."""
+    """Faults of a limit, completed with the catalogue of its element."""
     try:
         yield from limit.fitted(subject.elements).unfit(subject)
     except ModelError as error:
@@ -40,7 +40,7 @@ def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
 
 
 def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSubject:
-    """What limits may know of a model."""
+    """View of a model, in its base configuration, for limits."""
     engines = [one for one in definition.excitations.values() if isinstance(one, ReciprocatingEngine)]
     speeds = definition.speeds
     return LimitSubject(

@@ -1,4 +1,4 @@
-"""Checks of the load: does it fit the drivetrain, its speeds and its operating point."""
+"""Checks that the load fits the drivetrain, its speeds and its operating point."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from torsionnet.model.load.sides_of_load import unknown_driver
 from torsionnet.model.torque_places import torque_place
 
 AGREE = 0.01
-"""Share by which torques of a load and those of an operating point, rounded for a data sheet, may differ."""
+"""Relative difference up to which torques of the load and of the operating point agree, rounded as in data sheets."""
 
 
 def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
-    """Names of nodes, and of nodes or excitations, that the model does not have."""
+    """Faults of nodes and excitations that a load names and the model does not have."""
     nodes = all_nodes(definition.elements.values())
     single: Path = ("load", "absorbed_at")
     for place in load.by_place:
@@ -55,7 +55,7 @@ def _extremes(definition: Definition) -> tuple[float, ...]:
 
 
 def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: float) -> Iterator[Fault]:
-    """Torques of the operating point that the load does not have there, node by node and as power driven in all."""
+    """Faults of stated torques that contradict the load, node by node and in the power driven in all."""
     stated = stated_torques(external.definition, external.values)
     apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
     for node in apart:

@@ -1,4 +1,4 @@
-"""Motions that some laws do not feel."""
+"""Motions of the drivetrain that some of its laws do not resist."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node
 
 
 def left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
-    """The motions that leave every law at rest which ``answers``; imposed angles stand still."""
+    """Reduction to the motions in which all laws chosen by ``answers`` stay at rest; imposed angles stand still."""
     imposed = [{pseudo_node(name): 1} for name in kinematics.imposed]
     rows = [exact_row(law.row) for _, law in kinematics.laws if answers(law)]
     order = {name: index for index, name in enumerate((*kinematics.nodes, *map(pseudo_node, kinematics.imposed)))}
@@ -19,7 +19,7 @@ def left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reducti
 
 
 def held_by_actions(kinematics: Kinematics) -> int:
-    """How many of the motions that no spring resists a torque holds that follows a constant angle.
+    """Number of motions without a spring that a torque holds which follows a constant angle, as of a governor.
 
     As that of a governor does which integrates the speed. A torque that acts between parts turning as one holds none.
     """

@@ -1,4 +1,4 @@
-"""Checks of names: does every name mean something, and does everything named get used."""
+"""Checks that every name in a model exists, and that everything named is used."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.torque_places import torque_place
 
 MOST_HINTS = 20
-"""Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
+"""Dead ends for which a misspelt node is looked for; a model with more has them on purpose, and comparing all names
+takes time."""
 
 
 def _nodes(definition: Definition) -> dict[str, None]:
@@ -51,7 +52,7 @@ def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tup
 
 
 def undefined_parameters(definition: Definition) -> list[Fault]:
-    """Expressions that use a parameter nobody defines."""
+    """Faults of expressions that use a parameter nobody defines."""
     known = definition.parameters
     return [
         unknown_name("parameter", name, known, path)
@@ -61,7 +62,7 @@ def undefined_parameters(definition: Definition) -> list[Fault]:
 
 
 def unused_parameters(definition: Definition) -> list[Fault]:
-    """Parameters that nothing uses (a warning: the model is complete without them)."""
+    """Warnings about parameters that nothing uses; the model is complete without them."""
     used = {name for _, expression in _expressions(definition) for name in expression.names}
     return [
         Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True, about=name)
@@ -71,7 +72,7 @@ def unused_parameters(definition: Definition) -> list[Fault]:
 
 
 def unknown_nodes(definition: Definition) -> list[Fault]:
-    """Sensors, inputs and operating points on nodes the elements do not have."""
+    """Faults of sensors, inputs and operating points on nodes that no element has."""
     nodes = _nodes(definition)
     faults = []
     for table in ("inputs", "sensors"):
@@ -103,7 +104,7 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
 
 
 def unknown_references(definition: Definition) -> list[Fault]:
-    """Shafts at which elements quote their values, or that sensors refer theirs to."""
+    """Faults of elements and sensors whose values are referred to a shaft that does not exist."""
     nodes = _nodes(definition)
     faults = [
         _unknown_node(sensor.referred_to, nodes, ("sensors", name, "referred_to"))
@@ -118,7 +119,7 @@ def unknown_references(definition: Definition) -> list[Fault]:
 
 
 def unknown_followed(definition: Definition) -> list[Fault]:
-    """Nodes and elements that parameters follow."""
+    """Faults of parameters that follow a node or element that does not exist."""
     nodes = _nodes(definition)
     faults = []
     for name, parameter in definition.following.items():
@@ -129,7 +130,7 @@ def unknown_followed(definition: Definition) -> list[Fault]:
 
 
 def unknown_elements(definition: Definition) -> list[Fault]:
-    """Sensors of elements, and ports of elements, that do not exist."""
+    """Faults of sensors on elements, or on ports of elements, that do not exist."""
     faults = []
     for name, sensor in definition.sensors.items():
         if not sensor.is_on_element:
@@ -156,7 +157,7 @@ def _no_element(name: str, definition: Definition, path: Path) -> Fault:
 
 
 def unknown_in_configurations(definition: Definition) -> list[Fault]:
-    """Alternatives that change parameters or elements the model does not have."""
+    """Faults of alternatives that change parameters or elements the model does not have."""
     faults = []
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
@@ -175,7 +176,7 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
 
 
 def competing_axes(definition: Definition) -> list[Fault]:
-    """A parameter or element that alternatives on two axes decide: which one wins would be a matter of order."""
+    """Faults of a parameter or element that alternatives on two axes set: the order would decide which wins."""
     faults: list[Fault] = []
     homes: dict[str, str] = {}
     for axis, alternatives in definition.configurations.items():
@@ -189,7 +190,7 @@ def competing_axes(definition: Definition) -> list[Fault]:
 
 
 def hidden_names(definition: Definition) -> list[Fault]:
-    """Names where ``output=`` or ``input=`` could mean two things: sensors and inputs win over nodes."""
+    """Warnings about names where ``output=`` or ``input=`` could mean two things: sensors and inputs win over nodes."""
     nodes = set(_nodes(definition))
     faults = []
     for table in ("inputs", "sensors"):
@@ -207,7 +208,7 @@ def hidden_names(definition: Definition) -> list[Fault]:
 
 
 def dead_ends(definition: Definition) -> list[Fault]:
-    """Nodes at which a single connection ends: nothing acts there, which often is a misspelt name."""
+    """Warnings about nodes at which a single connection ends: nothing acts there, which often is a misspelt name."""
     touching: dict[str, list[str]] = {}
     for element in definition.elements.values():
         for node in element.ports.values():
@@ -229,7 +230,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
 
 
 def unfit_bench(definition: Definition) -> list[Fault]:
-    """A test that names what the model does not have, or gives it wrong units."""
+    """Faults of a bench test that names what the model does not have, or gives it wrong units."""
     if definition.bench is None:
         return []
     from torsionnet.model.bench.bench_checks import check_plan
@@ -238,7 +239,7 @@ def unfit_bench(definition: Definition) -> list[Fault]:
 
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
-    """Excitations, speeds and a load that name what the model does not have."""
+    """Faults of excitations, speeds and a load that name what the model does not have."""
     if not (definition.speeds or definition.load or definition.excitations):
         return []
     import torsionnet.model.checks.running as checks
@@ -247,7 +248,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
 
 
 def unfit_limits(definition: Definition) -> list[Fault]:
-    """Limits that name what the model does not have, or that lack something of it."""
+    """Faults of limits that name what the model does not have, or that lack data of it."""
     if not definition.limits:
         return []
     import torsionnet.model.checks.limits_fit as limits_fit
@@ -256,7 +257,7 @@ def unfit_limits(definition: Definition) -> list[Fault]:
 
 
 def unfit_catalogues(definition: Definition) -> list[Fault]:
-    """Columns of catalogues that nothing takes."""
+    """Notes on columns of catalogues that neither elements nor limits take."""
     if all(element.catalogue is None for element in definition.elements.values()):
         return []
     import torsionnet.model.checks.catalogues as catalogues
@@ -265,7 +266,7 @@ def unfit_catalogues(definition: Definition) -> list[Fault]:
 
 
 def unfit_report(definition: Definition) -> list[Fault]:
-    """A report that names what the model does not have."""
+    """Faults of a report section that names what the model does not have."""
     if definition.report is None:
         return []
     from torsionnet.model.report.report_checks import check_report
@@ -291,3 +292,4 @@ CHECKS = (
     unfit_bench,
     unfit_report,
 )
+"""Checks of names, in the order in which they run."""

@@ -1,4 +1,4 @@
-"""Checks of the mean speeds and torques about which a model is linear, and of what depends on them."""
+"""Checks of the mean speeds and torques about which a model is linear, and of the entries that depend on them."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from torsionnet.model.operating_values import OperatingPoints, operated, unfit_p
 from torsionnet.model.parameters import resolve
 
 SPEED_ENTRY, OF_SPEED = "speed", 0.005
-"""The entry of an element for the speed of its first node, and the share by which the two may differ."""
+"""Entry of an element for the speed of its first node, and the share by which it may differ from that speed."""
 
 
 def unfit_operation(
     definition: Definition, values: Mapping[str, Any], kinematics: Kinematics, *, sound: bool
 ) -> list[Fault]:
-    """All of them in one configuration; of a structure that is not ``sound`` only what does not follow from that."""
+    """Faults of the operation of one configuration; of an unsound structure only those independent of it."""
     external = ExternalTorques(definition, values)
     faults = _inconsistent_speeds(external)
     if faults or not sound:
@@ -43,7 +43,7 @@ def unfit_operation(
 
 
 def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:
-    """Warnings about powers and speeds; what compares them loads numpy, which a model without speeds does not need."""
+    """Warnings about powers and speeds; their checks load numpy, which a model without speeds does not need."""
     if not external.rated_speed:
         return []
     from torsionnet.model.checks.propeller_conditions import archer_at_small_torque
@@ -53,7 +53,7 @@ def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:
 
 
 def _inconsistent_speeds(external: ExternalTorques) -> list[Fault]:
-    """Mean speeds that the gear ratios do not allow together."""
+    """Faults of mean speeds that contradict the gear ratios."""
     try:
         _ = external.mean_speeds
     except ModelError as error:
@@ -84,7 +84,7 @@ def _wrong_way(node: str, torque: float, speeds: Mapping[str, float], name: str,
 
 
 def _beyond_curves(external: ExternalTorques) -> list[Fault]:
-    """Working points that leave the rows of a curve, also within the range of speeds; one fault for each entry."""
+    """Faults of working points outside the rows of a curve, also over the range of speeds; one for each entry."""
     faults: dict[Path, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):
@@ -93,7 +93,7 @@ def _beyond_curves(external: ExternalTorques) -> list[Fault]:
 
 
 def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """In words where it is, and the values of the parameters there."""
+    """Pairs (text about the speed, values of the parameters there) of the working points that are checked."""
     definition = external.definition
     if not definition.following:
         yield "", external.values
@@ -149,7 +149,7 @@ def _stated(element: Element) -> Expression | None:
 
 
 def _values(external: ExternalTorques) -> Mapping[str, Any]:
-    """Of the parameters, those that follow the operating point at its own speed."""
+    """Values of the parameters, with those that follow the operating point taken at its speed."""
     definition = external.definition
     if not definition.following:
         return external.values
@@ -158,7 +158,7 @@ def _values(external: ExternalTorques) -> Mapping[str, Any]:
 
 
 def _turning(element: Element, speeds: dict[str, float]) -> float:
-    """Speed of its first node in rad/s against its housing, if it has one that turns; 0 where that is not known."""
+    """Speed in rad/s of an element's first node, relative to its housing if it has one; 0 where unknown."""
     housing = getattr(element, "housing", None)
     node = next(iter(element.ports.values()))
     return abs(speeds.get(node, 0.0) - speeds.get(housing, 0.0)) if housing else abs(speeds.get(node, 0.0))

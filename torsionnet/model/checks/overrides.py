@@ -1,4 +1,4 @@
-"""Entries of elements, excitations and the load that alternatives change: are they there, and do the values fit."""
+"""Checks of entries that alternatives change: they must exist, and their values must fit."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _TABLES = ((ELEMENTS,), (EXCITATIONS,))
 
 
 def unfit_overrides(definition: Definition) -> list[Fault]:
-    """Alternatives whose ``box.engaged``, ``engine.misfire`` or ``load.power`` means nothing, or has a wrong value."""
+    """Faults of alternatives whose ``box.engaged``, ``engine.misfire`` or ``load.power`` does not exist or fit."""
     return [fault for path, overlay in _alternatives(definition) for fault in _unfit(definition, overlay, path)]
 
 
 def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Expression]]:
-    """Expressions that alternatives put into entries of elements."""
+    """Pairs (path, expression) of the expressions that alternatives set in entries of elements."""
     for path, overlay in _alternatives(definition):
         for (table, name), changes in by_section(definition, overlay.entries).items():
             element = _changed_element(definition.elements[name], changes) if table == ELEMENTS else None
@@ -31,7 +31,7 @@ def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Exp
 
 
 def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str]) -> Fault:
-    """A fault of an entry of a section, moved to the alternative that gives the entry its value.
+    """Fault with its path moved from the entry to the alternative that gives the entry its value.
 
     Where none does, to one that changes the section which the fault is about besides.
     """
@@ -57,7 +57,7 @@ def _alternatives(definition: Definition) -> Iterator[tuple[Path, Overlay]]:
 
 
 def _changed_element(element: Element, changes: Mapping[str, Any]) -> Element | None:
-    """The element with other entries; None where they cannot be."""
+    """Copy of the element with changed entries; None where they do not fit it."""
     try:
         return replace(element, **changes) if changes.keys() <= dict(element.specs()).keys() else None
     except ModelError:
@@ -76,7 +76,7 @@ def _unfit(definition: Definition, overlay: Overlay, path: Path) -> Iterator[Fau
 
 
 def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
-    """Why there is no such entry, or None."""
+    """Fault that an entry to be changed does not exist, or None."""
     name, _, entry = key.rpartition(".")
     found = section_of(definition, key)
     if found is None:
@@ -86,7 +86,7 @@ def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
 
 
 def _no_section(definition: Definition, name: str, path: Path) -> Fault:
-    """Why entries of this section cannot be changed."""
+    """Fault that entries of this section cannot be changed."""
     if name in {declared.name for declared in definition.declared()} - {LOAD}:
         text = f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements"
         return Fault(f"{text}, excitations and load: (box.engaged, engine.misfire, load.power)", path, on_key=True)
@@ -95,7 +95,7 @@ def _no_section(definition: Definition, name: str, path: Path) -> Fault:
 
 
 def _wrong_values(definition: Definition, table: str, name: str, changes: Mapping[str, Any]) -> tuple[Fault, ...]:
-    """What is wrong with a section in which an alternative changes entries."""
+    """Faults of a section in which an alternative changes entries."""
     try:
         changed = definition.overlaid(Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()}))
     except ModelError as error:
@@ -110,7 +110,7 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
 
 
 def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Iterator[Fault]:
-    """Elements that are switched or go to other nodes: the model has its nodes in all configurations."""
+    """Faults of elements that an alternative switches by an entry or moves to other nodes, which it may not."""
     if before.enabled != after.enabled:
         text = f"write on: [{before.name}] or off: [{before.name}] to switch an element"
         yield Fault(text, ("enabled",), on_key=True)

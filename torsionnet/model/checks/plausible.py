@@ -1,4 +1,4 @@
-"""Sizes that are possible and yet hardly meant: millimetres without their unit, percent for a fraction."""
+"""Warnings about unlikely sizes: millimetres without their unit, percent for a fraction."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ FORGOTTEN = {
     "density": ("g/cm^3", 1e3),
     "force": ("kN", 1e3),
 }
-"""What a number without unit often was meant in, and its size in SI."""
+"""Unit that is likely meant where a number has none, by dimension, and its size in SI."""
 USUAL = {"length": (1e-4, 20.0), "shear modulus": (1e5, 1e12), "pressure": (1e5, 1e12)}
-"""Sizes in SI that entries of a dimension have in machinery, where an entry says nothing else."""
+"""Usual sizes in machinery in SI units, by dimension, where an entry has no range of its own."""
 FRACTIONS = {"zeta": 1.0, "eta": 2.0}
-"""Measures that some write in percent, and from where that is likely."""
+"""Damping measures that some write in percent, and the value from which that is likely."""
 
 
 def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
-    """Warnings about values outside what their entry usually has."""
+    """Warnings about values outside the usual range of their entry."""
     return [fault for element in definition.elements.values() for fault in _of(element, numbers)]
 
 

@@ -1,4 +1,4 @@
-"""What holds for a propeller at full ahead, and is used where it takes much less torque: at zero pitch, say."""
+"""Check of propeller damping by Archer's formula, which holds at full ahead, in conditions of small torque."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from torsionnet.model.operating_values import OperatingPoints, operated
 from torsionnet.model.parameters import resolve
 
 SMALL, SLIP = 0.5, 0.01
-"""Torque over that of full ahead at the same speed: below one Archer's formula is not meant, below the other it is a
-slip of a unit, of which other checks speak."""
+"""Torque over that of full ahead at the same speed: below the first, Archer's formula does not apply; below the second,
+it is a slip of a unit, about which other checks warn."""
 
 
 def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
@@ -43,7 +43,7 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
 
 
 def _values(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
-    """Of the parameters, at a speed of the reference; as they are where a torque there is not known."""
+    """Values of the parameters at a speed of the reference; empty where the load determines no torque there."""
     if not external.definition.following:
         return external.values
     try:

@@ -1,4 +1,4 @@
-"""Sensors referred to a shaft to which no ratio leads."""
+"""Check of sensors that are referred to a shaft to which no gear ratio leads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.model.elements import Values
 
 
 def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """An error for each declared sensor that cannot be referred to its shaft; those that are switched off say so."""
+    """Faults of sensors that cannot be referred to their shaft; those that are switched off are left out."""
     referred = {name: sensor for name, sensor in definition.sensors.items() if sensor.referred_to is not None}
     if not referred:
         return []

@@ -1,4 +1,4 @@
-"""Checks of excitations and speeds: do they fit the drivetrain."""
+"""Checks that excitations and speeds fit the drivetrain."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.model.speeds import total_ratio
 
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
-    """Excitations, speeds and a load on nodes that do not exist or have no ratio to the shaft whose speed is given."""
+    """Faults of excitations, speeds and a load on nodes that do not exist or have no ratio to the reference shaft."""
     nodes = all_nodes(definition.elements.values())
     faults: list[Fault] = [*_unfit_elements(definition)]
     places: list[tuple[str, Path]] = []
@@ -43,7 +43,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
 
 
 def _unfit_elements(definition: Definition) -> Iterator[Fault]:
-    """Excitations that impose a twist in an element that is not there, or not of the right kind."""
+    """Faults of excitations that impose a twist in an element that does not exist or is of the wrong kind."""
     for name in definition.excitations:
         yield from _unfit_element(definition, name)
 
@@ -60,7 +60,7 @@ def _unfit_element(definition: Definition, name: str) -> Iterator[Fault]:
 
 
 def misplaced(definition: Definition, name: str) -> Iterator[Fault]:
-    """An excitation on nodes or in an element that are not there, or of the wrong kind."""
+    """Faults of an excitation on nodes or in an element that do not exist or are of the wrong kind."""
     nodes = all_nodes(definition.elements.values())
     for node, path in _places(name, definition.excitations[name]):
         if node not in nodes:
@@ -69,7 +69,7 @@ def misplaced(definition: Definition, name: str) -> Iterator[Fault]:
 
 
 def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
-    """The nodes that an excitation names."""
+    """Pairs (node, path) of the nodes that an excitation names."""
     reaction = (excitation.reaction_entry,) if excitation.reaction_entry else ()
     for path, node in (*excitation.node_entries, *reaction):
         yield node, ("excitations", name, *path)
@@ -78,12 +78,12 @@ def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]
 
 
 def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:
-    """Whether every parameter that elements name has a value; what has none is said elsewhere."""
+    """Whether every parameter that elements name has a value; missing ones are reported elsewhere."""
     return all(one.names <= values.keys() for element in definition.active for _, _, one, _ in element.expressions())
 
 
 def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]:
-    """Elements that give no way to a twist imposed in them."""
+    """Faults of twists imposed in elements that are rigid."""
     for name, excitation in definition.excitations.items():
         if excitation.element_entry is not None:
             path, element = excitation.element_entry
@@ -93,7 +93,7 @@ def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]
 
 
 def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[dict[str, float], list[Fault]]:
-    """Speed of the shaft of every excitation over that of the reference, and excitations that have no such ratio."""
+    """Ratio of each excitation's shaft speed to the reference speed, and faults of excitations without a ratio."""
     ratios: dict[str, float] = {}
     faults: list[Fault] = []
     if definition.speeds is None:
@@ -107,7 +107,7 @@ def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[di
 
 
 def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fault]:
-    """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
+    """Warnings and notes of the excitations themselves, at the speeds of their shafts where these are known."""
     for name, excitation in definition.excitations.items():
         speeds = None
         if definition.speeds is not None and name in ratios:
@@ -118,7 +118,7 @@ def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fa
 
 
 def _between_engines(definition: Definition) -> Iterator[Fault]:
-    """Engines between which no angle is given."""
+    """Notes on engines without a phase angle between them."""
     acting = {name: one for name, one in definition.excitations.items() if one.enabled}
     engines = unlocked_engines(acting, definition.excitations)
     first = next(iter(engines.values()), "")
@@ -130,7 +130,7 @@ def _between_engines(definition: Definition) -> Iterator[Fault]:
 
 
 def _on_imposed(definition: Definition) -> Iterator[Fault]:
-    """Torques where another excitation says how the node moves."""
+    """Faults of torques on nodes whose motion another excitation imposes."""
     acting = {name: one for name, one in definition.excitations.items() if one.enabled}
     motions = [(name, one) for name, one in acting.items() if one.quantity == "angle"]
     imposed = {frozenset(one.channel(node).nodes): name for name, one in motions for node in one.nodes}
@@ -144,6 +144,6 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
 
 
 def _all_imposed(channel: Input, imposed: Mapping[frozenset[str], str]) -> str | None:
-    """What imposes the motion of the first node where that of every node is imposed by itself, or None."""
+    """Name of the excitation that imposes the first node's motion, if all nodes are imposed one by one, or None."""
     each = [imposed.get(frozenset({node})) for node in channel.nodes]
     return each[0] if None not in each else None

@@ -1,4 +1,4 @@
-"""Can the connected parts move, hold together and carry what is asked of them? Needs sound names and values."""
+"""Checks that the connected parts can move, hold together and carry their torques; names and values must be sound."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ from torsionnet.model.kinematics import (
 )
 
 MOST_GROUPS, MOST_NAMES = 10, 6
-"""Unconnected groups that are reported one by one, and names in one of them."""
+"""Unconnected groups of nodes reported one by one, and names shown of each group, so that a model with many gives a
+readable report."""
 
 
 def unconnected_parts(definition: Definition) -> list[Fault]:
-    """Groups of nodes with no element between them, counting also elements that are switched off.
+    """Faults of groups of nodes with no element between them, counting also elements that are switched off.
 
     Ground does not connect: what is only tied to ground does not feel its neighbour.
     """
@@ -55,7 +56,7 @@ def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[st
 
 
 def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """A rigid loop whose ratios do not agree: nothing on it could turn."""
+    """Fault of a rigid loop whose ratios do not agree, so that nothing on it could turn."""
     reduction = kinematics.reduction
     loop = contradicting_loop(kinematics.parts, kinematics.nodes) if reduction.held() or reduction.blocked else []
     if not loop:
@@ -68,7 +69,7 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
 
 
 def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Motions no inertia, spring or damper answers: the receptance there would be infinite at every frequency."""
+    """Faults of motions that no inertia, spring or damper resists: the receptance there is infinite."""
     left = left_free(kinematics, lambda law: law.acts)
     moving: dict[str, list[str]] = {name: [] for name in kinematics.coordinates if left.is_free(name)}
     for node in kinematics.nodes if moving else ():
@@ -90,7 +91,7 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
 
 
 def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Inputs, excitations and motion sensors on a node that cannot move: another configuration may set it free."""
+    """Warnings about inputs, excitations and sensors on a node that cannot move in this configuration."""
     faults, nodes = [], set(kinematics.nodes)
     for name, channel in definition.inputs.items():
         if nodes.issuperset(channel.nodes) and kinematics.stills(channel.row):
@@ -118,7 +119,7 @@ def _still(channel: Input | Sensor) -> str:
 
 
 def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Inputs that act where an imposed angle already says what moves."""
+    """Faults of inputs that act on a node whose angle another input imposes."""
     imposed = {frozenset(definition.inputs[name].nodes): name for name in kinematics.imposed}
     faults = []
     for name, channel in definition.inputs.items():
@@ -138,7 +139,7 @@ def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list
 
 
 def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Torque sensors on a rigid connection whose torque equilibrium alone does not determine."""
+    """Warnings about torque sensors on a rigid connection whose torque equilibrium does not determine."""
     if torques_are_determinate(kinematics):
         return []
     faults = []
@@ -156,7 +157,7 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
 
 
 def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Sensors and inputs on parts that are switched off (information: they come back with another configuration)."""
+    """Notes on sensors and inputs on parts that are switched off, but not in every configuration."""
     active = {element.name for element in definition.active}
     nodes = set(kinematics.nodes)
     faults = []
@@ -171,7 +172,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
 
 
 def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """How many ways the drivetrain can turn without any spring or controller answering (information, not an error)."""
+    """Note on the number of motions that no spring or controller resists."""
     del definition
     count = len(rigid_motions(kinematics)) - held_by_actions(kinematics)
     if not count:
@@ -181,7 +182,7 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
 
 
 def rigid_motions(kinematics: Kinematics) -> list[str]:
-    """A coordinate for each independent motion that no spring resists."""
+    """Names of coordinates, one for each independent motion that no spring resists."""
     left = left_free(kinematics, lambda law: law.holds_at_rest)
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
@@ -194,10 +195,11 @@ CHECKS = (
     idle_channels,
     rigid_body_modes,
 )
+"""Structural checks of a configuration, in the order in which they run."""
 
 
 def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """All structural checks of one configuration; contradicting gears make the rest meaningless."""
+    """Faults of all structural checks of one configuration; contradicting gears make the rest meaningless."""
     unfit = _unfit_references(definition, values)
     if unfit:
         return unfit
@@ -212,7 +214,7 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
 
 
 def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Elements whose values are quoted at a shaft to which there is no ratio."""
+    """Faults of elements whose values are quoted at a shaft to which there is no ratio."""
     on = [element for element in definition.elements.values() if element.enabled]
     if all(element.referred_to is None for element in on):
         return []
@@ -224,7 +226,7 @@ def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list
 def _unfit_operation(
     definition: Definition, values: Mapping[str, Any], kinematics: Kinematics, *, sound: bool
 ) -> list[Fault]:
-    """Faults of an operating point, where there is one or something follows it."""
+    """Faults of an operating point, where there is one or a parameter follows it."""
     rated = definition.speeds is not None and definition.speeds.rated and definition.excitations
     operated = definition.load or definition.operating_point or definition.following or rated
     if not operated and not any(element.reads_off for element in definition.active):

@@ -1,4 +1,4 @@
-"""The unit that each parameter of a model has."""
+"""Units of the parameters of a model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from torsionnet.model.parameters import dimensions
 
 
 def parameter_units(definition: Definition) -> dict[str, str]:
-    """SI units by the places of use, which tell N*m from N*m/rad, else by the dimension alone; empty: a plain number.
+    """SI unit of every parameter, by its use (N*m or N*m/rad), else by its dimension; empty for a plain number.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Powers and speeds that are stated several times along a drivetrain, and do not agree."""
+"""Check of powers and speeds that are stated several times along a drivetrain and do not agree."""
 
 from __future__ import annotations
 
@@ -16,15 +16,17 @@ from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.load.sides_of_load import ENGINE
 
 OF_POWER, OF_SPEED = 0.05, 0.005
-"""Shares by which powers and speeds may differ: what data sheets round, and what slips."""
+"""Relative differences up to which powers and speeds agree: rounding of data sheets, and slip."""
 ALIKE = 0.4
-"""Share by which powers of machines that agree differ: indicated ones are above those at the coupling."""
+"""Relative spread of the ratios of several machines to the load up to which one slip of the load explains all:
+indicated powers are above those at the coupling."""
 PROPELLER = "propeller"
+"""Type of the excitation by a propeller."""
 
 
 @dataclass(frozen=True)
 class _Machine:
-    """An excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
+    """Excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
 
     name: str
     excitation: OrderExcitation
@@ -37,7 +39,7 @@ class _Machine:
 
     @property
     def powers(self) -> tuple[float, ...]:
-        """W, at rated speed."""
+        """Powers in W at rated speed."""
         return tuple(map(abs, self.rating.at(self.speed)))
 
     def path(self, entry: Path) -> Path:
@@ -46,7 +48,7 @@ class _Machine:
 
 @dataclass(frozen=True)
 class _Unlike:
-    """What is said of a machine, and its power over that it should have."""
+    """Fault of a machine whose power does not agree, and its power over the expected one."""
 
     machine: _Machine
     share: float
@@ -54,7 +56,7 @@ class _Unlike:
 
 
 def unlike_ratings(external: ExternalTorques) -> list[Fault]:
-    """Warnings about speeds that differ by more than 0.5 %, and powers that do by more than 5 %.
+    """Warnings about rated speeds that differ by more than 0.5 %, and powers that differ by more than 5 %.
 
     All are those at rated speed. That an engine gives more than is taken from it is a note.
     """
@@ -74,13 +76,13 @@ def unlike_ratings(external: ExternalTorques) -> list[Fault]:
 
 
 def _ratios(external: ExternalTorques) -> dict[str, float]:
-    """Size of the speed of every node over that of the reference, which comes first."""
+    """Absolute speed ratio of every node to the reference node, which comes first."""
     found = {node: abs(ratio) for node, ratio in external.ratios.items() if ratio}
     return {external.reference: 1.0, **found}
 
 
 def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping[str, float]) -> list[Fault]:
-    """One warning about the load where it is alone in a likely slip, against two machines or more."""
+    """Warning about the load, where a slip in its unit explains the differences to two machines or more."""
     load, sizes = external.definition.load, [one.share for one in unlike]
     if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + ALIKE) * min(sizes):
         return []
@@ -99,14 +101,14 @@ def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
 
 
 def _powers(external: ExternalTorques, rated: float) -> dict[str, float]:
-    """W by node at rated speed, that its load gives or takes; empty without a load."""
+    """Power in W by node that the load gives or takes at rated speed; empty without a load."""
     if external.definition.load is None:
         return {}
     return {node: torque * external.ratios.get(node, 0.0) * rated for node, torque in external.at(rated).items()}
 
 
 def _speeds(external: ExternalTorques, machines: list[_Machine], rated: float) -> Iterator[Fault]:
-    """Rated speeds that are not what the ratios make of that of the reference shaft."""
+    """Warnings about rated speeds that do not follow from that of the reference shaft by the gear ratios."""
     known = {node: ratio * rated for node, ratio in _ratios(external).items()}
     for one in machines:
         if one.rating.speed:
@@ -130,7 +132,7 @@ def _unlike(
 
 
 def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
-    """Machines that state another power than the load takes where they are."""
+    """Machines that state another power than the load takes at their nodes."""
     absorbers = [one for one in machines if not one.is_driver]
     for one in absorbers if work else ():
         taken = -sum(work.get(node, 0.0) for node in one.excitation.nodes)
@@ -144,7 +146,7 @@ def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping
 
 
 def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
-    """Engines that give less than is taken from them, and notes on those that could give more."""
+    """Engines that give less than is taken from them, with notes on those that could give more."""
     propellers = [one for one in machines if one.excitation.kind == PROPELLER]
     total = _taken(work) if work else sum(one.powers[0] for one in propellers)
     engines = [one for one in machines if one.is_driver]
@@ -168,7 +170,7 @@ def _taken(work: Mapping[str, float]) -> float:
 
 
 def _share(external: ExternalTorques, one: _Machine, engines: int) -> float | None:
-    """Share of the power that an engine gives; None where that is not said."""
+    """Share of the power that an engine gives; None where the load does not say."""
     load = external.definition.load
     if load is None or not load.driven_by:
         return 1.0 if engines == 1 else None

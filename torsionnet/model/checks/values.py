@@ -1,4 +1,4 @@
-"""Checks of dimensions and sizes."""
+"""Checks of the dimensions and sizes of values."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Numbers = Mapping[str, "Fraction | float"]
 
 
 def wrong_dimensions(definition: Definition) -> list[Fault]:
-    """Expressions of another dimension than the place they stand in."""
+    """Faults of expressions whose dimension is not that of their entry."""
     known, faults = dimensions(definition.parameters)
     for name, element in definition.elements.items():
         for path, _, expression, wanted in element.expressions():
@@ -33,7 +33,7 @@ def wrong_dimensions(definition: Definition) -> list[Fault]:
 
 
 def overlay_dimensions(definition: Definition) -> list[Fault]:
-    """Alternatives that give a parameter a value of another dimension."""
+    """Faults of alternatives that give a parameter a value of another dimension."""
     known, _ = dimensions(definition.parameters)
     faults = []
     for axis, alternatives in definition.configurations.items():
@@ -46,7 +46,7 @@ def overlay_dimensions(definition: Definition) -> list[Fault]:
 
 
 def bound_dimensions(definition: Definition) -> list[Fault]:
-    """Bounds of another dimension than the parameter they belong to."""
+    """Faults of bounds whose dimension is not that of their parameter."""
     known, _ = dimensions(definition.parameters)
     faults = []
     for name, parameter in definition.parameters.items():
@@ -93,7 +93,7 @@ def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str
 
 
 def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
-    """Values out of their bounds, not finite or not calculable, for resolved parameters."""
+    """Faults of values out of their bounds, not finite or not calculable, for resolved parameters."""
     faults: list[Fault] = []
     for name, value in numbers.items():
         bounds = definition.parameters[name].bounds
@@ -107,7 +107,7 @@ def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 
 
 def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
-    """Mean speeds and torques that cannot be calculated, or that nothing has."""
+    """Faults of mean speeds and torques that cannot be calculated, or are of an impossible size."""
     point = definition.operating_point
     found = {
         (name, node): _size_fault(None, expression, numbers, measure=False, wanted=name)
@@ -127,7 +127,7 @@ def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
 
 
 def is_in_measure(spec: object, path: Path) -> bool:
-    """Whether an entry is a part of a measure of damping."""
+    """Whether an entry is part of a damping measure."""
     return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
 
@@ -152,7 +152,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
 
 
 def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str | None:
-    """What is wrong with the size of a finite value in an entry, or None; ``value`` can be compared with numbers."""
+    """Message that a finite value in an entry is out of bounds, or None; ``value`` can be compared with numbers."""
     if measure:
         positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
         bad = value < 0 or (positive and value == 0)
@@ -161,7 +161,7 @@ def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str |
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
-    """A safety net behind the bounds of single fields: no law may have a negative coefficient, unless it may drive."""
+    """Faults of negative coefficients of laws, a safety net behind the bounds of single fields."""
     if not all(expression.names <= numbers.keys() for _, _, expression, _ in element.expressions()):
         return []
     place = ("elements", element.name)
@@ -189,7 +189,7 @@ def negative_laws(element: Element, laws: Iterable[Law]) -> bool:
 
 
 def passive_tables(definition: Definition) -> list[Fault]:
-    """Tabulated damping below zero: the element would feed energy into a vibration."""
+    """Warnings about tabulated damping below zero, which would feed energy into a vibration."""
     return [
         Fault(
             f"the damping of {name} is negative at some frequency; it would drive the vibration there",

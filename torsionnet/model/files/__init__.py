@@ -1,4 +1,4 @@
-"""Model files: reading them with every fault located, writing them, their JSON Schema and the library.
+"""Reading and writing of model files, with every fault located; their JSON Schema and the library.
 
 >>> definition, faults = read_file("amt_rig")
 >>> list(definition.parameters)[:2], [fault.severity for fault in faults if fault.severity == "error"]
@@ -20,14 +20,14 @@ __all__ = ["dump", "json_schema", "library_benches", "library_entry", "library_m
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:
-    """The text of a model file that reads back to an equal definition, also written to ``path`` if given."""
+    """Text of a model file that reads back to an equal definition, also written to ``path`` if given."""
     from torsionnet.model.files.writer import dump as text_of
 
     return text_of(definition, path)
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of model files, for editors and validators."""
+    """JSON Schema (draft 2020-12) of model files, for editors and validators."""
     from torsionnet.model.files.model_schema import json_schema as generated
 
     return generated()

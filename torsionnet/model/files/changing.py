@@ -1,4 +1,4 @@
-"""A model file with other parameter values, in its author's own words: comments, order and spacing stay."""
+"""Changes of parameter values in the text of a model file, whose comments, order and spacing stay."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _NOTHING = Overlay()
 
 @dataclass(frozen=True)
 class Place:
-    """Where a parameter has its value: in the table of parameters, or in an alternative of an axis."""
+    """Place of a parameter's value: the table of parameters, or an alternative of an axis."""
 
     parameter: str
     axis: str = ""
     alternative: str = ""
 
     def paths(self) -> tuple[Path, ...]:
-        """Where that may stand in a file; a single axis needs no name."""
+        """Paths at which the value may be written in a file; a single axis needs no name."""
         if not self.axis:
             return (("parameters", self.parameter, "value"), ("parameters", self.parameter))
         inner = (self.alternative, self.parameter)
@@ -40,7 +40,7 @@ class Place:
 
 
 def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> Place:
-    """Where the value that holds under a choice of alternatives is written: the axis that sets it, or the base.
+    """Place of a parameter's value under a choice of alternatives: the axis that sets it, or the base.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
 
 
 def changed_definition(definition: Definition, changes: Mapping[Place, Expression]) -> Definition:
-    """The definition with other values at some places."""
+    """Definition with other values of the parameters at some places."""
     parameters = dict(definition.parameters)
     axes = {axis: dict(alternatives) for axis, alternatives in definition.configurations.items()}
     for place, value in changes.items():
@@ -75,7 +75,7 @@ def changed_text(
     file: str = "",
     folder: FolderPath | None = None,
 ) -> str:
-    """The text of a model file with other values; only their characters differ.
+    """Text of a model file with other parameter values; only their characters differ.
 
     Where that cannot be (a value that is an alias of another one), the model is written anew, without comments.
 
@@ -144,7 +144,7 @@ def _node(document: LocatedDocument, path: Path) -> LocatedNode | None:
 
 
 def _in_use(place: Place, definition: Definition) -> Iterator[Path]:
-    """Where a model gives a parameter of a part its value: for one copy, not for all of them."""
+    """Path of a part's parameter where a use of the part gives its value, for one copy and not for all."""
     found = (
         None if definition.authored is None or place.axis else owner(definition.authored.authored.use, place.parameter)
     )
@@ -160,7 +160,7 @@ def _in_use(place: Place, definition: Definition) -> Iterator[Path]:
 def _inserted(
     document: LocatedDocument, place: Place, definition: Definition, value: str, is_json: bool
 ) -> tuple[Span | None, str]:
-    """Where a value is put in that the author left to the part, and its text with its name."""
+    """Span at which a value is inserted that the author left to the part, and its text with its name."""
     for path in _in_use(place, definition):
         own = str(path[3]) if not is_json else json.dumps(path[3])
         table, use = _node(document, path[:3]), _node(document, path[:2])

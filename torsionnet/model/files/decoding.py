@@ -1,4 +1,4 @@
-"""Bytes of a model file to text."""
+"""Decoding of the bytes of a model file to text."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import codecs
 from torsionnet.core.errors import Fault, ModelError, Position
 
 MOST_BYTES = 4_000_000
+"""Size in bytes of the largest model file; a larger one is no model and would only fill the memory."""
 
 
 def decode(raw: bytes, file: str) -> str:
-    """The text of UTF-8 bytes; ModelError with the place where they are something else."""
+    """Text from UTF-8 bytes; raises ModelError with the position of bytes that are not UTF-8."""
     if len(raw) > MOST_BYTES:
         raise _fault(f"the file is too large: more than {MOST_BYTES // 1_000_000} MB", file)
     if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) or b"\0" in raw[:4]:

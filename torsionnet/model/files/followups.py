@@ -1,4 +1,4 @@
-"""The checks of a model of which a part could not be read, without the faults that only follow from that."""
+"""Checks of a model that could not be read completely, without faults that only follow from the missing parts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 
 def check_what_was_read(definition: Definition, document: LocatedDocument, faults: list[Fault]) -> list[Fault]:
-    """The faults of reading and those of the checks that still mean something."""
+    """Faults of reading, and faults of the checks that do not depend on entries that could not be read."""
     lost: set[str] = set()
     if has_errors(faults) or document.dropped:
         lost = set(_lost_words(document, [fault.path for fault in faults if fault.severity == "error"]))
@@ -32,13 +32,13 @@ def check_what_was_read(definition: Definition, document: LocatedDocument, fault
 
 
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:
-    """A name may be that of an entry that could not be read, misspelt."""
+    """Fault with a question whether its name is that of an entry that could not be read, misspelt."""
     meant = "" if fault.kind != "unknown name" or fault.meant else nearest(fault.about, sorted(lost))
     return replace(fault, message=f'{fault.message}; did you mean "{meant}"?', meant=meant) if meant else fault
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:
-    """Names and values one by one; whether the parts hang together cannot be told while some are missing."""
+    """Faults of names and values one by one; the structure cannot be checked while parts are missing."""
     for check in _CHECKS:
         yield from check(definition)
     yield from values.wrong_dimensions(definition)
@@ -51,7 +51,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
 
 
 def _lost_words(document: LocatedDocument, broken: Iterable[Path]) -> Iterator[str]:
-    """Every name in the entries that could not be read: it may well be defined or used there."""
+    """Names in the entries that could not be read, which may be defined or used there."""
     for path in dict.fromkeys(path[:2] for path in broken):
         yield from _words([*path, entry_at(document.data, path)])
     for path, value in document.dropped:

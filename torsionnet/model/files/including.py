@@ -1,4 +1,4 @@
-"""Parts from other files: those a model includes, and those of the library that it names."""
+"""Parts from other files: those that a model includes, and those of the library that it names."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from torsionnet.model.files.library import library_parts
 from torsionnet.model.files.located import LocatedDocument, LocatedNode, compose
 
 _FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")
+"""Keys that a file of parts may have."""
 _OF_THE_WHOLE = (KEY, "name", "operating_point", "speeds", "load", "bench", "report", "parts", "include")
-"""What a model says about itself as a whole, which means nothing where it is a part."""
+"""Keys of a model that describe it as a whole and are left out where it is used as a part."""
 
 
 def include_parts(document: LocatedDocument) -> None:
-    """Put the parts that a model uses from other files into its data, each with its own place."""
+    """Put the parts that a model uses from other files into its data, each with its own file position."""
     root = document.root
     if root is None or not {"include", "use", "parts"} & root.entries.keys():
         return
@@ -40,7 +41,7 @@ def include_parts(document: LocatedDocument) -> None:
 
 
 class _Including:
-    """All parts that can be named, by name; those of the document itself have no home of their own."""
+    """Table of all parts that can be named; those of the document itself have no home of their own."""
 
     def __init__(self, document: LocatedDocument) -> None:
         self.document = document
@@ -69,7 +70,7 @@ class _Including:
         self.document.faults.append(replace(fault, path=path, position=position))
 
     def included(self, document: LocatedDocument, within: tuple[FilePath, ...]) -> None:
-        """The parts of the files that a document includes, and of those that they include."""
+        """Read the parts of the files that a document includes, and of those that they include."""
         node = document.root.entries.get("include") if document.root else None
         if node is None:
             return
@@ -98,7 +99,7 @@ class _Including:
             self.included(document, (*within, home))
 
     def take(self, document: LocatedDocument, path: FilePath) -> None:
-        """The parts in a file, or the model it holds as one part."""
+        """Add the parts in a file, or the model that it holds as one part."""
         self.document.faults += document.faults
         root = document.root
         if root is None or not isinstance(root.value, dict):
@@ -117,7 +118,7 @@ class _Including:
                     self.refuse(Fault(text, (key,), on_key=True), document)
 
     def used(self, root: LocatedNode) -> set[str]:
-        """Every part that the model names, directly or in its parts; those of the library are read when first named."""
+        """Names of all parts that the model uses, directly or in its parts; library parts are read when first named."""
         wanted: set[str] = set()
         open_: list[LocatedNode] = [root, *(node for node in self.parts.values() if node.home is None)]
         while open_:

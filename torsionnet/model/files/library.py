@@ -1,4 +1,4 @@
-"""The models, benches, studies, parts and catalogues that come with the package."""
+"""Library of the package: models, benches, studies, parts and catalogues."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ from pathlib import Path
 from torsionnet.model.files.yaml_scalars import plain_value
 
 PACKAGE = Path(__file__).resolve().parents[2]
+"""Folder of the package."""
 HEAD_LINES = 40
+"""Lines at the beginning of a file in which its title and source are looked for; the heads of the library's files are
+shorter."""
 _END = re.compile("[,:.]")
 
 
 def library_folder() -> Path:
-    """``torsionnet/library`` where the package is installed, ``library`` beside it in a checkout."""
+    """Folder of the library: ``torsionnet/library`` where installed, ``library`` beside the package in a checkout."""
     installed = PACKAGE / "library"
     return installed if installed.is_dir() else PACKAGE.parent / "library"
 
 
 def library_models() -> dict[str, Path]:
-    """Name and file of every library model, by name.
+    """Path of every library model, by name.
 
     Examples
     --------
@@ -31,7 +34,7 @@ def library_models() -> dict[str, Path]:
 
 
 def library_benches() -> dict[str, Path]:
-    """Name and file of every test bench in the library, by name.
+    """Path of every test bench in the library, by name.
 
     Examples
     --------
@@ -42,7 +45,7 @@ def library_benches() -> dict[str, Path]:
 
 
 def library_studies() -> dict[str, Path]:
-    """Name and file of every study in the library, by name.
+    """Path of every study in the library, by name.
 
     Examples
     --------
@@ -53,7 +56,7 @@ def library_studies() -> dict[str, Path]:
 
 
 def library_parts() -> dict[str, Path]:
-    """Name and file of every part in the library, by name; models that name none of their own so may use them.
+    """Path of every part in the library, by name; models may use them unless they have a part of that name.
 
     Examples
     --------
@@ -64,7 +67,7 @@ def library_parts() -> dict[str, Path]:
 
 
 def library_catalogues() -> dict[str, Path]:
-    """Name and file of every catalogue in the library, by name.
+    """Path of every catalogue in the library, by name.
 
     Examples
     --------
@@ -75,7 +78,7 @@ def library_catalogues() -> dict[str, Path]:
 
 
 def catalogue_entry(path: Path) -> tuple[str, str]:
-    """What a catalogue has and where that comes from: its first line, ``# Tyres of cars, data of usual size: ...``.
+    """Title and source of a catalogue, from its first line, ``# Tyres of cars, data of usual size: ...``.
 
     Examples
     --------
@@ -88,12 +91,12 @@ def catalogue_entry(path: Path) -> tuple[str, str]:
 
 
 def library_entry(path: Path) -> tuple[str, str]:
-    """The texts after ``name:`` and ``source:`` in the head of a model file, without reading the rest."""
+    """Texts after ``name:`` and ``source:`` in the head of a model file, without reading the rest."""
     return _texts(path, "name", "source")
 
 
 def study_entry(path: Path) -> tuple[str, str]:
-    """Title of a study file and the model that it is about, without reading the rest."""
+    """Title of a study file and the name of its model, without reading the rest."""
     name, model = _texts(path, "name", "model")
     return name, f"of {model}"
 

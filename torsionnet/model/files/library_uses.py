@@ -1,4 +1,4 @@
-"""How what the library has beside models is used: parts, catalogues and studies."""
+"""Hints how library parts, catalogues and studies are used, for those who load them as models."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from torsionnet.model.files.located import compose
 
 
 def other_use(name: str) -> str:
-    """How a part, a catalogue or a study of the library is used, which is no model; empty if none is named so.
+    """Message how a part, catalogue or study of that name is used, which is no model; empty if there is none.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""YAML text to plain data in which every entry knows its place.
+"""YAML parser that gives plain data in which the position of every entry is known.
 
 A composer of its own over PyYAML's events: it needs no constructor, reads scalars by the core rules of YAML 1.2
 (``no`` and ``3:1`` stay text), keeps the digits of numbers, refuses duplicate keys and tags, and bounds what a file may
@@ -28,9 +28,13 @@ from torsionnet.model.files.syntax import explain
 from torsionnet.model.files.yaml_scalars import plain_value
 
 MOST_CHARACTERS = 4_000_000
+"""Largest number of characters of a file; more is no model and would only fill the memory."""
 MOST_NODES = 200_000
+"""Largest number of entries of a file, aliases followed: nested aliases could multiply a small file without bound."""
 MOST_LEVELS = 20
+"""Deepest nesting of entries; the recursion of the composer is as deep."""
 LONGEST_EXCERPT = 400
+"""Longest line that a message quotes, in characters; longer ones would hide the message."""
 
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _ASCII_CONTROL = "[^\t\n\r\x20-\x7e]"
@@ -38,7 +42,7 @@ _CONTROL = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000
 
 
 class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
-    """The event source where PyYAML comes without its C library."""
+    """Source of YAML events where PyYAML comes without its C library."""
 
     def __init__(self, text: str) -> None:
         yaml.reader.Reader.__init__(self, text)
@@ -55,7 +59,7 @@ def _fastest() -> Any:
 
 
 class Span(NamedTuple):
-    """A stretch of text, counted from 0, the end exclusive."""
+    """Stretch of text by lines and columns from 0, the end exclusive."""
 
     line: int
     column: int
@@ -64,12 +68,13 @@ class Span(NamedTuple):
 
 
 Place: TypeAlias = tuple[int, int, int, int]
+"""Plain tuple with the fields of a :class:`Span`."""
 _NOTHING: Mapping[str | int, LocatedNode] = MappingProxyType({})
 
 
 @dataclass(slots=True)
 class LocatedNode:
-    """A value with its place and that of its key; ``size`` counts the values in it, aliases followed.
+    """Value with its position and that of its key; ``size`` counts the values in it, aliases followed.
 
     ``home`` is set where it comes from another document than what it stands in.
     Places are those of a :class:`Span` in a plain tuple, which Python's collector of cycles can forget about.
@@ -84,16 +89,18 @@ class LocatedNode:
 
     @property
     def span(self) -> Span:
+        """Position of the value."""
         return Span(*self.place)
 
     @property
     def key(self) -> Span | None:
+        """Position of the key, None for an entry of a list."""
         return Span(*self.key_place) if self.key_place else None
 
 
 @dataclass
 class LocatedDocument:
-    """The data of a file and where each entry stands.
+    """Data of a file with the position of each entry.
 
     ``dropped`` holds values that a duplicate key made unreadable: what they name is not in ``data``.
     """
@@ -106,10 +113,11 @@ class LocatedDocument:
 
     @property
     def data(self) -> Any:
+        """Plain data of the whole file, None where it is empty."""
         return None if self.root is None else self.root.value
 
     def position(self, path: Path = (), *, on_key: bool = False) -> Position:
-        """Where an entry stands, or the nearest entry above it that exists.
+        """Position of an entry, or of the nearest entry above it that exists.
 
         Of a value that fills several lines the key is shown.
         """
@@ -123,18 +131,19 @@ class LocatedDocument:
         return home.place(node.key if show_key and node.key else node.span)
 
     def place(self, span: Span) -> Position:
-        """The position of a span; of several lines the first."""
+        """Position of a span in the file; of several lines the first."""
         source = self.lines[span.line] if span.line < len(self.lines) else ""
         end = span.end_column if span.end_line == span.line else len(source.rstrip())
         shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)
         return Position(self.file, span.line + 1, span.column + 1, max(end, span.column + 1) + 1, shown.rstrip())
 
     def fault(self, message: str, span: Span, path: Path = ()) -> Fault:
+        """Fault at a span of the file."""
         return Fault(message, path, position=self.place(span))
 
 
 def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
-    """The single document in ``text``; ModelError for a fault that makes the rest unreadable."""
+    """Parse the single document in ``text``; raises ModelError for a fault that makes the rest unreadable."""
     document = LocatedDocument(file, _BREAK.split(text[:MOST_CHARACTERS]))
     if len(text) > MOST_CHARACTERS:
         raise ModelError(
@@ -155,7 +164,7 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
 
 
 class _Composer:
-    """One pass over the events; its recursion is as deep as the data, which is bounded."""
+    """Composer of located nodes from YAML events, by recursion as deep as the data, which is bounded."""
 
     def __init__(self, events: Any, document: LocatedDocument) -> None:
         self.events = events
@@ -195,7 +204,7 @@ class _Composer:
         return self.grow(node, event)
 
     def grow(self, node: LocatedNode, event: Any) -> LocatedNode:
-        """Count a finished value: an alias counts as all it stands for, anything else was counted within."""
+        """Count a finished value: an alias counts as all it stands for, other values were counted within."""
         self.count += node.size if type(event) is AliasEvent else 1
         if self.count > MOST_NODES:
             raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
@@ -245,7 +254,7 @@ class _Composer:
         return event.value
 
     def duplicate(self, first: LocatedNode, second: LocatedNode, path: Path) -> None:
-        """Both places are named; the first entry counts, so that the others can still be checked against it."""
+        """Report a key that occurs twice, with both positions; the first entry is kept."""
         assert first.key is not None
         assert second.key is not None
         where = f"line {first.key.line + 1}, column {first.key.column + 1}"

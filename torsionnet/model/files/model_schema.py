@@ -1,4 +1,4 @@
-"""The JSON Schema of model files, from the specifications of their entries.
+"""JSON Schema of model files, generated from the specifications of their entries.
 
 Editors complete, explain and check a model file with it (``# yaml-language-server: $schema=torsionnet.schema.json``);
 what needs more than one entry at a time (names, dimensions, connections) is left to ``torsionnet check``.
@@ -17,11 +17,13 @@ from torsionnet.model.bench.bench_file import BenchFile
 from torsionnet.model.definition import Definition
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
+"""Identifier of the version of JSON Schema."""
 SCALAR = {**SCALAR_SCHEMA, "description": "a number in SI units, a value with unit, or an expression of parameters"}
+"""JSON Schema of a number, a quantity or an expression."""
 
 
 def file_schema(*kinds: type[Declared]) -> Schema:
-    """The JSON Schema (draft 2020-12) of a file that is one of several kinds; the first one gives it its title."""
+    """JSON Schema (draft 2020-12) of a file that is one of several kinds; the first one gives it its title."""
     schemas: list[dict[str, Any]] = [dict(kind.schema()) for kind in kinds]
     schema: dict[str, Any] = {"$schema": DRAFT, **schemas[0], "title": f"torsionnet {kinds[0].kind}"}
     if len(kinds) > 1:
@@ -36,16 +38,16 @@ def file_schema(*kinds: type[Declared]) -> Schema:
 
 
 def _told_by(schema: Mapping[str, Any], common: Collection[str]) -> Schema:
-    """What one kind of file has to have and the others have not."""
+    """JSON Schema of the entries that one kind of file requires and the others do not."""
     required = [key for key in schema["required"] if key not in common]
     return {"anyOf": schema["anyOf"]} if "anyOf" in schema else {"required": required}
 
 
 def json_schema() -> Schema:
-    """The JSON Schema of model files and of the files of test benches."""
+    """JSON Schema of model files and of the files of test benches."""
     return file_schema(Definition, BenchFile)
 
 
 def schema_text() -> str:
-    """The schema as the text of ``library/torsionnet.schema.json``."""
+    """JSON Schema as the text of ``library/torsionnet.schema.json``."""
     return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"

@@ -1,4 +1,4 @@
-"""Where in a file a fault is shown, and which of two faults with the same cause."""
+"""Positions of faults in a file, and selection of one of several faults with the same cause."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.files.located import LocatedDocument
 
 LONGEST_MESSAGE = 600
+"""Longest message in characters; the middle of a longer one is left out."""
 
 _PLAIN = {"got None": "got nothing", "got True": "got true", "got False": "got false"}
 _PYTHON = re.compile("got (None|True|False)$")
@@ -19,13 +20,13 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 
 def placed(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
-    """The faults with their places, in the order of the file, each cause once and each message one printable line."""
+    """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
     found = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
     return presentable(_without_consequences(found))
 
 
 def presentable(faults: Iterable[Fault]) -> list[Fault]:
-    """Each fault once, in the order of the file, in one printable line."""
+    """Faults without duplicates, in the order of the file, each message one printable line."""
     unique: dict[Any, Fault] = {}
     for fault in faults:
         what, _, _ = fault.message.partition(";")
@@ -57,7 +58,7 @@ def _place(fault: Fault, document: LocatedDocument) -> Fault:
 
 
 def _path_in_file(fault: Fault, data: Any) -> Path:
-    """The path as the file spells it: the name of a single axis may be left out there."""
+    """Path as the file spells it: the name of a single axis may be left out there."""
     path = fault.path
     if fault.configuration and path[:1] != ("configurations",):
         path = _alternative(fault.configuration, fault.message, data) or path
@@ -68,7 +69,7 @@ def _path_in_file(fault: Fault, data: Any) -> Path:
 
 
 def _alternative(label: str, message: str, data: Any) -> Path:
-    """The alternative of a configuration that brings a fault about, or the one change in it that the message names."""
+    """Path of the alternative that causes a fault of a configuration, or of the change the message names."""
     table = entry_at(data, ("configurations",))
     for part in reversed(label.split(",")):
         axis, _, name = part.rpartition("=")
@@ -81,7 +82,7 @@ def _alternative(label: str, message: str, data: Any) -> Path:
 
 
 def entry_at(data: Any, path: Path) -> Any:
-    """What stands at a path, None if there is nothing."""
+    """Entry at a path in plain data, None if there is none."""
     for part in path:
         if isinstance(data, Mapping):
             data = data.get(part)
@@ -93,7 +94,7 @@ def entry_at(data: Any, path: Path) -> Any:
 
 
 def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
-    """A decimal comma in a flow mapping splits the number: say so instead of "unknown key"."""
+    """Fault of a decimal comma instead of an unknown key, where a flow mapping split the number."""
     if not fault.path or fault.kind != "unknown key" or not str(fault.path[-1])[:1].isdigit():
         return fault
     key, entries = str(fault.path[-1]), entry_at(document.data, fault.path[:-1])
@@ -105,11 +106,11 @@ def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
 
 
 def _without_consequences(faults: list[Fault]) -> list[Fault]:
-    """A misspelt key is not also reported as missing."""
+    """Faults without those that a key is missing which is only misspelt."""
     meant = {(fault.path[:-1], fault.meant) for fault in faults if fault.kind == "unknown key"}
     return [fault for fault in faults if fault.kind != "missing key" or (_parent(fault), fault.about) not in meant]
 
 
 def _parent(fault: Fault) -> Path:
-    """The path of the entry that lacks a key."""
+    """Path of the entry that lacks a key."""
     return fault.path if fault.path != (fault.about,) else ()

@@ -1,4 +1,4 @@
-"""Scalars as a model file holds them: quoted wherever a reader might take a text for something else."""
+"""Writing of YAML scalars, with quotes wherever a reader might take a text for something else."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
 def written(value: Plain) -> str:
-    """A scalar as a model file holds it: text in quotes wherever YAML 1.1 or 1.2 would make something else of it.
+    """Scalar as a model file holds it: text in quotes wherever YAML 1.1 or 1.2 would make something else of it.
 
     >>> [written(value) for value in ("motor", "0.46 kN*m/rad", "no", "3:1", "12", 1e-5, True)]
     ['motor', '0.46 kN*m/rad', '"no"', '"3:1"', '"12"', '1.0e-05', 'true']

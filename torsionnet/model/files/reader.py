@@ -1,4 +1,4 @@
-"""Model files to definitions; every fault gets its place in the file."""
+"""Reading of model files to definitions; every fault gets its position in the file."""
 
 from __future__ import annotations
 
@@ -23,14 +23,15 @@ from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
 
 SUFFIXES = (".yaml", ".yml", ".json")
+"""Endings of the names of model files."""
 
 
 Further: TypeAlias = Callable[[Definition], Iterable[Fault]]
-"""Checks of a sound definition that are not those of the model alone."""
+"""Function that gives further faults of a sound definition, beside those of the model alone."""
 
 
 def read_file(path: str | os.PathLike[str], further: Further | None = None) -> tuple[Definition | None, list[Fault]]:
-    """The definition in a file, None if it has errors, and all faults, warnings and notes in the order of the file."""
+    """Read a model file: its definition, None if it has errors, and all faults in the order of the file."""
     found = find_model(path)
     try:
         raw = found.read_bytes()
@@ -47,7 +48,7 @@ def read_file(path: str | os.PathLike[str], further: Further | None = None) -> t
 def read_text(
     text: str, file: str, folder: Path | None = None, further: Further | None = None
 ) -> tuple[Definition | None, list[Fault]]:
-    """As :func:`read_file`, for text that is already at hand; files that it names lie in ``folder``."""
+    """Read the text of a model file as :func:`read_file` does; files that it names lie in ``folder``."""
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:
@@ -80,7 +81,7 @@ def _no_model(document: LocatedDocument) -> Fault:
 
 
 def find_model(model: str | os.PathLike[str]) -> Path:
-    """The file meant by a path or by the name of a library model; UsageError says what there is instead."""
+    """Path of the file meant by a path or by the name of a library model; UsageError lists what there is instead."""
     path = Path(model)
     if "\0" in str(path):
         raise UsageError("a file name cannot hold the character U+0000")
@@ -98,7 +99,7 @@ def find_model(model: str | os.PathLike[str]) -> Path:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; a name that no file can have is none."""
+    """Whether a file exists; False for a name that no file can have."""
     return _holds(Path.is_file, path)
 
 

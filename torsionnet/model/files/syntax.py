@@ -1,4 +1,4 @@
-"""Faults of YAML syntax in the words of someone who edits a model file."""
+"""Messages about faults of YAML syntax, in the words of someone who edits a model file."""
 
 from __future__ import annotations
 
@@ -32,13 +32,14 @@ _MEANINGS = (
     ("node content", "a value is missing or is not closed here"),
     ("indentation", "this does not fit the indentation of the lines above"),
 )
+"""Messages by regular expressions of the problem that PyYAML reports."""
 
 
 _UNSEPARATED = re.compile(r"(\s*)(\w+)(\s*|:)[{\[]")
 
 
 def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[str, tuple[int, int]]:
-    """What is wrong, and the line and column (from 0) where."""
+    """Message about a fault of YAML syntax, and its line and column (from 0)."""
     problem = error.problem or "this is no YAML"
     mark = _mark(error.problem_mark or error.context_mark, lines)
     character = lines[mark[0]][mark[1] : mark[1] + 1] if mark[0] < len(lines) else ""
@@ -67,7 +68,7 @@ def _meaning(problem: str) -> str:
 
 
 def _is_whole(line: str) -> bool:
-    """Whether entries follow the opening bracket on its line: then its end was meant to stand there too."""
+    """Whether entries follow the opening bracket on its line, so that its end was meant to be there too."""
     return not line.rstrip().endswith(("{", "[", ","))
 
 
@@ -78,7 +79,7 @@ def _no_start(character: str) -> str:
 
 
 def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
-    """The place of a mark; the end of the file is the end of the last line that holds something."""
+    """Line and column of a mark; the end of the file is the end of the last line that is not empty."""
     if mark is None:
         return 0, 0
     line, column = mark.line, mark.column

@@ -1,4 +1,4 @@
-"""Definitions to the text of a model file."""
+"""Writing of definitions as the text of a model file."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ _BLOCK_LEVELS = {
     "configurations": 2,
     "operating_point": 1,
 }
+"""Levels of block style in each section of a file; deeper levels are in flow style."""
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:
-    """The text of a model file that reads back to an equal definition, also written to ``path`` if given.
+    """Text of a model file that reads back to an equal definition, also written to ``path`` if given.
 
     Each entry stands on one line; comments of a file the definition came from are not kept.
     """
@@ -34,7 +35,7 @@ def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> 
 
 
 def flat_text(definition: Definition) -> str:
-    """The text of a model file without parts: what they hold has their names before a dot.
+    """Text of a model file without parts: names of what they hold are written with dots.
 
     >>> from torsionnet.model.files.reader import read_text
     >>> shaft = "{ports: [end], elements: {s: {type: spring, nodes: [end, ground], stiffness: 8}}}"
@@ -54,7 +55,7 @@ def _text(data: Mapping[str, Any]) -> str:
 
 
 def _lines(key: str, value: Any, levels: int, indent: str) -> Iterator[str]:
-    """``key: value`` with as many levels of block style as wanted, flow style below."""
+    """Lines of ``key: value`` with as many levels of block style as wanted, flow style below."""
     if not levels or not isinstance(value, Mapping) or not value:
         yield f"{indent}{written(key)}: {_flow(value)}"
         return

@@ -1,4 +1,4 @@
-"""What a fit is about, as a file says it."""
+"""Entries of fit files."""
 
 from torsionnet.model.fit.fit_entries import FitFile, FitMeasurement, FitParameter, FitSettings
 

@@ -1,4 +1,4 @@
-"""The entries of a fit file: model, measurements, parameters, settings."""
+"""Entries of a fit file: model, measurements, parameters, settings."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 
 RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
-"""What a range of frequencies may be looked for as; it belongs to a measurement."""
+"""Keys by which a range of frequencies may be looked for in the settings, where it is an entry of a measurement."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FitSettings(Declared):
-    """How records are averaged; what is not said follows from the record."""
+    """Settings by which records are averaged; settings that are not given follow from the record."""
 
     kind: ClassVar[str] = "settings"
     article: ClassVar[str] = "the section settings"
@@ -47,7 +47,7 @@ class FitSettings(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class FitMeasurement(Declared):
-    """One test: a record of signals, or a response already estimated."""
+    """Measurement to be fitted: a record of signals, or a response already estimated."""
 
     kind: ClassVar[str] = "measurement"
     article: ClassVar[str] = "a measurement"
@@ -88,7 +88,7 @@ class FitMeasurement(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class FitParameter(Declared):
-    """A parameter to be found."""
+    """Parameter to be identified."""
 
     kind: ClassVar[str] = "parameter"
     article: ClassVar[str] = "a parameter"
@@ -102,7 +102,7 @@ class FitParameter(Declared):
 
 
 class ParameterTable(Named[FitParameter]):
-    """Parameters by name, or their names alone."""
+    """Entry of parameters by name, or of a list of their names."""
 
     def read(self, raw: object) -> tuple[Mapping[str, FitParameter], list[Fault]]:
         return super().read(dict.fromkeys(raw) if isinstance(raw, list) and raw else raw)

@@ -1,4 +1,4 @@
-"""What elements may bear: rules, each a class in a file of this package, all of which are imported here."""
+"""Limits on what elements can bear: rules, each a class in a file of this package, all imported here."""
 
 import importlib
 import pkgutil

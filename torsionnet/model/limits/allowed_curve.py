@@ -1,4 +1,4 @@
-"""Values allowed over speed: one for all speeds, or tables over speed or speed ratio."""
+"""Allowed values of a limit over speed: one for all speeds, or tables over speed or speed ratio."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 
 ALLOWED = ValueInUnitOfUse("value allowed", exclusive=True)
+"""Specification of one allowed value."""
 _KEYS = {"speed": Value("a speed", "speed", below=1e6), "1": Value("a speed ratio", "1", below=10)}
 Pairs = tuple[tuple[float, Number], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AllowedTable(Plural[Pairs]):
-    """A table ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``; stored as pairs by rising key."""
+    """Entry of a table ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``; stored as pairs by rising key."""
 
     over: str
     """Dimension of the keys: "speed" or "1"."""
@@ -74,7 +75,7 @@ class AllowedTable(Plural[Pairs]):
 
 
 def allowed_at(pairs: Pairs, at: FloatArray) -> FloatArray:
-    """Straight lines between the points; NaN outside of them.
+    """Allowed values at speeds or speed ratios, interpolated linearly, same shape; NaN outside of the table.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Limits that somebody states over speed: makers of engines, gears, camshafts, for any output."""
+"""Limits given as curves over speed by makers of engines, gears or camshafts, for any output."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ from torsionnet.response.order_sums import lines_of_one_frequency
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
                 "torque": "torque", "stress": "pressure"}  # fmt: skip
+"""Dimension of the allowed value, by the quantity of the sensor."""
 
 
 @register_rule
@@ -89,7 +90,7 @@ class CurveLimit(Limit):
         return faults
 
     def sensor(self, subject: LimitSubject) -> Sensor | None:
-        """What it is about: an output, or the angle of a node."""
+        """Sensor whose values are limited: an output, or the angle of a node; None where there is none."""
         found = named_sensor(self.output, subject.sensors)
         return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
 

@@ -1,4 +1,4 @@
-"""What limits of torque, twist and heat share: the element they are about, and who states the values."""
+"""Base of limits of torque, twist and heat: the element concerned, and the source of the values."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from torsionnet.model.limits.subject import LimitSubject
 
 @dataclass(frozen=True, kw_only=True)
 class ElementLimit(Limit):
-    """Base of the limits with values for some of an element's criteria."""
+    """Base of limits with values for some of an element's criteria."""
 
     criteria: ClassVar[tuple[str, ...]] = ()
     """Entries of which at least one has to be given."""
     alternatives: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    """Ways to state one thing: with entries of one way given, a catalogue adds none of another."""
+    """Alternative groups of entries for the same limit: with one group given, a catalogue adds none of the others."""
 
     element: str = entry(ElementName("what it is about"))
     source: str = entry(Text("who states the values, and where"), "values given by the user")
@@ -42,16 +42,16 @@ class ElementLimit(Limit):
 
     @property
     def torque(self) -> Sensor:
-        """The torque at the port that defines its sign."""
+        """Sensor of the torque at the port that defines its sign."""
         return Sensor("torque", self.element)
 
     @property
     def twisting(self) -> Sensor:
-        """How far it is twisted."""
+        """Sensor of the element's twist."""
         return Sensor("twist", self.element)
 
     def fitted(self, elements: Mapping[str, Element]) -> Self:
-        """Entries that are not given come from the catalogue of the element, if it has one."""
+        """Copy of the limit whose missing entries come from the catalogue of the element, if it has one."""
         row = elements[self.element].catalogue if self.element in elements else None
         if row is None:
             return self
@@ -70,7 +70,7 @@ class ElementLimit(Limit):
         return replace(self, **found)
 
     def _stated_otherwise(self) -> set[str]:
-        """Entries that would say again what others of the limit say."""
+        """Names of entries that would repeat in another way what given entries say."""
         given = [way for way in self.alternatives if any(getattr(self, name) is not None for name in way)]
         return {name for way in self.alternatives if given and way not in given for name in way}
 
@@ -80,7 +80,7 @@ class ElementLimit(Limit):
             yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
 
     def total(self, line: LimitLine, mean: Sensor, evidence: Evidence) -> LimitLine:
-        """A criterion on the mean value with the half range added, which the line has; no speed may exceed it."""
+        """Line of the absolute mean value plus the half range in ``line``; no speed may exceed its limit."""
         found = evidence.mean(mean)
         if found is None:
             return without(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
@@ -88,5 +88,5 @@ class ElementLimit(Limit):
 
 
 def everywhere(value: float, evidence: Evidence) -> Any:
-    """The same value at every speed."""
+    """Array of the same value at every speed, shape (n_speeds,)."""
     return np.full(len(evidence.speeds), float(value))

@@ -1,4 +1,4 @@
-"""What rules judge by: the responses of one condition over speed, and what the model says about its elements."""
+"""Responses of one condition over speed, by which the rules of limits judge."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.response.worst_response import WorstResponse
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Responses of one condition.
+    """Responses of one condition over speed, with the mean values and the model in that condition.
 
     Attributes
     ----------
@@ -44,20 +44,20 @@ class Evidence:
 
     @property
     def speeds(self) -> FloatArray:
-        """Of the reference shaft, rad/s."""
+        """Speeds of the reference shaft in rad/s, shape (n_speeds,)."""
         return self.run.speeds
 
     @property
     def examined(self) -> SpeedSpan:
-        """From the lowest to the highest of them."""
+        """Range from the lowest to the highest speed."""
         return SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
 
     def size(self, sensors: Sequence[Sensor]) -> FloatArray:
-        """Half range of the sum of all orders over speed, the largest of the sensors."""
+        """Half range of the sum of all orders, the largest of the sensors, shape (n_speeds,)."""
         return np.asarray(np.max([self.run.half_range[:, self._place(sensor)] for sensor in sensors], axis=0))
 
     def size_by_case(self, sensors: Sequence[Sensor]) -> FloatArray | None:
-        """As :meth:`size` of each case, (n_speeds, n_cases); None where there are no cases."""
+        """Half range in each case of excitation, shape (n_speeds, n_cases); None where there are no cases."""
         if not isinstance(self.run, WorstResponse) or len(self.run.each) < 2:
             return None
         places = [self._place(sensor) for sensor in sensors]
@@ -82,19 +82,19 @@ class Evidence:
 
     @property
     def _cases(self) -> tuple[OrderResponse, ...]:
-        """What is worst without weights, and each case alone."""
+        """Responses of the worst combination and of each case alone."""
         return (self.run, *self.run.coherent) if isinstance(self.run, WorstResponse) else (self.run,)
 
     def worst_case(self, sensor: Sensor, at: int) -> str:
-        """Which case is worst for a sensor at a speed, by its place; empty where there is one case alone."""
+        """Name of the case that is worst for a sensor at a speed, given by index; empty where there is one case."""
         return self.run.case_at(at, str(sensor)) if isinstance(self.run, WorstResponse) else ""
 
     def mean(self, sensor: Sensor) -> FloatArray | None:
-        """Mean value over speed; None where it is not known."""
+        """Mean value of a sensor, shape (n_speeds,); None where it is not known."""
         return self.means.get(sensor)
 
     def power(self, element: str) -> FloatArray:
-        """Mean power in W that vibration dissipates in an element, over speed."""
+        """Mean power in W that vibration dissipates in an element, shape (n_speeds,)."""
         return mean_power(self.run, power_flows(self.subject.active[element], Values(self.subject.values)))
 
     def _place(self, sensor: Sensor) -> int:
@@ -102,7 +102,7 @@ class Evidence:
 
 
 def torques_of(element: Element) -> list[Sensor]:
-    """The torque at every port that is no ground; at one of them where nothing in between takes any."""
+    """Sensors of the torque at every port not on ground; of one port where no inertia lies between the ports."""
     ports = [port for port, node in element.ports.items() if node != GROUND]
     if element.diameters is None or len(ports) < 2:
         return [Sensor("torque", element.name)]

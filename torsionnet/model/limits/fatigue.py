@@ -1,4 +1,4 @@
-"""Fatigue of shafts in torsion, with strengths that the user gives."""
+"""Fatigue limits of shafts in torsion, with strengths that the user gives."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class FatigueLimit(ShaftLimit):
 
     @property
     def strength(self) -> float:
-        """tau_W for the cycles wanted, Pa."""
+        """Strength tau_W in Pa for the number of cycles wanted."""
         if self.cycles is None or self.cycles >= self.knee:
             return float(self.fatigue_strength)
         return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / present(self.slope)))
@@ -119,7 +119,7 @@ class FatigueLimit(ShaftLimit):
         return (f"safety against fatigue {self.safety * float(np.min(line.allowed / line.values)):.3g}",)
 
     def mean_stress_in(self, evidence: Evidence) -> Any:
-        """Mean stress over speed; zero where it is to be left out, None where it is wanted and not known."""
+        """Mean stress in Pa over speed; zero where it is left out, None where it is needed and not known."""
         found = self.mean_stress_of(evidence)
         if found is None and self.mean_stress == "none" and self.yield_strength is None:
             return np.zeros(len(evidence.speeds))

@@ -1,4 +1,4 @@
-"""Gears: vibratory torque against mean torque, and gear hammer."""
+"""Limits of gears: vibratory torque against mean torque, and gear hammer."""
 
 from __future__ import annotations
 

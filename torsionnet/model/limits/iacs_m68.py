@@ -1,4 +1,4 @@
-"""IACS unified requirement M68: permissible torsional vibration stresses of propulsion shafts."""
+"""Limits of IACS unified requirement M68: permissible torsional vibration stresses of propulsion shafts."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ class IacsM68(ShaftLimit):
         yield from self._unexamined(subject)
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
-        """A speed for safe navigation that no barred range can hold, because nobody looks there."""
+        """Fault that the speed for safe navigation is not among the speeds examined."""
         if self.safe_speed is None or not subject.speeds:
             return
         low, high = subject.speeds[0], subject.speeds[-1]
@@ -134,7 +134,7 @@ class IacsM68(ShaftLimit):
             yield Fault(text, ("safe_speed",))
 
     def _inapplicable(self, section: RoundSection) -> str:
-        """Why C_K does not hold for the hole or slot given; empty where it does."""
+        """Message why C_K does not hold for the hole or slot given; empty where it does."""
         outer = section.outer
         if self.hole_diameter is not None and self.hole_diameter > HOLE * outer:
             return f"C_K = 0.50 is for radial holes up to {HOLE:g} d; this one has {self.hole_diameter / outer:.3g} d"
@@ -149,7 +149,7 @@ class IacsM68(ShaftLimit):
         return f"C_K = 0.30 is for slots with {', '.join(missed)}; give the stress_concentration" if missed else ""
 
     def _assumed(self) -> Iterator[str]:
-        """What footnotes want and the limit does not say."""
+        """Remarks on dimensions that footnotes of the rule ask for and the limit does not give."""
         if self.feature == "radial_hole" and self.hole_diameter is None:
             yield f"hole_diameter not given: taken to be at most {HOLE:g} d"
         if self.feature == "longitudinal_slot" and self.stress_concentration is None:
@@ -160,13 +160,13 @@ class IacsM68(ShaftLimit):
 
     @property
     def strength(self) -> float:
-        """sigma_B as it counts, Pa."""
+        """Tensile strength sigma_B in Pa, capped as the rule says."""
         cap = min(CAPS[self.material], PROPELLER_CAP if self.shaft == "propeller" else math.inf)
         return float(min(self.tensile_strength, cap))
 
     @property
     def feature_factor(self) -> float:
-        """C_K."""
+        """Factor C_K of the design feature."""
         if self.stress_concentration is not None:
             return float(min(1.0, SCF_OF_UNIT / self.stress_concentration))
         return FEATURES[self.shaft][self.feature]
@@ -225,7 +225,7 @@ class IacsM68(ShaftLimit):
         return self._in_operation(line, name, evidence, wanted, rated)
 
     def _barred(self, above: SpeedSpan, evidence: Evidence, values: FloatArray, rated: float) -> SpeedSpan:
-        """All speeds above tau_C and the usual range around the highest stress, with the tolerance of the tachometer.
+        """Range to be barred: speeds above tau_C and the usual range around the peak, with the tachometer's tolerance.
 
         The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
         """
@@ -270,7 +270,7 @@ class IacsM68(ShaftLimit):
 
 
 def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:
-    """A remark on speeds the rule does not cover, or covers but nobody looked at."""
+    """Remark on speeds that the rule does not cover, or that it covers and nobody examined."""
     rpm = evidence.run.rpm[ratio > HIGHEST * (1 + 1e-12)]
     if ratio[-1] < 1 - 1e-9:
         return (f"speeds examined end at lambda = {ratio[-1]:.3g}: nothing is said of those from there to rated speed",)

@@ -1,4 +1,4 @@
-"""What every limit has: a rule, what it is about, and verdicts on a condition of the drivetrain."""
+"""Base class of limits: the rule, the element or output concerned, and verdicts on a condition of the drivetrain."""
 
 from __future__ import annotations
 
@@ -24,21 +24,24 @@ from torsionnet.response.worst_response import ALIKE
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
 COARSE = 0.1
-"""A peak whose neighbours are lower by more than this share of it may be higher between the speeds."""
+"""Drop from a peak to the mean of its neighbours, as a share of it, above which a finer step of speeds may find a
+higher value; a smaller share would remark on more peaks."""
 UNBOUNDED = 1e-6
-"""Share of a speed: a peak that is still sharp between speeds so close has no end."""
+"""Relative step of speed at which a peak that is still sharp is taken for a resonance without damping."""
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
+"""Specification of the entry for the error of a tachometer."""
 NOT_EXAMINED = ("no lower speed was examined", "no higher speed was examined")
+"""Remarks on a barred range that is cut off at the lowest or the highest speed examined."""
 
 
 def register_rule(cls: L) -> L:
-    """Make a rule known by its ``kind``."""
+    """Register a rule under its ``kind``; a class decorator."""
     _RULES[cls.kind] = cls
     return cls
 
 
 def limit_rules() -> Mapping[str, type[Limit]]:
-    """The rules by the word in ``rule:``."""
+    """Classes of limits by the word in ``rule:``."""
     return _RULES
 
 
@@ -50,39 +53,39 @@ class Limit(Declared):
 
     @property
     def of(self) -> str:
-        """What it is about: an element, a node or an output."""
+        """Name of the element, node or output that is limited."""
         raise NotImplementedError
 
     @property
     def named(self) -> tuple[tuple[Path, str, str], ...]:
-        """Where it names something of the model: path, "element" or "node", name."""
+        """Triples (path, "element" or "node", name) of the entries that name an element or node of the model."""
         raise NotImplementedError
 
     def fitted(self, elements: Mapping[str, Element]) -> Limit:
-        """The limit with what the catalogue of its element says of it."""
+        """Copy of the limit with the entries that the catalogue of its element gives."""
         del elements
         return self
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
-        """What does not fit a drivetrain that has everything it names."""
+        """Faults of a limit on a drivetrain that has every element and node it names."""
         del subject
         yield from ()
 
     def seen(self, subject: LimitSubject) -> list[Sensor]:
-        """What it wants to know the orders of."""
+        """Sensors whose orders the limit needs."""
         raise NotImplementedError
 
     def averaged(self, subject: LimitSubject) -> list[Sensor]:
-        """What it wants to know the mean value of."""
+        """Sensors whose mean values the limit needs."""
         del subject
         return []
 
     def powered(self) -> list[str]:
-        """Elements of which it wants to know the dissipated power."""
+        """Names of elements whose dissipated power the limit needs."""
         return []
 
     def text(self, evidence: Evidence) -> RuleText:
-        """Source, formula with its numbers, and what is not covered."""
+        """Source of the rule, its formula with numbers, and what it does not cover."""
         raise NotImplementedError
 
     def breaks(self, subject: LimitSubject) -> list[float]:
@@ -91,40 +94,40 @@ class Limit(Declared):
         return []
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
-        """Values over speed with what is allowed, each speed for itself, where all it names is switched on."""
+        """Lines of values over speed with the values allowed; everything named is switched on."""
         raise NotImplementedError
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
-        """What has to be said of a line as a whole."""
+        """Remarks on a line as a whole."""
         del line, evidence
         return ()
 
     def known_lines(self, evidence: Evidence) -> list[LimitLine]:
-        """The lines of a condition, of those that cannot be judged why."""
+        """Lines of a condition; a line that cannot be judged says why."""
         off = self.switched_off(evidence.subject)
         if off:
             return [replace(without("all", f"{off} is switched off in this condition"), absent=True)]
         return list(self.lines(evidence))
 
     def verdicts(self, name: str, evidence: Evidence, lines: Sequence[LimitLine] | None = None) -> list[LimitVerdict]:
-        """Verdicts on a condition, of its lines where they are known."""
+        """Verdicts on a condition, from its lines if they are given."""
         known = self.known_lines(evidence) if lines is None else lines
         return [one for line in known for one in self.judged(line, name, evidence)]
 
     def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        """The verdict on a line."""
+        """Verdict on a line, sometimes none."""
         if line.why_not:
             yield replace(self.open(name, evidence, line.criterion, line.why_not), absent=line.absent)
         else:
             yield self.peak(line, name, evidence) if line.in_passing else self.continuous(line, name, evidence)
 
     def switched_off(self, subject: LimitSubject) -> str:
-        """What it names that is not there in this condition; empty where all is."""
+        """Name of an element or node of the limit that is switched off in this condition; empty if there is none."""
         there = {"element": subject.active, "node": subject.active_nodes}
         return next((what for _, kind, what in self.named if what not in there[kind]), "")
 
     def open(self, name: str, evidence: Evidence, criterion: str, why: str) -> LimitVerdict:
-        """The verdict where data are missing."""
+        """Verdict where data are missing."""
         empty = np.empty(0)
         return LimitVerdict(
             limit=name, of=self.of, criterion=criterion, quantity="", unit="", values=empty, allowed=empty,
@@ -132,18 +135,18 @@ class Limit(Declared):
         )  # fmt: skip
 
     def peak(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        """A criterion that no speed may exceed, not even while it is passed."""
+        """Verdict on a criterion that no speed may exceed, not even while it is passed."""
         above = spans_above(evidence.speeds, line.values, line.allowed)
         over = tuple(f"exceeded from {span}" for span in above)
         return self._verdict(line, name, evidence, FAIL if above else PASS, (), over)
 
     @property
     def tolerance(self) -> float:
-        """Share of a speed by which a tachometer may be wrong: ranges to be barred are wider by it on both sides."""
+        """Relative error of the tachometer, by which barred ranges are wider on both sides."""
         return 0.0
 
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        """A criterion for continuous operation: where it is exceeded, speeds are to be barred, if any are left.
+        """Verdict on a criterion for continuous operation: speeds where it is exceeded are to be barred, if possible.
 
         In normal firing neither the rated nor the highest speed can be barred.
         """
@@ -180,7 +183,7 @@ class Limit(Declared):
 
 @dataclass(frozen=True, eq=False)
 class LimitLine:
-    """A value over speed and what is allowed there.
+    """Values of one criterion over speed with the values allowed.
 
     Attributes
     ----------
@@ -215,22 +218,22 @@ class LimitLine:
 
     @property
     def utilisation(self) -> FloatArray:
-        """Value over value allowed, (n_speeds,); NaN where nothing is allowed or covered."""
+        """Value over value allowed, (n_speeds,); NaN where no value is allowed or the rule does not apply."""
         return used(self.values, self.allowed)
 
     @property
     def each(self) -> FloatArray:
-        """The values of each case, (n_speeds, n_cases); of one where there are no others."""
+        """Values of each case, (n_speeds, n_cases); a single column where there are no cases."""
         return self.values[:, None] if self.cases is None else self.cases
 
 
 def without(criterion: str, why: str) -> LimitLine:
-    """A criterion for which data are missing."""
+    """Line of a criterion for which data are missing, with the reason."""
     return LimitLine(criterion, "", "", np.empty(0), np.empty(0), why_not=why)
 
 
 def joined_lines(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLine:
-    """One line out of those at several groups of speeds, which belong in this order."""
+    """Line merged from the lines of several groups of speeds; ``order`` sorts their concatenated speeds."""
 
     def every(arrays: Sequence[FloatArray | None]) -> FloatArray | None:
         known = [array for array in arrays if array is not None]
@@ -244,7 +247,7 @@ def joined_lines(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLi
 
 
 def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, ...]:
-    """A remark on the case that is worst at the worst speed, as a misfiring cylinder; none where all are equal."""
+    """Remark on the case that is worst at the worst speed, as a misfiring cylinder; none where all are equal."""
     if not line.vibratory:
         return ()
     at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))
@@ -253,7 +256,7 @@ def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[st
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:
-    """A remark where the highest peak is so sharp that it may be higher between two speeds."""
+    """Remark that the highest peak is so sharp that it may be higher between two speeds."""
     at = int(np.argmax(values))
     if at in (0, len(values) - 1):
         return ()

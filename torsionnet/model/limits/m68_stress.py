@@ -1,4 +1,4 @@
-"""Numbers and formulas of IACS UR M68 on torsional vibration stresses."""
+"""Formulas and numbers of IACS UR M68 on torsional vibration stresses."""
 
 from __future__ import annotations
 
@@ -19,31 +19,37 @@ FEATURES: dict[str, dict[str, float]] = {
     "thrust": {"thrust_collar": 0.85, "roller_bearing": 0.85},
     "propeller": {"flange": 0.55, "keyless": 0.55, "keyed": 0.55, "forward_of_aft_bearing": 0.80},
 }
-"""C_K by kind of shaft and design feature."""
+"""Factor C_K of the rule by kind of shaft and design feature."""
 STRENGTHS = {"carbon": (400e6, 760e6), "carbon_manganese": (400e6, 760e6), "alloy": (400e6, 950e6)}
 """Tensile strength of the materials that the rule is for, Pa."""
 CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
+"""Largest tensile strength that the rule counts, by material, Pa."""
 PROPELLER_CAP = 600e6
+"""Largest tensile strength that the rule counts for propeller shafts, Pa."""
 NO_BARRED_ABOVE, BEND, HIGHEST = 0.8, 0.9, 1.05
 """Speed ratios above which normal firing has no barred range, tau_C no longer falls, and the rule says nothing."""
 STRENGTH_FOR_PASSING = 500e6
+"""Tensile strength in Pa that the rule wants of shafts stressed nearly up to tau_T."""
 SCF_OF_UNIT = 1.45
-"""Stress concentration of a slot, to which C_K = 1 would belong."""
+"""Stress concentration of a slot at which the rule's C_K = 1.45/scf is 1."""
 SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
-"""Of the outer diameter: a slot is shorter, its shaft's bore smaller, its width larger; a hole is no larger."""
+"""Bounds of the rule over the outer diameter: a slot is shorter, its shaft's bore smaller, its width larger; a hole is
+no larger."""
 SOURCE = (
     "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
     "which carry them"
 )
+"""Source of the rule as reports print it."""
 NOT_COVERED = (
     "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
     "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
     "conditions of their own"
 )
+"""Exclusions of the rule as reports print them."""
 
 
 def size_factor(diameter: float) -> float:
-    """C_D of an outer diameter in m.
+    """Size factor C_D of an outer diameter in m.
 
     >>> round(size_factor(0.4), 5)
     0.63059
@@ -52,7 +58,7 @@ def size_factor(diameter: float) -> float:
 
 
 def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArray:
-    """tau_C in Pa over the speed ratio lambda, of a tensile strength in Pa and C_K C_D; NaN above 1.05.
+    """Stress tau_C in Pa over speed ratio lambda, for a tensile strength in Pa and C_K C_D; NaN above 1.05.
 
     >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
     [66.562, 36.742]
@@ -63,7 +69,7 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
 
 
 def usual_range(critical: float, rated: float) -> SpeedSpan:
-    """The range to be barred around a critical speed.
+    """Speed range of the rule of thumb to be barred around a critical speed.
 
     >>> span = usual_range(0.5, 1.0)
     >>> round(span.low / 0.5, 5), round(span.high / 0.5, 5)

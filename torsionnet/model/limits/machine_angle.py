@@ -1,4 +1,4 @@
-"""Generators: how far their rotor may swing, in electrical degrees, before lamps flicker."""
+"""Limits of generators: swing of the rotor in electrical degrees, at which lamps begin to flicker."""
 
 from __future__ import annotations
 

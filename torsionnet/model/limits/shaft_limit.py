@@ -1,4 +1,4 @@
-"""What limits of shaft stress share: the section, from the shaft itself or from entries of the limit."""
+"""Base of limits of shaft stress: the section, from the shaft itself or from entries of the limit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.response.frequency_response import FloatArray
 
 @dataclass(frozen=True)
 class RoundSection:
-    """A round section by its outer and inner diameter, m.
+    """Round section by its outer and inner diameter in m.
 
     Examples
     --------
@@ -82,14 +82,14 @@ class ShaftLimit(Limit):
         return [Sensor("torque", self.element)]
 
     def section(self, subject: LimitSubject) -> RoundSection:
-        """The section that is stressed."""
+        """Section in which the stress is judged."""
         own = _own(subject.elements[self.element], Values(subject.values))
         outer = self.diameter if self.diameter is not None else own.outer if own else math.nan
         inner = self.bore if self.bore is not None else own.inner if own else 0.0
         return RoundSection(float(outer), float(inner))
 
     def stress(self, evidence: Evidence) -> tuple[FloatArray, FloatArray]:
-        """Half range (n_speeds,) and amplitudes by order (n_speeds, n_lines) of the nominal shear stress, Pa."""
+        """Nominal shear stress in Pa: half range (n_speeds,) and amplitudes by order (n_speeds, n_lines)."""
         torques, modulus = torques_of(evidence.subject.active[self.element]), self.section(evidence.subject).modulus
         return evidence.size(torques) / modulus, evidence.orders(torques) / modulus
 

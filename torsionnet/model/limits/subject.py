@@ -1,4 +1,4 @@
-"""What limits may know of a model in one condition: a view of its definition, which itself knows of limits."""
+"""View of a model in one condition for its limits, apart from the definition, which itself holds limits."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.model.elements import Element
 
 @dataclass(frozen=True, eq=False)
 class LimitSubject:
-    """A model in one condition.
+    """Model in one condition, as far as limits need it.
 
     Attributes
     ----------

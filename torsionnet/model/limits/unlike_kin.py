@@ -1,4 +1,4 @@
-"""Values of one limit that are of one dimension, and far from each other in size: a unit was left out."""
+"""Check of values of one dimension in one limit that are far from each other in size, as a unit was left out."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from torsionnet.core.units import expected_unit
 from torsionnet.model.limits.limit import Limit
 
 APART = 100.0
-"""Largest over smallest of values of one element: torques of a coupling differ by 10 at most."""
+"""Ratio of two values of one limit from which a unit was probably left out: torques of a coupling differ by 10 at most,
+a forgotten prefix makes 1000."""
 PREFIXES = {"torque": (1e3, "kN*m"), "power": (1e3, "kW"), "pressure": (1e6, "MPa")}
+"""Factor and name of the unit that is likely meant, by dimension."""
 
 
 def unlike_kin(limit: Limit) -> Iterator[Fault]:

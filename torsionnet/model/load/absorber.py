@@ -1,4 +1,4 @@
-"""What takes power out of a drivetrain, and how its torque follows the speed."""
+"""Absorbers of power in a drivetrain, and the law of their torque over speed."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from torsionnet.core.units import RPM
 _SPEED = Value("a speed", "speed", below=1e6)
 _TORQUE = Value("a torque", "torque")
 STEEPEST = 10
-"""Power of the speed that no torque follows; 1 to 3 are usual."""
+"""Largest exponent of a torque over speed that is accepted; 1 to 3 are usual."""
 
 
 class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
-    """A table ``{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}``; stored as pairs in rad/s and N m, by rising speed."""
+    """Entry of a table ``{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}``; stored as pairs in rad/s and N m, by rising speed."""
 
     @property
     def absent(self) -> tuple[tuple[float, float], ...]:
@@ -112,11 +112,11 @@ class Absorber(Declared):
 
     @property
     def needs_rated(self) -> bool:
-        """Whether a rated speed must come from elsewhere."""
+        """Whether the rated speed must come from another entry."""
         return not self.over_speed and self.rated is None
 
     def torque_at(self, speed: float, rated: float | None = None) -> float:
-        """Torque absorbed in N m at a speed >= 0 of its node in rad/s; ``rated`` holds where it has none of its own.
+        """Torque absorbed in N m at a speed >= 0 of its node in rad/s; ``rated`` is used where it has none itself.
 
         Raises
         ------

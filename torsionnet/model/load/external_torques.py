@@ -1,4 +1,4 @@
-"""Mean torques from outside on the nodes of a drivetrain: of its load over speed, or of its operating point."""
+"""Mean torques from outside on the nodes of a drivetrain, from its load over speed or its operating point."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from torsionnet.model.speeds import mean_speeds, speeds_with
 from torsionnet.model.torque_places import torque_place
 
 UNKNOWN = "the load determines no mean torques here"
+"""End of messages that a load is cut off."""
 
 NEEDS_RATED = "what follows the speed, as the load does, needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
+"""Message that the rated speed is missing."""
 
 
 class CutOffError(UsageError):
-    """A driver or absorber does not turn with the reference node in this configuration, as behind an open clutch."""
+    """Error that a driver or absorber does not turn with the reference node, as behind an open clutch."""
 
 
 def reference_node(definition: Definition) -> str:
-    """The node whose speed is meant where a load follows the speed: that of ``speeds:``, else the first absorber."""
+    """Node whose speed a load follows: that of ``speeds:``, else the first absorber."""
     if definition.speeds is not None:
         return str(definition.speeds.of)
     return torque_place(next(iter(definition.load.by_place))).of if definition.load else ""
@@ -34,7 +36,7 @@ def reference_node(definition: Definition) -> str:
 
 @dataclass(frozen=True, eq=False)
 class ExternalTorques:
-    """The mean torques on a drivetrain over its speed: of its load, else those its operating point states.
+    """Mean torques on a drivetrain over its speed, from its load or else from its operating point.
 
     ``values`` are those of the parameters. A driver's torque has the sign of the rotation of its node, an absorber's
     the opposite one; the reference node turns in the positive sense. Power is shared, so that drivers of unlike speeds
@@ -47,6 +49,7 @@ class ExternalTorques:
 
     @property
     def reference(self) -> str:
+        """Name of the reference node, whose speed the load follows."""
         return reference_node(self.definition)
 
     @cached_property
@@ -62,14 +65,14 @@ class ExternalTorques:
 
     @cached_property
     def ratios(self) -> dict[str, float]:
-        """Speed of every node over that of the reference, where it follows."""
+        """Speed of every node over that of the reference, for nodes that turn with it."""
         speeds = speeds_with(self.definition, self.values, self.reference, self.mean_speeds)
         own = speeds.get(self.reference)
         return {node: speed / own for node, speed in speeds.items()} if own else {}
 
     @cached_property
     def rated_speed(self) -> float | None:
-        """Rated speed of the reference in rad/s, where that is said."""
+        """Rated speed of the reference in rad/s, None where it is not given."""
         rated = self.definition.speeds.rated if self.definition.speeds else None
         return rated or self._rated_of_absorber()
 
@@ -88,7 +91,7 @@ class ExternalTorques:
         return float(found)
 
     def _rated_of_absorber(self) -> float | None:
-        """The reference's speed at which the first absorber with a rated speed of its own has that."""
+        """Reference speed at which the first absorber with a rated speed of its own runs at that speed."""
         for place, absorber in self.absorbers.items():
             ratio = self._relative(place)
             if absorber.rated and ratio:
@@ -97,7 +100,7 @@ class ExternalTorques:
 
     @cached_property
     def absorbers(self) -> dict[Input, Absorber]:
-        """What is absorbed, by where its torque acts."""
+        """Absorbers by the place where their torque acts."""
         load = self.definition.load
         return {reacting(self.definition, place): one for place, one in load.by_place.items()} if load else {}
 
@@ -144,7 +147,7 @@ class ExternalTorques:
         return drivers(self.definition, self.definition.load)
 
     def _relative(self, place: Input) -> float | None:
-        """Speed of the place over that of the reference; a node to react on that no ratio leads to stands still."""
+        """Relative speed at a place over that of the reference; a reaction node without a ratio stands still."""
         own = self.ratios.get(place.of)
         if own is None or place.against is None:
             return own
@@ -162,7 +165,7 @@ class ExternalTorques:
 
 
 def mean_torques(external: ExternalTorques) -> dict[str, float]:
-    """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it.
+    """Mean external torque in N m by node at the operating point; empty where the load is cut off.
 
     None where the load is cut off.
     """

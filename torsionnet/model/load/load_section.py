@@ -1,4 +1,4 @@
-"""The ``load:`` entry: who absorbs, and who drives with which share."""
+"""Entry ``load:`` of a model: who absorbs, and who drives with which share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ABSORBER = Nested(
 )
 _SHARE = Value("share of the power that this one gives, 1 or 100 % in all", "1", exclusive=True)
 ROUNDED = 1e-6
-"""What shares written with six digits may miss of 1."""
+"""Largest difference of the sum of the shares from 1: shares written with six digits round by as much."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,5 +77,5 @@ class Load(Absorber):
 
     @property
     def by_place(self) -> Mapping[str, Absorber]:
-        """What is absorbed at each node, or between two."""
+        """Absorbers by the node, or pair of nodes, at which they act."""
         return dict(self.absorbers) if self.absorbers else {str(self.absorbed_at): self}

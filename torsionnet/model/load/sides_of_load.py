@@ -1,4 +1,4 @@
-"""Where the drivers and absorbers of a load act, and what takes their reactions."""
+"""Places where the drivers and absorbers of a load act, and the nodes that take their reactions."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from torsionnet.model.load.load_section import Load
 from torsionnet.model.torque_places import torque_place
 
 ENGINE = "reciprocating_engine"
-"""The type of excitation that drives where nothing else is said."""
+"""Type of the excitation that drives where the load names no driver."""
 
 
 def drivers(definition: Definition, load: Load) -> dict[Input, float]:
-    """Share of the power by where it is given; that of an engine is spread evenly over its cylinders.
+    """Share of the power by the place where it is given; that of an engine is spread evenly over its cylinders.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def drivers(definition: Definition, load: Load) -> dict[Input, float]:
 
 
 def reacting(definition: Definition, text: str) -> Input:
-    """Where a driver or absorber acts, with the node that takes its reaction.
+    """Place where a driver or absorber acts, with the node that takes its reaction.
 
     On a node alone it is the machine whose excitation acts there, and reacts where that does.
     """
@@ -56,7 +56,7 @@ def reacting(definition: Definition, text: str) -> Input:
 
 
 def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
-    """Torques on the nodes, of those that act on a node or between two."""
+    """Torques by node, from torques that act on a node or between two."""
     found: dict[str, float] = {}
     for place, torque in acting:
         for node, share in place.row.items():
@@ -65,7 +65,7 @@ def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
 
 
 def unknown_driver(definition: Definition, name: str) -> str | None:
-    """Why ``name`` cannot drive, or None."""
+    """Message that ``name`` cannot drive, or None."""
     nodes = all_nodes(definition.elements.values())
     if name in definition.excitations or all(node in nodes for node in torque_place(name).nodes):
         return None

@@ -1,1 +1,1 @@
-"""Parts: models with ports, written once and put into others as often as they are needed."""
+"""Parts of models: models with ports, written once and put into others as often as they are needed."""

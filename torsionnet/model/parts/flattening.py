@@ -1,4 +1,4 @@
-"""Parts put in: one flat model with dots in its names out of a model that uses parts."""
+"""Flattening of a model that uses parts to one model without parts, with dots in its names."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from torsionnet.model.parts.part import Part
 from torsionnet.model.parts.use import Use
 
 SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
-"""What a part may have and the whole gets from it."""
+"""Sections of a model that a part may have too."""
 MOST_ENTRIES = 10_000
-"""In those sections of a model; a few parts that hold each other several times would be more than memory holds."""
+"""Largest number of entries of a flat model; a few parts that hold each other several times would be more than memory
+holds."""
 MOST_LEVELS = 20
-"""Of parts in parts."""
+"""Deepest nesting of parts in parts, far beyond any drivetrain; it bounds the recursion."""
 
 
 @dataclass
 class PartContent:
-    """Those sections of a model, by their names."""
+    """Contents of a model or a part, by section."""
 
     parameters: dict[str, Any] = field(default_factory=dict)
     elements: dict[str, Any] = field(default_factory=dict)
@@ -38,12 +39,12 @@ class PartContent:
 
     @property
     def size(self) -> int:
-        """How many entries it has."""
+        """Number of entries in all sections."""
         return sum(len(getattr(self, section)) for section in SECTIONS)
 
 
 def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
-    """The definition with all its parts put in, and what keeps some of them from that.
+    """Definition without parts, whose contents are put in, and the faults of parts that could not be.
 
     Faults have the paths of the definition as it was written.
     """
@@ -57,7 +58,7 @@ def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition
 
 
 class _Flattening:
-    """Each part is put together once, whatever the number of its uses."""
+    """Flattening of one model, in which each part is put together once, whatever the number of its uses."""
 
     def __init__(self, parts: Mapping[str, Part], whole: bool) -> None:
         self.parts = parts
@@ -68,7 +69,7 @@ class _Flattening:
         self.uses: tuple[Path, ...] = ()
 
     def tell(self, *faults: Fault) -> None:
-        """Each with the uses that led to the part it is in, outermost first."""
+        """Add faults, each with the uses that led to its part, outermost first."""
         self.faults += [replace(fault, uses=self.uses) for fault in faults]
 
     def unused(self, parts: Mapping[str, Part]) -> None:
@@ -78,7 +79,7 @@ class _Flattening:
                 self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
 
     def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> PartContent:
-        """What a model or a part holds with everything it uses."""
+        """Contents of a model or a part with everything it uses."""
         found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
         _expand(found)
         for name, use in owner.use.items():
@@ -196,7 +197,7 @@ def _quoting_shafts(content: PartContent) -> Iterator[str]:
 
 
 def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
-    """Place and object of all that a part itself quotes at the speed of a shaft."""
+    """Pairs (path, object) of elements and sensors of a part whose values are quoted at the speed of a shaft."""
     for section in ("elements", "sensors"):
         for key, one in getattr(part, section).items():
             if one.referred_to is not None:
@@ -204,12 +205,12 @@ def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
 
 
 def _below(path: Path, section: str) -> Path:
-    """Faults of elements begin with the section and the name."""
+    """Path within an entry, without the section and the name with which faults of elements begin."""
     return path[2:] if path[:1] == (section,) else path
 
 
 def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
-    """The changes of an alternative in the whole; entries of excitations are read, renamed and written again."""
+    """Alternative of a part with the names of the whole model; entries of excitations are read, renamed and written."""
     entries = {}
     for key, raw in overlay.entries.items():
         name, _, own = key.rpartition(".")
@@ -220,7 +221,7 @@ def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
 
 
 def _expand(content: PartContent) -> None:
-    """Elements that stand for several are written out, also where configurations switch them."""
+    """Replace elements that stand for several by those, also where configurations switch them."""
     groups: dict[str, tuple[Element, ...]] = {}
     elements: dict[str, Element] = {}
     for name, element in content.elements.items():

@@ -1,4 +1,4 @@
-"""A part as it is written."""
+"""Part of a model as it is written."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ class Part(Declared):
     limits: Mapping[str, Limit] = entry(sections.LIMITS, None)
 
     def __post_init__(self) -> None:
-        """The values are typed already."""
+        """Store the default of entries that are not given; the other values have their types already."""
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
-        """As for any entry, but with what could be read where something could not."""
+        """Part that could be read, without the entries that could not, and every fault."""
         if isinstance(raw, cls) or not isinstance(raw, Mapping):
             return super().read(raw)
         values, faults = cls.read_entries(raw)

@@ -1,4 +1,4 @@
-"""Entries of models and of parts: which parts they use, under which names, and where they are joined to others."""
+"""Entries of models and parts for the parts used, their names, and the nodes at which they are joined."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from torsionnet.model.parts.use import Use
 
 PLAIN_NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
+"""JSON Schema of a name without dots."""
 
 
 def _use() -> type[Use]:
@@ -23,14 +24,14 @@ def _use() -> type[Use]:
 
 
 def use_name_fault(name: str) -> str | None:
-    """Why nothing can be used, or defined as a part, under a name."""
+    """Message that a name is not allowed for a use or a part, or None."""
     if name.isascii() and is_plain(name):
         return None
     return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
 
 
 def prefix_fault(name: str) -> str | None:
-    """Why nothing can be used under a name, which begins the names of parameters."""
+    """Message that a name is not allowed for a use, as names of parameters begin with it, or None."""
     return use_name_fault(name) or check_name(name)
 
 
@@ -41,6 +42,8 @@ USE = Named(
     names=PLAIN_NAME_SCHEMA,
     form="{left: {part: half_shaft, at: {inner: dl, outer: hub}}}",
 )
+"""Specification of the entry ``use:``."""
 PORTS = Listed(
     "nodes at which a model is joined to others that use it as a part", NodeName("a node", False), "a list of nodes"
 )
+"""Specification of the entry ``ports:``."""

@@ -1,4 +1,4 @@
-"""The parts that a model brings along."""
+"""Entries of a model for its own parts and the files of parts that it includes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _part() -> type[Part]:
 
 
 class PartTable(Named["Part"]):
-    """Parts that could be read in part stay: what uses them is checked all the same."""
+    """Entry of parts by name; a part that could be read incompletely is kept, so that its uses are checked."""
 
     def read(self, raw: object) -> tuple[Mapping[str, Part], list[Fault]]:
         if not isinstance(raw, Mapping):
@@ -47,8 +47,10 @@ PARTS = PartTable(
     names=PLAIN_NAME_SCHEMA,
     form="{half_shaft: {ports: [inner, outer], elements: {...}}}",
 )
+"""Specification of the entry ``parts:``."""
 INCLUDE = Listed(
     "files beside this one or below with parts:, or models with ports:, which are parts under the name of their file",
     Text("the name of a file", "the name of a file"),
     "a list of files",
 )
+"""Specification of the entry ``include:``."""

@@ -1,4 +1,4 @@
-"""Where an author wrote what the flat model holds, so that faults are shown there and at each use."""
+"""Places where an author wrote the entries of a flat model, so that faults are shown there and at each use."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.model.parts.part import Part
 
 @dataclass(frozen=True)
 class PlaceInPart:
-    """The path of an entry as written, the uses that lead to it, outermost first, and what they put before names."""
+    """Path of an entry as written, the uses that lead to it, outermost first, and the prefix they put before names."""
 
     path: Path
     uses: tuple[Path, ...] = ()
@@ -23,7 +23,7 @@ class PlaceInPart:
 
 
 def place_in_part(definition: Definition, path: Path) -> PlaceInPart:
-    """Where an entry of the flat model is written in a model with parts."""
+    """Place where an entry of the flat model is written in a model with parts."""
     if len(path) < 2 or path[0] not in SECTIONS:
         return PlaceInPart(path)
     section, name, rest = str(path[0]), str(path[1]), path[2:]
@@ -57,20 +57,20 @@ def _owner(model: Definition | Part, section: str, name: str) -> tuple[str, int,
 
 
 def _short(model: Definition | Part, section: str, name: str) -> tuple[str]:
-    """The element that stands for several, one of which has this name."""
+    """Name of the element that stands for several, one of which has this name."""
     short = name.partition(".")[0]
     return (short,) if section == "elements" and short in model.elements else (name,)
 
 
 def _renamed_back(section: str, rest: Path, before: str) -> Path:
-    """What an alternative changes has the name it has in the part."""
+    """Path within an alternative with the name that the changed entry has in the part."""
     if section != "configurations" or len(rest) < 2:
         return rest
     return (rest[0], str(rest[1]).removeprefix(before), *rest[2:])
 
 
 def at_written_places(authored: Definition, faults: Iterable[Fault]) -> list[Fault]:
-    """The faults where they are written; one that every use of a part has is told once, in the words of the part."""
+    """Faults with the paths where they are written; a fault in every use of a part is kept once, in its words."""
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         told = _in_part(fault, place_in_part(authored, fault.path))

@@ -1,4 +1,4 @@
-"""The place where a model uses a part."""
+"""Entry for the use of a part in a model."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.nodes import NodeName
 
 MOST_COPIES = 1000
+"""Largest number of copies in one use; a larger one is a slip, and far more would fill the memory."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
-    """One value for all copies of a part, or a list with one for each."""
+    """Entry of one value for all copies of a part, or a list with one for each."""
 
     of: Spec[Stored_co]
 
@@ -84,5 +85,5 @@ class Use(Declared):
         return []
 
     def prefixes(self, name: str) -> tuple[str, ...]:
-        """What the names of each copy begin with, before the dot."""
+        """Prefixes of the names of each copy, without the dot."""
         return (name,) if self.repeat is None else tuple(f"{name}{index}" for index in range(1, self.repeat + 1))

@@ -1,4 +1,4 @@
-"""Parts put into models by a program."""
+"""Parts put into models by calls from Python."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from torsionnet.model.parts.use import Use
 
 
 def as_written(definition: Definition) -> Definition:
-    """The definition with its parts, as far as it can be said with them."""
+    """Definition with its parts, where it can be written with them."""
     written = definition.authored
     changed = written.changed(definition) if isinstance(written, AuthoredModel) else None
     return replace(definition, authored=None) if changed is None else changed
 
 
 def part_of(definition: Definition) -> tuple[Part, Mapping[str, Part]]:
-    """A model as a part, and the parts that it uses itself."""
+    """Model as a part, and the parts that it uses itself."""
     written = as_written(definition)
     return Part(**{one.name: getattr(written, one.name) for one in fields(Part)}), written.parts
 
@@ -31,7 +31,7 @@ def part_of(definition: Definition) -> tuple[Part, Mapping[str, Part]]:
 def with_use(
     definition: Definition, name: str, use: Mapping[str, Any], model: Definition | None
 ) -> tuple[Definition, list[Fault]]:
-    """The definition as it is written, with one more use: of ``model``, or of a part that it has."""
+    """Definition with one more use, of ``model`` or of a part that it has, and the faults of that use."""
     written = as_written(definition)
     parts = dict(written.parts)
     if model is not None:
@@ -47,7 +47,7 @@ def with_use(
 
 
 def _put(parts: dict[str, Part], model: Definition) -> str:
-    """The name under which a model is a part; one that is there already gets no second name."""
+    """Add a model to the parts, and return its name there; an equal part that is there already keeps its name."""
     part, inner = part_of(model)
     names = {name: _free(parts, name, one) for name, one in inner.items()}
     for name, one in inner.items():
@@ -65,7 +65,7 @@ def _renamed_uses(part: Part, names: Mapping[str, str]) -> Part:
 
 
 def _free(parts: Mapping[str, Part], wish: str, part: Part) -> str:
-    """The name itself if it is free or that of an equal part, else with the first number that makes it so."""
+    """Name ``wish`` if it is free or that of an equal part, else with the first number at which it is."""
     name, number = wish, 1
     while name in parts and parts[name] != part:
         number += 1

@@ -1,4 +1,4 @@
-"""What the report on a model is to hold, as the ``report:`` section of its file says."""
+"""Entries of the ``report:`` section of a model file, which plan the report."""
 
 from torsionnet.core.entries.band import parse_band
 from torsionnet.model.report.report_plan import Pair, ReportPlan

@@ -1,4 +1,4 @@
-"""Whether the report described fits the model: names of sensors, inputs and configurations."""
+"""Checks that a report plan fits its model: names of sensors, inputs and configurations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
-    """Every fault of a plan for this model; the sensors written out in full are left to the solver."""
+    """Faults of a report plan for this model; sensors written out in full are left to the solver."""
     faults = [
         fault.under("transfer_functions", index)
         for index, pair in enumerate(plan.transfer_functions)

@@ -1,4 +1,4 @@
-"""The ``report:`` section of a model file."""
+"""Plan of the report on a model, from the ``report:`` section of its file."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.report.sections import SECTIONS
 
 ANGLES = ("rad", "deg")
+"""Units of angle that a report may use."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A transfer function: output over input, and what drives if the input is measured.
+    """Transfer function of output over input, with the excitation where the input is a measured one.
 
     Examples
     --------
@@ -36,7 +37,7 @@ class Pair:
 
     @classmethod
     def parse(cls, text: str) -> Pair:
-        """The pair meant by ``OUTPUT/INPUT``.
+        """Parse a transfer function from the text ``OUTPUT/INPUT``.
 
         Raises
         ------
@@ -52,13 +53,14 @@ class Pair:
         return f"{self.output}/{self.input}"
 
     def to_data(self) -> str | dict[str, str]:
+        """Plain data of the transfer function for a file."""
         if not self.excitation:
             return str(self)
         return {"output": self.output, "input": self.input, "excitation": self.excitation}
 
 
 class PairEntry(Spec[Pair]):
-    """``OUTPUT/INPUT``, or its parts by name."""
+    """Entry of a transfer function: ``OUTPUT/INPUT``, or its parts by name."""
 
     def coerce(self, raw: object) -> Pair:
         if isinstance(raw, Pair):
@@ -97,17 +99,18 @@ _PARTS = {
     "input": "input or node, or a sensor: a measured input",
     "excitation": "what drives while the input is measured, if there are several inputs",
 }
+"""Keys of a transfer function written in parts, and their descriptions."""
 
 
 def section_fault(name: Any) -> str:
-    """Why this is no section of a report, or nothing."""
+    """Message that there is no section of that name in a report, or an empty text."""
     if name in SECTIONS:
         return ""
     return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
 class SectionName(Spec[str]):
-    """A section of a report."""
+    """Entry of the name of a section of the report."""
 
     def coerce(self, raw: object) -> str:
         name = ConfigurationName("").coerce(raw)
@@ -120,7 +123,7 @@ class SectionName(Spec[str]):
 
 
 class ConfigurationName(Spec[str]):
-    """A name, which in a file may look like a number."""
+    """Entry of the name of a configuration, which in a file may look like a number."""
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str | int) or isinstance(raw, bool):
@@ -132,7 +135,9 @@ class ConfigurationName(Spec[str]):
 
 
 SIMPLIFY = Value("how far leaving elements out may move the modes in the band, as 1 %", "1", exclusive=True, below=1)
+"""Specification of the entry for the largest change of modes in simplified transfer functions."""
 PAIR = PairEntry("OUTPUT/INPUT, as theta_1/T_T")
+"""Specification of a transfer function of the report."""
 _SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
 _PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
 _ORDERS = Listed(
@@ -145,7 +150,7 @@ _NAMES = Listed("configurations to report; default: all", ConfigurationName(""),
 
 @dataclass(frozen=True)
 class ReportPlan(Declared):
-    """What a report holds beside the model itself; what is empty is left to the default.
+    """Plan of a report: what it holds beside the model itself; empty entries have their default.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The sections of a report, in their order."""
+"""Sections of a report, in their order."""
 
 from __future__ import annotations
 
@@ -24,4 +24,4 @@ SECTIONS = {
     "checks": "findings of the checks, and how well the numbers agree with a second way to them",
     "validity": "what the results rest on",
 }
-"""Name -> what it holds."""
+"""Contents of every section of a report, by its name."""

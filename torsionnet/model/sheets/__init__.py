@@ -1,1 +1,1 @@
-"""Makers' mass-elastic sheets: inertias and the shafts between them in a table of text."""
+"""Mass-elastic sheets of makers: inertias and the shafts between them in a table of text."""

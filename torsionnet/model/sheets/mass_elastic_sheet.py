@@ -1,4 +1,4 @@
-"""A mass-elastic sheet as it was read: inertias, the shafts between them, and a report of what was taken as what."""
+"""Mass-elastic sheet as it was read: inertias, the shafts between them, and how each column was understood."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MassElasticSheet:
-    """What stands in a sheet.
+    """Contents of a mass-elastic sheet: masses, the shafts between them, and how its columns were read.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class MassElasticSheet:
     notes: tuple[str, ...]
 
     def report(self) -> Table:
-        """A row for each column of the file: its heading, what it was taken as, and in which unit."""
+        """Table of how each column of the file was read: its heading, its meaning, and its unit."""
         from torsionnet.response.table import Column, Table  # loads numpy, which reading a model can do without
 
         rows = tuple((column.heading, _taken(column), _unit(column), column.remark) for column in self.columns)
@@ -76,7 +76,7 @@ def _unit(column: SheetColumn) -> str:
 
 
 def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
-    """Read a mass-elastic sheet: CSV, or what a spreadsheet program saves as text; ``name`` is how it is called.
+    """Read a mass-elastic sheet: CSV, or text saved by a spreadsheet program; ``name`` is shown instead of the path's.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
 
 
 def sheet_of(grid: CellGrid) -> MassElasticSheet:
-    """As :func:`read_sheet`, of cells at hand.
+    """Mass-elastic sheet from cells that are already read.
 
     >>> from torsionnet.core.delimited.cell_grid import grid_of
     >>> grid = grid_of(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
@@ -119,7 +119,7 @@ def _referred(columns: SheetColumns, grid: CellGrid, first: int) -> tuple[bool, 
 
 
 def _speeds(masses: Iterable[SheetMass], referred: bool, said: bool) -> list[str]:
-    """A note on what several speeds mean for the values."""
+    """Note on what several speeds mean for the values."""
     if len({abs(mass.ratio) for mass in masses} | {Fraction(1)}) == 1:
         return []
     if referred:

@@ -1,4 +1,4 @@
-"""What the columns of a mass-elastic sheet may be, and by which words makers call them, in English and German."""
+"""Meanings that columns of a mass-elastic sheet can have, and the words of makers for them, in English and German."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from torsionnet.core.units import DIMENSIONS, Dimension
 
 DAMPING = "damping"
-"""Damping of which it is not said whether it acts to ground or in the shaft."""
+"""Meaning of a damping column that does not say whether it acts to ground or in the shaft."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a column holds: its dimensions (none: text), the words for it, and a heading as it should be."""
+    """Meaning of a column: its dimensions (none: text), the words for it, and an example of a heading."""
 
     key: str
     shown: str
@@ -23,10 +23,12 @@ class Meaning:
 
     @property
     def is_text(self) -> bool:
+        """Whether the column holds text, not numbers."""
         return not self.dimensions
 
     @property
     def needs_unit(self) -> bool:
+        """Whether the values of the column need a unit."""
         return bool(self.dimensions) and self.dimensions != ("1",)
 
     def fits(self, dimension: Dimension | None) -> bool:
@@ -79,7 +81,9 @@ MEANINGS = (
              r"|bezeichnung|benennung|beschreibung|mass|masses|masse|element|component|part|item|bauteil"
              r"|drehmasse|komponente|what", "name"),
 )  # fmt: skip
+"""Meanings of columns, the likeliest first where a heading fits several."""
 BY_KEY = {meaning.key: meaning for meaning in MEANINGS}
+"""Meanings of columns by their key."""
 
 _REFERRED = re.compile(
     r"\b(?:referred|reduced|reduziert\w*|red|bezogen\w*|equivalent)\b|\bref(?:\.|\b)(?!\s*(?:no|nr|erence))"
@@ -106,7 +110,7 @@ def is_referred(text: str) -> bool | None:
 
 
 def plain_heading(text: str) -> str:
-    """A heading as the words are compared: small letters, one blank between, without what it is referred to.
+    """Heading in the form that is compared with words: small letters, single blanks, no note on referring.
 
     >>> plain_heading("J_red. (referred to crank)"), plain_heading("Rel.-Damp.")
     ('j', 'rel damp')
@@ -116,7 +120,7 @@ def plain_heading(text: str) -> str:
 
 
 def meanings_of(heading: str) -> list[Meaning]:
-    """Everything that the words of a heading may mean, the likeliest first.
+    """Meanings that the words of a heading may have, the likeliest first.
 
     >>> [meaning.key for meaning in meanings_of("Massenträgheitsmoment")], [one.key for one in meanings_of("Mass")]
     (['inertia'], ['name'])

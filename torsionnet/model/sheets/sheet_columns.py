@@ -1,4 +1,4 @@
-"""Which column of a mass-elastic sheet is what, in which unit; what cannot be told is a fault at its heading."""
+"""Recognition of the columns of a mass-elastic sheet and their units; unclear ones are faults at their heading."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from torsionnet.core.units import DIMENSIONS, UnitError
 from torsionnet.model.sheets.meanings import BY_KEY, DAMPING, MEANINGS, Meaning, is_referred, meanings_of, plain_heading
 
 ALIKE = 0.8
-"""Of a heading and a word it may be a misspelling of."""
+"""Smallest ``difflib`` ratio at which an unknown heading is taken for a misspelt word: a letter or two in a word; a
+lower value would take other words for misspelt ones."""
 _WORDS = {
     "inertia": "inertia", "moment of inertia": "inertia", "trägheitsmoment": "inertia", "drehmasse": "inertia",
     "stiffness": "stiffness", "torsional stiffness": "stiffness", "drehsteifigkeit": "stiffness",
@@ -24,12 +25,13 @@ _WORDS = {
     "absolute damping": "absolute", "relative damping": "relative", "loss factor": "eta", "speed ratio": "ratio",
     "drehzahlverhältnis": "ratio",
 }  # fmt: skip
+"""Meaning of words for which an unknown heading may be a misspelling."""
 _NO_UNIT = {"", "-", "–", "—", "1", "[-]", "(-)"}
 
 
 @dataclass(frozen=True)
 class SheetColumn:
-    """A column: its heading, what it was taken as (empty: not understood) and its unit, if it has one."""
+    """Column of a sheet: its heading, its meaning (empty: not understood) and its unit, if it has one."""
 
     place: int
     cell: Cell
@@ -46,16 +48,17 @@ class SheetColumn:
 
 @dataclass(frozen=True)
 class SheetColumns:
-    """The columns of a sheet by meaning, all of them in their order, and the rows of cells below."""
+    """Columns of a sheet in their order, and the rows of cells below."""
 
     all: tuple[SheetColumn, ...]
     rows: tuple[tuple[Cell, ...], ...]
 
     def of(self, key: str) -> SheetColumn | None:
+        """Column of that meaning, None where there is none."""
         return next((column for column in self.all if column.meaning == key), None)
 
     def cell(self, row: Sequence[Cell], key: str) -> Cell | None:
-        """The cell of a row in the column of that meaning, None where there is none or nothing stands in it."""
+        """Cell of a row in the column of that meaning, None where there is none or it is empty."""
         column = self.of(key)
         if column is None or column.place >= len(row) or not row[column.place].text:
             return None
@@ -63,7 +66,7 @@ class SheetColumns:
 
 
 def read_columns(grid: CellGrid) -> SheetColumns:
-    """What the columns of a sheet are.
+    """Recognise the columns of a sheet.
 
     Raises
     ------
@@ -115,7 +118,7 @@ def _readable(text: str) -> SheetUnit | None:
 
 
 def _by_unit(text: str) -> str:
-    """What a unit alone tells: those of inertia and stiffness are used for nothing else."""
+    """Meaning of a column by its unit alone: those of inertia and stiffness are used for nothing else."""
     unit = _readable(text)
     if unit is None:
         return ""
@@ -163,14 +166,14 @@ def _column(
 
 
 def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
-    """Relative damping is psi where it has no unit, and viscous where it has one."""
+    """Meaning chosen of several: relative damping is psi where it has no unit, and viscous where it has one."""
     if unit is None or unit.dimension == DIMENSIONS["1"]:
         return next((one for one in fitting if one.key == "psi"), fitting[0])
     return fitting[0]
 
 
 def _text_or_not(known: Sequence[Meaning], below: Sequence[Cell]) -> str:
-    """Name or number, where the words leave it open: ``Drehmasse`` and ``Mass`` head names as well as numbers."""
+    """Meaning "name" or "number" where the words leave it open: ``Drehmasse`` and ``Mass`` head both."""
     keys = [meaning.key for meaning in known]
     numbers = sum(is_like_number(cell.text) for cell in below)
     if not {"name", "number"} & set(keys) or not below:
@@ -191,7 +194,7 @@ def _bad_unit(text: str, meaning: Meaning) -> str:
 
 
 def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell]) -> Iterator[str]:
-    """Why a column cannot be used although its words are known."""
+    """Messages why a column cannot be used although its words are known."""
     if meaning.key == "gear ratio":
         yield (
             f'"{heading}" may be the speed of this mass over that of the first, or the reverse; '
@@ -208,7 +211,7 @@ def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell
 
 
 def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: CellGrid) -> list[SheetColumn]:
-    """Of two columns for one thing the real values are taken, not the referred ones; any others are a fault."""
+    """Columns with one for each meaning: real values are preferred to referred ones, other doubles are faults."""
     kept = list(columns)
     for meaning in MEANINGS:
         same = [column for column in kept if column.meaning == meaning.key]
@@ -231,7 +234,7 @@ def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: 
 
 
 def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGrid) -> Iterator[Fault]:
-    """A heading that means nothing, but nearly something that the sheet lacks."""
+    """Fault of a heading that is not understood, but nearly a word for a column that the sheet lacks."""
     if column.meaning or not column.heading or column.remark:
         return
     plain = plain_heading(named_unit(column.heading)[0])

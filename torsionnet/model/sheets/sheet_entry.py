@@ -1,4 +1,4 @@
-"""The entry that names a mass-elastic sheet beside the model file."""
+"""Entry of a mass-elastic sheet in a file beside the model file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sh
 
 
 class SheetEntry(Spec[MassElasticSheet]):
-    """The name of a file in the folder of the model file, or below."""
+    """Entry of a mass-elastic sheet: the name of a file in the folder of the model file, or below."""
 
     @property
     def example(self) -> str:

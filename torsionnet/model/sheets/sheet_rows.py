@@ -1,4 +1,4 @@
-"""The rows of a mass-elastic sheet: masses, and the shafts to the next of them, in rows between or by to and from."""
+"""Rows of a mass-elastic sheet: masses, and the shafts between them, in rows between or by columns to and from."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from torsionnet.model.sheets.meanings import DAMPING
 from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues
 
 GROUND = "ground"
+"""Name of the fixed end of a shaft."""
 _EARTH = {"ground", "earth", "fixed", "grund", "erde", "fest"}
 _TOTAL = re.compile(r"(?:total|sum|summe|gesamt|Σ|overall)\b", re.IGNORECASE)
 _LOSSES = ("psi", "eta", "zeta", "magnifier")
@@ -25,7 +26,7 @@ Row = Sequence[Cell]
 
 @dataclass(frozen=True)
 class SheetMass:
-    """An inertia with damping to ground, real values; ``ratio`` is its speed over that of the crank."""
+    """Inertia with damping to ground, in real values; ``ratio`` is its speed over that of the crank."""
 
     name: str
     label: str
@@ -37,7 +38,7 @@ class SheetMass:
 
 @dataclass(frozen=True)
 class SheetLink:
-    """What connects two masses, real values; without a stiffness it is rigid.
+    """Shaft or mesh between two masses, in real values; without a stiffness it is rigid.
 
     It turns with the speed of the first; where that of the second is another, a gear is at its end.
     """
@@ -55,17 +56,17 @@ class SheetLink:
 
 @dataclass
 class _Begun:
-    """A link that is read before the mass at its end is."""
+    """Link that is read before the mass at its end is known."""
 
     row: Row
     first: str | None
     second: str | None
     link: SheetLink | None
-    """None: nothing is said of how they are connected."""
+    """Link of the row; None where the row does not say how the masses are connected."""
 
 
 def read_rows(values: SheetValues, *, referred: bool) -> tuple[list[SheetMass], list[SheetLink], list[str]]:
-    """Masses, links and notes; faults are added to those of ``values``."""
+    """Masses, links and notes of a sheet; faults are added to those of ``values``."""
     reader = _Rows(values)
     reader.read()
     links = reader.connected() if not values.faults else []
@@ -89,7 +90,7 @@ def _real_link(link: SheetLink, ratios: dict[str, Fraction]) -> SheetLink:
 
 
 def _quotient(speed: SheetValue, first: SheetValue) -> Fraction:
-    """Of two speeds; of numbers in the same unit exactly, since rpm in rad/s is no fraction."""
+    """Ratio of two speeds; in the same unit it is exact, since rpm in rad/s is no fraction."""
     (above, _, unit), (below, _, first_unit) = speed.text.partition(" "), first.text.partition(" ")
     if unit and unit == first_unit:
         return Fraction(above) / Fraction(below)
@@ -145,7 +146,7 @@ class _Rows:
         self.values.faults.append(self.values.grid.fault(text, at))
 
     def read(self) -> None:
-        """Masses, and links whose ends may still be open."""
+        """Read masses, and links whose ends may still be open."""
         pending: list[_Begun] = []
         last: str | None = None
         ratio = Fraction(1)
@@ -193,7 +194,7 @@ class _Rows:
         return name, ratio
 
     def _open_damping(self, row: Row) -> SheetValue | None:
-        """Damping without another word belongs to what the row is about, which has to be one thing."""
+        """Damping without a word on where it acts, where the row is about one thing; else a fault."""
         if not self.one_row:
             return self.values.of(row, DAMPING)
         column = self.values.columns.of(DAMPING)
@@ -220,7 +221,7 @@ class _Rows:
         return _quotient(found, self.first_speed)
 
     def _link(self, row: Row, first: str | None) -> _Begun:
-        """The shaft of a row; which masses it connects may be said by masses that come later."""
+        """Shaft of a row; rows of later masses may say which masses it connects."""
         if not self._has_link(row):
             return _Begun(row, first, None, None)
         of = self.values.of
@@ -241,7 +242,7 @@ class _Rows:
         return _Begun(row, first, None, link)
 
     def connected(self) -> list[SheetLink]:
-        """The links between the masses that were found."""
+        """Links between the masses that were read."""
         links: list[SheetLink] = []
         for begun in self.begun:
             links += self._ended(begun)
@@ -277,7 +278,7 @@ class _Rows:
         return [replace(link, name=name, first=first, second=second, stiffness=None if rigid else link.stiffness)]
 
     def _open_end(self, begun: _Begun) -> list[SheetLink]:
-        """A shaft after the last mass leads nowhere, unless its cell says nothing."""
+        """Fault of a shaft after the last mass, which leads nowhere, unless its cell is empty or 0."""
         link = begun.link
         if link is not None and not (link.stiffness is not None and (link.stiffness.is_rigid or not link.stiffness.si)):
             cell = self.values.columns.cell(begun.row, "stiffness")
@@ -286,7 +287,7 @@ class _Rows:
         return []
 
     def _rigid_gear(self, begun: _Begun, first: str, second: str, *, explicit: bool) -> list[SheetLink]:
-        """Masses without a shaft between them: a mesh, where their speeds differ."""
+        """Rigid link between masses without a shaft: a mesh, where their speeds differ; else a fault."""
         one, other = self.masses.get(first), self.masses.get(second)
         if one is None or other is None or one.ratio == other.ratio:
             if self.branched and not explicit:
@@ -317,7 +318,7 @@ class _Rows:
         return True
 
     def _named(self, cell: Cell) -> str | None:
-        """The mass that is meant by its number or name."""
+        """Name of the mass that a cell means by its number or name; None with a fault where there is none."""
         text = cell.text.casefold()
         if text in _EARTH:
             return GROUND

@@ -1,4 +1,4 @@
-"""The cells of a mass-elastic sheet as values: a number in the unit of its column, scaled where it is referred."""
+"""Values in the cells of a mass-elastic sheet: numbers in the unit of their column, scaled where referred."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from torsionnet.model.sheets.meanings import BY_KEY
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns
 
 NOTHING = {"", "-", "–", "—", "--", "n/a", "na", "n.a.", "none", "keine"}
+"""Texts of an empty cell."""
 RIGID = {"rigid", "starr", "inf", "infinite", "∞", "unendlich"}
+"""Texts of an infinite stiffness."""
 _NUMBER_AND_UNIT = re.compile(r"(?P<number>[+\-−]?[\d.,]*\d(?:[eE][+\-]?\d+)?)\s*(?P<unit>[A-Za-zµμ°%].*)")
 
 
 @dataclass(frozen=True)
 class SheetValue:
-    """A value in SI; ``text`` is what a model file would write, empty where it was scaled. Rigid is neither."""
+    """Value of a sheet in SI; ``text`` is for a model file, empty where the value was scaled. Rigid is neither."""
 
     si: Real
     text: str = ""
@@ -31,16 +33,17 @@ class SheetValue:
 
     @property
     def raw(self) -> str | Real:
-        """As an entry of an element takes it."""
+        """Value as an entry of an element takes it."""
         return self.text or self.si
 
     def times(self, factor: Fraction) -> SheetValue:
+        """Value scaled by a factor."""
         return self if factor == 1 or self.is_rigid else SheetValue(self.si * factor)
 
 
 @dataclass
 class SheetValues:
-    """Reads cells; faults grow while it does."""
+    """Reader of the values in cells; its faults grow while it reads."""
 
     grid: CellGrid
     columns: SheetColumns
@@ -61,7 +64,7 @@ class SheetValues:
             raise ModelError([self.grid.fault(wrong[1], wrong[0])], self.grid.file)
 
     def of(self, row: Sequence[Cell], key: str) -> SheetValue | None:
-        """The value of a row in the column of that meaning; None where there is none."""
+        """Value of a row in the column of that meaning; None where there is none."""
         column, cell = self.columns.of(key), self.columns.cell(row, key)
         if column is None or cell is None or cell.text.casefold() in NOTHING:
             return None
@@ -107,7 +110,7 @@ class SheetValues:
         return None
 
     def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
-        """A ratio written as 1/4 or 1:4."""
+        """Ratio written as 1/4 or 1:4."""
         parts = [plain_number_text(one, self.decimal) for one in (above, below)]
         try:
             numbers = [parse_number(part or "") for part in parts]
@@ -119,7 +122,7 @@ class SheetValues:
         return self._possible(SheetValue(numbers[0] / numbers[1]), cell)
 
     def _own_unit(self, column: SheetColumn, cell: Cell, text: str) -> SheetUnit | None:
-        """The unit in a cell, which has to be that of the heading where that has one."""
+        """Unit in a cell, which has to be that of the heading where the heading has one."""
         meaning = BY_KEY[column.meaning]
         try:
             unit = sheet_unit(text)
@@ -137,7 +140,7 @@ class SheetValues:
 
 
 def _in_unit(number: str, unit: SheetUnit | None) -> SheetValue:
-    """A compliance becomes a stiffness, where it is not 0, which is rigid."""
+    """Value in SI of a number with its unit; a compliance becomes a stiffness, and rigid where it is 0."""
     value = parse_number(number)
     if unit is None or unit.dimension == DIMENSIONS["1"]:
         return SheetValue(exact(value * (unit.factor if unit else 1)))
