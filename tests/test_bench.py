@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.bench.bench import sensed
-from torsionnet.bench.exciting import deliver
+from torsionnet.bench.bench import recorded_signal
+from torsionnet.bench.exciter_torque import exciter_output
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.model.files import json_schema, library_benches
@@ -51,14 +51,14 @@ def a_signal(values, quantity="torque"):
 
 def recorded(values, part, acquisition=None, seed=0, quantity="torque"):
     acquisition = acquisition or Acquisition(rate=RATE)
-    return sensed(a_signal(values, quantity), part, acquisition, np.random.default_rng(seed))
+    return recorded_signal(a_signal(values, quantity), part, acquisition, np.random.default_rng(seed))
 
 
 # Exciter
 
 
 def test_ideal_exciter_delivers_its_set_point():
-    given = deliver(CHIRP, Exciter(), RATE)
+    given = exciter_output(CHIRP, Exciter(), RATE)
     assert np.array_equal(given.torque, CHIRP.samples(RATE))
     assert np.array_equal(given.set_point, given.torque)
 
@@ -66,7 +66,7 @@ def test_ideal_exciter_delivers_its_set_point():
 @pytest.mark.parametrize("frequency", [5.0, 60.0, 120.0])
 def test_bandwidth_is_where_the_torque_is_3_db_down(frequency):
     sine = SteppedSine(frequencies=(frequency,), hold=2, amplitude=10)
-    torque = deliver(sine, Exciter(bandwidth=60), 50_000).torque
+    torque = exciter_output(sine, Exciter(bandwidth=60), 50_000).torque
     found = fit(torque, frequency, 50_000, start=1)
     expected = 10 / (1 + 1j * frequency / 60)
     held = np.exp(-1j * np.pi * frequency / 50_000)  # the analog output holds each value for a sample
@@ -74,14 +74,14 @@ def test_bandwidth_is_where_the_torque_is_3_db_down(frequency):
 
 
 def test_compensated_set_point_flattens_the_torque():
-    given = deliver(CHIRP, Exciter(bandwidth=20, compensated=True), RATE)
+    given = exciter_output(CHIRP, Exciter(bandwidth=20, compensated=True), RATE)
     wanted = CHIRP.samples(RATE)
     assert np.abs(given.torque - wanted).max() < 1e-9
     assert np.abs(given.set_point[-2000:]).max() == pytest.approx(15 * np.hypot(1, 50 / 20), rel=0.02)
 
 
 def test_harmonics_have_their_shares_and_leave_the_fundamental_alone():
-    given = deliver(replace(CHIRP, mean=20), Exciter(harmonics={2: 0.02, 3: "1.3 %"}), RATE)
+    given = exciter_output(replace(CHIRP, mean=20), Exciter(harmonics={2: 0.02, 3: "1.3 %"}), RATE)
     record = Recording((Signal("T", "torque", given.torque),), RATE)
     found = sweep_harmonics(record, "T", CHIRP.frequency(record.time), orders=(1, 2, 3, 4))
     assert np.abs(found.amplitude - 15 * np.array([1, 0.02, 0.013, 0])).max() < 0.01
@@ -90,20 +90,20 @@ def test_harmonics_have_their_shares_and_leave_the_fundamental_alone():
 
 def test_silence_stays_silent():
     burst = BurstRandom(start=1, stop=40, period=4, periods=2, amplitude=10)
-    torque = deliver(burst, Exciter(harmonics={3: 0.1}), RATE).torque
+    torque = exciter_output(burst, Exciter(harmonics={3: 0.1}), RATE).torque
     assert np.abs(torque[5000:7000]).max() < 1e-12
 
 
 def test_set_point_is_clipped_at_the_rated_torque_and_says_so():
-    given = deliver(replace(CHIRP, amplitude=150), Exciter(limit=110), RATE)
+    given = exciter_output(replace(CHIRP, amplitude=150), Exciter(limit=110), RATE)
     assert np.abs(given.torque).max() == 110
     (note,) = given.notes
     assert "clipped at the rated torque of 110 N*m 48 % of the time; it asks for 150 N*m" in note
-    assert deliver(replace(CHIRP, amplitude=110), Exciter(limit=110), RATE).notes == ()
+    assert exciter_output(replace(CHIRP, amplitude=110), Exciter(limit=110), RATE).notes == ()
 
 
 def test_analog_output_has_so_many_levels():
-    given = deliver(CHIRP, Exciter(bits=8, full_scale=16), RATE)
+    given = exciter_output(CHIRP, Exciter(bits=8, full_scale=16), RATE)
     assert step_of(given.set_point) == pytest.approx(32 / 256)
     assert np.abs(given.set_point - CHIRP.samples(RATE)).max() <= 0.0625 + 1e-12
 

@@ -251,8 +251,8 @@ def test_large_records_are_read_in_blocks(record, monkeypatch):
 
     arguments = ("estimate", record, "--input", "M", "--output", "phi", "--decimate", 2, "--json")
     whole = json.loads(run(*arguments).stdout)
-    monkeypatch.setattr(records, "LARGE", 1000)
-    monkeypatch.setattr(records, "BLOCK", 7.0)
+    monkeypatch.setattr(records, "LARGE_FILE", 1000)
+    monkeypatch.setattr(records, "BLOCK_SECONDS", 7.0)
     result = run(*arguments)
     assert "read in blocks of 7 s" in result.stderr
     blocks = json.loads(result.stdout)

@@ -172,7 +172,7 @@ def test_same_estimator_route_has_no_leakage_bias(zeta, plain):
     """Light damping reads too high by far in a plain fit of 2 s windows."""
     rig, bench = one_mass(zeta)
     record = bench.run()
-    torque = Signal("T", "torque", bench.delivered.torque)
+    torque = Signal("T", "torque", bench.exciter_output.torque)
     record = record.with_signals(torque)
     test = tn.Measurement(record, "phi", "T", settings=DECIMATED, band=(2, 18))
     same = tn.identify(rig.configured(c=0.5), test, ["c"]).values["c"]
@@ -186,7 +186,7 @@ def test_same_estimator_route_has_no_leakage_bias(zeta, plain):
 @pytest.mark.slow
 def test_a_record_that_begins_in_motion_needs_settling():
     rig, bench = one_mass(0.03)
-    record = bench.run().with_signals(Signal("T", "torque", bench.delivered.torque))
+    record = bench.run().with_signals(Signal("T", "torque", bench.exciter_output.torque))
     begun = Recording(tuple(replace(s, values=s.values[56000:]) for s in record), record.sampling_rate)
     values = [
         tn.identify(

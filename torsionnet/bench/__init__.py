@@ -1,4 +1,4 @@
-"""Virtual test benches: what they are made of, and tests that run on a model instead of a rig."""
+"""Virtual test benches: tests that run on a model instead of a rig, with an exciter, sensors and data acquisition."""
 
 from torsionnet.core.lazy import offered
 

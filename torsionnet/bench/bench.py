@@ -1,4 +1,4 @@
-"""A drivetrain on a test bench: run the test, get the record."""
+"""Virtual test bench: runs a test on a drivetrain and returns the record."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.bench.exciting import Delivered, deliver, rounded
+from torsionnet.bench.exciter_torque import ExciterOutput, exciter_output, quantised
 from torsionnet.core.entries.spec import present
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
@@ -19,15 +19,13 @@ from torsionnet.model.bench.bench_checks import check_plan, sensor_of
 from torsionnet.model.channels import Sensor
 from torsionnet.response.recording import FloatArray, Recording, Signal
 
-ORDER = 4
-"""Of the anti-alias filter in the analog channels."""
-PAD_CYCLES = 20
-"""Cycles of its cut-off before the record for which the filter has seen the first value."""
+ANTI_ALIAS_ORDER = 4
+"""Order of the Butterworth anti-alias filter of the analog channels."""
 
 
 @dataclass(frozen=True)
 class Bench:
-    """A drivetrain and the test it is put to.
+    """Drivetrain with the plan of a test on it: excitation, exciter, channels and data acquisition.
 
     Raises
     ------
@@ -57,41 +55,41 @@ class Bench:
 
     @property
     def drive(self) -> str:
-        """Name of the input on which the torque acts."""
+        """Name of the model's input on which the exciter's torque acts."""
         return self.plan.drive or next(
             name for name, channel in self.drivetrain.inputs.items() if channel.quantity == "torque"
         )
 
     @property
     def sensors(self) -> Mapping[str, Sensor]:
-        """What every channel measures."""
+        """Sensor of the model that each channel reads, by the name of the channel."""
         found = {name: sensor_of(name, part, self.drivetrain.definition) for name, part in self.plan.channels.items()}
         return {name: sensor for name, sensor in found.items() if sensor is not None}
 
     def configured(self, name: str = "", /, **overrides: Any) -> Bench:
-        """The same test on a drivetrain in another configuration, or with other parameter values."""
+        """Copy of the bench with the drivetrain in another configuration, or with other parameter values."""
         return replace(self, drivetrain=self.drivetrain.configured(name, **overrides))
 
     @cached_property
-    def delivered(self) -> Delivered:
-        """Set-point and torque of the exciter."""
-        return deliver(self.plan.excitation, self.plan.exciter, self.plan.acquisition.rate)
+    def exciter_output(self) -> ExciterOutput:
+        """Set-point and torque of the exciter over time."""
+        return exciter_output(self.plan.excitation, self.plan.exciter, self.plan.acquisition.rate)
 
     @cached_property
     def truth(self) -> Recording:
-        """Torque delivered and what the sensors stand on, without any error of measurement."""
+        """Record of the exciter's torque and of the motion and torques at the sensors, without measurement errors."""
         mean = self.plan.excitation.mean
         sensors = self.sensors
         moved = self.drivetrain.simulate(
-            list(sensors.values()), {self.drive: self.delivered.torque - mean}, self.plan.acquisition.rate
+            list(sensors.values()), {self.drive: self.exciter_output.torque - mean}, self.plan.acquisition.rate
         )
-        torque = replace(moved[self.drive], values=self.delivered.torque)
+        torque = replace(moved[self.drive], values=self.exciter_output.torque)
         read = zip(sensors, moved.signals[1:], self._equilibrium(mean), strict=True)
         signals = (Signal(name, signal.quantity, signal.values + rest) for name, signal, rest in read)
         return replace(moved, signals=(torque, *signals))
 
     def _equilibrium(self, mean: float) -> list[float]:
-        """Every reading under the mean torque."""
+        """Static reading of every channel under the mean torque, in the unit of its sensor."""
         if not mean:
             return [0.0] * len(self.sensors)
         with warnings.catch_warnings():
@@ -105,23 +103,23 @@ class Bench:
         return [float(value.real) * mean for value in static]
 
     def run(self, seed: int | None = None) -> Recording:
-        """The record of the test: the set-point, named after the input with ``_set``, and every channel.
+        """Record of the test: the set-point, named after the input with ``_set``, and every channel.
 
         Parameters
         ----------
         seed : int, optional
-            Instead of the plan's, for another run of the same test. Noise and the place of an encoder's steps follow
-            from it and from the configuration: two gears do not share them.
+            Seed of this run; default: that of the plan. Noise and the position of an encoder's steps follow from seed
+            and configuration, so that two gears do not share them.
         """
         number = self.plan.seed if seed is None else seed
         begin = [number, *self.drivetrain.configuration.encode()]
         generators = np.random.default_rng(begin).spawn(len(self.plan.channels))
-        set_point = Signal(f"{self.drive}_set", "torque", self.delivered.set_point)
+        set_point = Signal(f"{self.drive}_set", "torque", self.exciter_output.set_point)
         channels = tuple(
-            sensed(self.truth[name], part, self.plan.acquisition, rng)
+            recorded_signal(self.truth[name], part, self.plan.acquisition, rng)
             for (name, part), rng in zip(self.plan.channels.items(), generators, strict=True)
         )
-        notes = (f"virtual test: {self.drivetrain.title}, {self._described}, seed {number}", *self.delivered.notes)
+        notes = (f"virtual test: {self.drivetrain.title}, {self._described}, seed {number}", *self.exciter_output.notes)
         return Recording((set_point, *channels), self.plan.acquisition.rate, title=self.drivetrain.title, notes=notes)
 
     @property
@@ -131,16 +129,18 @@ class Bench:
         return f"{excitation.kind} of {excitation.amplitude:g} N*m{mean}, {excitation.length:g} s"
 
 
-def sensed(truth: Signal, part: Transducer | Encoder, acquisition: Acquisition, rng: np.random.Generator) -> Signal:
-    """What one channel records of a true signal."""
+def recorded_signal(
+    truth: Signal, part: Transducer | Encoder, acquisition: Acquisition, rng: np.random.Generator
+) -> Signal:
+    """Signal that one channel records of a true signal, with the errors of its transducer or encoder."""
     late = replace(truth, values=_delayed(truth.values, part.delay * acquisition.rate))
     return _encoded(late, part, rng) if isinstance(part, Encoder) else _transduced(late, part, acquisition, rng)
 
 
 def _encoded(truth: Signal, encoder: Encoder, rng: np.random.Generator) -> Signal:
-    """Whole steps of an incremental encoder whose count is 0 at the first sample.
+    """Angle counted by an incremental encoder in whole steps, 0 at the first sample.
 
-    Where between two edges the shaft stands then is a matter of chance.
+    The position of the shaft between two edges at the first sample is random.
     """
     step = 2 * np.pi / encoder.steps
     place = rng.random()
@@ -151,7 +151,7 @@ def _encoded(truth: Signal, encoder: Encoder, rng: np.random.Generator) -> Signa
 
 
 def _transduced(truth: Signal, part: Transducer, acquisition: Acquisition, rng: np.random.Generator) -> Signal:
-    """Gain, noise, offset, anti-alias filter, range and analog input of a transducer."""
+    """Signal of a transducer: gain, noise, offset, anti-alias filter, range and quantisation applied."""
     values, notes = part.gain * truth.values, list(truth.notes)
     if part.noise is not None:
         values = values + float(part.noise.value) * rng.standard_normal(len(values))
@@ -166,21 +166,21 @@ def _transduced(truth: Signal, part: Transducer, acquisition: Acquisition, rng: 
             notes.append(f"warning: {truth.name} clipped at its range of {limit:g} {truth.unit} in {clipped} samples")
         values = np.clip(values, -limit, limit)
         if acquisition.bits is not None:
-            values = rounded(values, 2 * limit / 2**acquisition.bits)
+            values = quantised(values, 2 * limit / 2**acquisition.bits)
     return replace(truth, values=values, notes=tuple(notes))
 
 
 def _filtered(values: FloatArray, acquisition: Acquisition) -> FloatArray:
-    """Low-pass in front of the analog input, settled at the first value; it delays, as the real one does."""
+    """Values behind the anti-alias low-pass, which has settled at the first value; delayed as in a real one."""
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
-    sections = butter(ORDER, present(acquisition.anti_alias), fs=acquisition.rate, output="sos")
+    sections = butter(ANTI_ALIAS_ORDER, present(acquisition.anti_alias), fs=acquisition.rate, output="sos")
     settled = sosfilt_zi(sections) * values[0]
     return np.asarray(sosfilt(sections, values, zi=settled)[0])
 
 
 def _delayed(values: FloatArray, samples: float) -> FloatArray:
-    """Values later by a number of samples, whole or not, that begins at rest; cubic between samples."""
+    """Values delayed by a number of samples, whole or not, by cubic interpolation; the first value before the start."""
     if samples == 0:
         return values
     from scipy.interpolate import CubicSpline

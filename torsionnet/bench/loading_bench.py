@@ -1,4 +1,4 @@
-"""Test benches from files: a model file with a ``bench:`` section, or a file of its own that names the model."""
+"""Test benches read from a model file with a ``bench:`` section, or from a bench file that names the model."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.model.files.reader import find_model
 
 
 def load_bench(bench: str | os.PathLike[str]) -> Bench:
-    """The test bench in a file, or in the library under a name.
+    """Load the test bench of a file, or a bench of the library by name.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
 
 
 def _model(entries: Mapping[str, Any], path: Path) -> tuple[Drivetrain | None, list[Fault]]:
-    """The model named, in its configuration; what is wrong with its file keeps its own places."""
+    """Drivetrain named in a bench file, in its configuration, and the faults found; no drivetrain if there are any."""
     name = entries["model"]
     if name is None:
         return None, []

@@ -1,4 +1,4 @@
-"""The main job on both rigs of Galvagno et al. (2015). ``python -m torsionnet.demo [FOLDER]``."""
+"""Demonstration on both rigs of Galvagno et al. (2015): ``python -m torsionnet.demo [FOLDER]``."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 
 def main(arguments: list[str] | None = None) -> int:
+    """Run all demonstrations, write their files to the folder given, and return the exit code."""
     import torsionnet.demo.figures as figures
     import torsionnet.demo.identification as identification
     import torsionnet.demo.reports as reports

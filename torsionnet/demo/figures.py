@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 DEGREES = Conventions(angle="deg")
 GEARS = ("II", "III", "IV", "V")
 BAND = (0.3, 40.0)
+"""Frequencies in Hz between which the responses are estimated, as in the paper's figures."""
 
+# Text printed below the table of agreements.
 REMARKS = """\
 The bench is a model: its torque of 15 N*m, 100 s long, 60 Hz of bandwidth and harmonics of 2 and 1.3 % are chosen, as
 the paper states none of them; sensors and sampling are the paper's. What these figures show:
@@ -35,7 +37,7 @@ the paper states none of them; sensors and sampling are the paper's. What these 
 
 @dataclass(frozen=True)
 class Run:
-    """One run: its record, the response estimated from it, and the model's at the same frequencies."""
+    """One virtual test: its record, the response estimated from it, and the model's at the same frequencies."""
 
     case: str
     record: Recording
@@ -44,14 +46,14 @@ class Run:
 
 
 def run(bench: Bench, case: str) -> Run:
-    """The test of one rig, estimated with the paper's settings."""
+    """Run the test of a bench and estimate theta_1/T_T with the paper's settings."""
     record = bench.run()
     estimated = estimate(record, "theta_1", "T_T", settings=PAPER).between(*BAND)
     return Run(case, record, estimated, bench.drivetrain.frequency_response("theta_1", "T_T", estimated.frequencies))
 
 
 def tests() -> Iterator[Run]:
-    """The DMF and the four gears of the AMT."""
+    """Virtual tests of the DMF rig and of the AMT rig in four gears."""
     yield run(load_bench("dmf_bench"), "DMF")
     amt = load_bench("amt_bench")
     for gear in GEARS:
@@ -59,7 +61,7 @@ def tests() -> Iterator[Run]:
 
 
 def figures(dmf: Run, gears: list[Run]) -> Iterator[tuple[str, Figure]]:
-    """Name of the file and figure."""
+    """File names and figures of the paper's Figs 2 to 7, 11 and 12."""
     labels = [test.case.removeprefix("AMT ") for test in gears]
     slow, amt = decimate(dmf.record, PAPER.decimation), [test.estimated for test in gears]
     yield "fig_02_time_histories", plot.time_histories(dmf.record, ["T_T", "theta_1"], conventions=DEGREES)
@@ -83,7 +85,7 @@ PAPER_AT_ONCE = type(PAPER)(PAPER.window, PAPER.seconds, PAPER.overlap)
 
 
 def agreements(done: list[Run]) -> Table:
-    """How far each estimate is from its model where it can be used."""
+    """Table of the largest differences between each estimate and its model in the usable frequency range."""
     columns = (
         Column("case"),
         Column("usable up to", "Hz", 3),
@@ -107,7 +109,7 @@ def agreements(done: list[Run]) -> Table:
 
 
 def show(folder: Path) -> list[Run]:
-    """A table on the screen, the figures in the folder; gives the tests behind them."""
+    """Print the table of agreements, write the figures to the folder, and return the tests."""
     dmf, *gears = tests()
     print_table(agreements([dmf, *gears]))
     print()
@@ -121,6 +123,7 @@ def show(folder: Path) -> list[Run]:
 
 
 def main(arguments: list[str] | None = None) -> int:
+    """Write the figures to the folder given and return the exit code."""
     given = sys.argv[1:] if arguments is None else arguments
     folder = Path(given[0] if given else "out")
     folder.mkdir(parents=True, exist_ok=True)

@@ -19,41 +19,44 @@ from torsionnet.model.bench import Encoder
 from torsionnet.response import Conventions
 from torsionnet.signals import PAPER
 
-TRUE = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}
-BEGIN = {"c_2": 8.0, "c_O": 80.0, "c_B": 4.0}
+TRUE_VALUES = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}
+"""Damping of the library models in N m s/rad, which the virtual tests have."""
+START_VALUES = {"c_2": 8.0, "c_O": 80.0, "c_B": 4.0}
+"""Damping in N m s/rad from which the fits start: wrong by a factor of 2 to 3."""
 GEARS = ("II", "III", "IV")
-FINE = Encoder(lines=1024, quadrature=True)
+QUADRATURE_ENCODER = Encoder(lines=1024, quadrature=True)
 
+# Text printed below the tables of the fits.
 REMARKS = """\
 The fits predict the output from the measured torque, and estimate prediction and test alike (windows of 2 s, H1), so
 leakage does not bias them. Alone, no gear tells c_O from c_B: only c_B + c_O/tau^2 acts. Records are those of the
 library's benches with the encoder in quadrature; how often the intervals hold the truth is on the validation page."""
 
 
-def fine(bench: Bench) -> Bench:
-    """The bench with its encoder in quadrature."""
-    channels = {**bench.plan.channels, "theta_1": FINE}
+def with_quadrature(bench: Bench) -> Bench:
+    """Copy of a bench with its encoder in quadrature."""
+    channels = {**bench.plan.channels, "theta_1": QUADRATURE_ENCODER}
     return replace(bench, plan=replace(bench.plan, channels=channels))
 
 
 def flywheel() -> Fit:
-    """c_2 of the DMF rig."""
-    test = Measurement(fine(load_bench("dmf_bench")).run(), "theta_1", "T_T", settings=PAPER, name="DMF")
-    return identify(load("dmf_rig"), test, {"c_2": BEGIN["c_2"]})
+    """Fit of the damping c_2 of the DMF rig."""
+    test = Measurement(with_quadrature(load_bench("dmf_bench")).run(), "theta_1", "T_T", settings=PAPER, name="DMF")
+    return identify(load("dmf_rig"), test, {"c_2": START_VALUES["c_2"]})
 
 
 def transmission(gears: tuple[str, ...] = GEARS) -> Fit:
-    """c_O and c_B of the AMT rig from several gears at once."""
-    bench = fine(load_bench("amt_bench"))
+    """Fit of the damping c_O and c_B of the AMT rig to several gears at once."""
+    bench = with_quadrature(load_bench("amt_bench"))
     tests = [Measurement(bench.configured(gear).run(), "theta_1", "T_T", gear, settings=PAPER) for gear in gears]
-    return identify(load("amt_rig"), tests, {name: BEGIN[name] for name in ("c_O", "c_B")})
+    return identify(load("amt_rig"), tests, {name: START_VALUES[name] for name in ("c_O", "c_B")})
 
 
 def show(folder: Path) -> dict[str, Fit]:
-    """Fitted against true values on the screen, pictures in the folder; gives the fits."""
+    """Print fitted and true values, write the pictures to the folder, and return the fits."""
     fits = {"fit_dmf": flywheel(), "fit_amt": transmission()}
     for fit in fits.values():
-        print_table(fit.table(true=TRUE))
+        print_table(fit.table(true=TRUE_VALUES))
         print()
     print("In gear II alone:", *transmission(("II",)).verdicts, sep="\n  ")
     print()
@@ -68,6 +71,7 @@ def show(folder: Path) -> dict[str, Fit]:
 
 
 def main(arguments: list[str] | None = None) -> int:
+    """Fit both rigs, write the pictures to the folder given, and return the exit code."""
     given = sys.argv[1:] if arguments is None else arguments
     folder = Path(given[0] if given else "out")
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The reports on both rigs, with the virtual tests and the fits in them."""
+"""Reports on both rigs, with the virtual tests and the fits."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def show(folder: Path, tests: Sequence[Run], fits: Mapping[str, Fit]) -> None:
-    """Write the pages, and say where they are."""
+    """Write the reports of both rigs to the folder and print their paths."""
     dmf, *gears = tests
     measured = {test.case.removeprefix("AMT "): test.estimated for test in gears}
     print("Wrote")

@@ -1,4 +1,4 @@
-"""Both rigs of Galvagno et al. (2015): modes, comparison with the paper, plots."""
+"""Modes, plots and comparison with the paper of both rigs of Galvagno et al. (2015)."""
 
 from __future__ import annotations
 
@@ -38,6 +38,7 @@ PAPER = {  # case, quantity: what the test showed (Figs 10-13 and the text aroun
     ("AMT V, c_O = 360", "damping ratio"): 0.27,
 }
 
+# Text printed below the tables.
 REMARKS = """\
 Where the test differs from the model, and why:
 * Phase at low frequency: the AMT lags about 15 deg at 0.4 Hz in the test, the model 1.5 to 2.6 deg. Viscous damping
@@ -53,17 +54,19 @@ Where the test differs from the model, and why:
 
 @dataclass(frozen=True)
 class Rig:
-    """A rig in one configuration, as the tables call it."""
+    """Rig in one configuration, with its name in tables and in file names."""
 
     case: str
     slug: str
     drivetrain: Drivetrain
 
     def response(self, against: str, frequencies: FloatArray = FREQUENCIES) -> FrequencyResponse:
+        """Response of theta_1 to an input or measured input at frequencies in Hz."""
         return self.drivetrain.frequency_response("theta_1", against, frequencies)
 
 
 def rigs() -> list[Rig]:
+    """DMF rig, AMT rig in four gears, and AMT rig in gear V with another c_O."""
     amt = load("amt_rig")
     gears = {gear: f"AMT {gear}" for gear in ("II", "III", "IV", "V")} | {"V_c_O_360": "AMT V, c_O = 360"}
     found = [Rig(case, f"amt_{gear}", amt.configured(gear)) for gear, case in gears.items()]
@@ -77,7 +80,7 @@ def first_vibration(modes: Modes) -> tuple[float, float]:
 
 
 def quantities(rig: Rig) -> Iterator[tuple[str, str, float]]:
-    """(quantity, unit, value in the model) of everything that is compared."""
+    """Name, unit and value in the model of every quantity compared with the paper."""
     frequency, damping = first_vibration(rig.drivetrain.modes())
     yield "natural frequency", "Hz", frequency
     yield "damping ratio", "1", damping
@@ -91,7 +94,7 @@ def quantities(rig: Rig) -> Iterator[tuple[str, str, float]]:
 
 
 def comparison(cases: list[Rig]) -> Table:
-    """The model beside the paper's test, theta_1/T_T."""
+    """Table of the model beside the paper's test, theta_1/T_T."""
     columns = (
         Column("case"),
         Column("quantity"),
@@ -114,7 +117,7 @@ def _deviation(value: float, test: float, unit: str) -> str:
 
 
 def cut_poles(cases: list[Rig]) -> Table:
-    """The vibration a test of theta_1/T_T shows: the lowest pole pair of the rig cut at the torque meter."""
+    """Table of the lowest pole pair of theta_1/T_T, that of the rig cut at the torque meter, beside the whole rig's."""
     columns = (
         Column("case"),
         Column("natural frequency", "Hz"),
@@ -134,7 +137,7 @@ def cut_poles(cases: list[Rig]) -> Table:
 
 
 def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
-    """The paper's Figs 10 and 13, the curves in them, and the schematics."""
+    """Write the paper's Figs 10 and 13, their curves as CSV and the schematics; yield their paths."""
     dmf, *gears = cases
     fig_10 = plot.bode(
         [dmf.response("T_M"), dmf.response("T_T")],
@@ -163,7 +166,7 @@ def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
 
 
 def show(folder: Path) -> None:
-    """Tables on the screen, plots and curves in the folder."""
+    """Print the tables, write plots and curves to the folder."""
     cases = rigs()
     for rig in cases:
         print_table(without_eigenvalues(rig.drivetrain.modes().table()))

@@ -1,4 +1,4 @@
-"""From the excitation wanted to the torque a motor delivers."""
+"""Set-point and torque of the exciter that follows an excitation."""
 
 from __future__ import annotations
 
@@ -12,34 +12,36 @@ from torsionnet.model.bench import Exciter
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.excitation.excitation import Excitation
 
-TURN = 2 * np.pi
+TURN = 2 * np.pi  # rad
 
 
 @dataclass(frozen=True, eq=False)
-class Delivered:
-    """Set-point as it leaves the analog output, torque at the motor, both (n,) in N m, and what was noticed."""
+class ExciterOutput:
+    """Set-point at the analog output and torque at the motor over time, both (n,) in N m, with notes on clipping."""
 
     set_point: FloatArray
     torque: FloatArray
     notes: tuple[str, ...] = ()
 
 
-def deliver(excitation: Excitation, exciter: Exciter, sampling_rate: float) -> Delivered:
-    """Torque of an exciter that is to follow an excitation.
+def exciter_output(excitation: Excitation, exciter: Exciter, sampling_rate: float) -> ExciterOutput:
+    """Set-point and torque of an exciter that follows an excitation.
 
     The set-point is raised beforehand if it is compensated, clipped at the rated torque and rounded to the steps of
     the analog output; the torque follows it with a first-order lag and is bent by the harmonics.
     """
     wanted = excitation.samples(sampling_rate)
-    raised = compensated(wanted, present(exciter.bandwidth), sampling_rate) if exciter.compensated else wanted
+    raised = compensated_set_point(wanted, present(exciter.bandwidth), sampling_rate) if exciter.compensated else wanted
     set_point, notes = _limited(raised, exciter)
-    followed = lagged(set_point, exciter.bandwidth, sampling_rate, wanted[0]) if exciter.bandwidth else set_point
-    torque = bent(followed, excitation, exciter.harmonics or {})
-    return Delivered(set_point, torque, notes)
+    followed = (
+        first_order_lag(set_point, exciter.bandwidth, sampling_rate, wanted[0]) if exciter.bandwidth else set_point
+    )
+    torque = with_harmonics(followed, excitation, exciter.harmonics or {})
+    return ExciterOutput(set_point, torque, notes)
 
 
-def compensated(wanted: FloatArray, bandwidth: float, sampling_rate: float) -> FloatArray:
-    """The set-point after which a first-order lag delivers what is wanted, at every sample.
+def compensated_set_point(wanted: FloatArray, bandwidth: float, sampling_rate: float) -> FloatArray:
+    """Set-point with which a first-order lag delivers the torque wanted at every sample, (n,) in N m.
 
     The lag's step y[n+1] = a y[n] + (1 - a) u[n] solved for u; the last sample is held.
     """
@@ -48,10 +50,10 @@ def compensated(wanted: FloatArray, bandwidth: float, sampling_rate: float) -> F
     return np.append(raised, wanted[-1:])
 
 
-def lagged(set_point: FloatArray, bandwidth: float, sampling_rate: float, rest: float) -> FloatArray:
-    """Torque of a control loop of the first order, 3 dB down at ``bandwidth``, under a set-point held at each step.
+def first_order_lag(set_point: FloatArray, bandwidth: float, sampling_rate: float, rest: float) -> FloatArray:
+    """Torque behind a first-order lag, 3 dB down at ``bandwidth`` (Hz), with the set-point held between samples.
 
-    It has long been at ``rest`` when the test begins.
+    Before the first sample the torque is steady at ``rest``.
     """
     from scipy.signal import lfilter
 
@@ -63,10 +65,10 @@ def _decay(bandwidth: float, sampling_rate: float) -> float:
     return float(np.exp(-TURN * bandwidth / sampling_rate))
 
 
-def bent(torque: FloatArray, excitation: Excitation, shares: dict[int, float]) -> FloatArray:
-    """Torque with harmonics: Chebyshev polynomials make of a sine of full amplitude its multiples and nothing else.
+def with_harmonics(torque: FloatArray, excitation: Excitation, shares: dict[int, float]) -> FloatArray:
+    """Torque with harmonics added, in N m: Chebyshev polynomials turn a sine of full amplitude into its multiples.
 
-    The mean that even orders bring along is left out: the motor's control holds it.
+    ``shares`` are relative amplitudes by harmonic. The mean of even harmonics is left out: the control holds the mean.
     """
     if not any(shares.values()) or not excitation.amplitude:
         return torque
@@ -91,10 +93,10 @@ def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple
             notes.append(f"warning: set-point clipped at the {what} of {limit:g} N*m {share}; {peak}")
             set_point = np.clip(set_point, -limit, limit)
     if exciter.bits is not None:
-        set_point = rounded(set_point, 2 * present(exciter.full_scale) / 2**exciter.bits)
+        set_point = quantised(set_point, 2 * present(exciter.full_scale) / 2**exciter.bits)
     return set_point, tuple(notes)
 
 
-def rounded(values: FloatArray, step: float) -> FloatArray:
-    """Values on the nearest step of a converter."""
+def quantised(values: FloatArray, step: float) -> FloatArray:
+    """Values rounded to the nearest step of an analog-digital converter."""
     return np.asarray(step * np.round(values / step))
