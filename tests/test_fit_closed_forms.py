@@ -75,7 +75,7 @@ class TestOneInertia:
 
     @pytest.mark.parametrize("level", [0.0, 1.0, 1.5])
     def test_level_is_a_share(self, level):
-        with pytest.raises(UsageError, match="a level is a share between 0 and 1"):
+        with pytest.raises(UsageError, match="confidence level is a number between 0 and 1"):
             fitted().intervals(level)
 
     def test_chi_squared_and_what_follows_from_it(self):

@@ -92,7 +92,7 @@ class TestAgainstScipy:
     def test_noise_of_the_input(self, found, monkeypatch):
         G = drawn(found)
         expected = covariance_of(lines_of_impulses(found, lambda impulse: filtered(found, G, impulse)))
-        for held in (segments.HELD, 0):
+        for held in (segments.MOST_ROW_BYTES, 0):
             monkeypatch.setattr(segments, "HELD", held)
             close(found.input_covariance(G), expected)
 

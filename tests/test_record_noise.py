@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.identification.fit import load_fit
 from torsionnet.identification.reach import reach
 from torsionnet.identification.residuals.quiet import quiet_windows
-from torsionnet.identification.residuals.steps import PLACES, SensorSteps
+from torsionnet.identification.residuals.steps import REST_POSITIONS, SensorSteps
 from torsionnet.identification.sources import together, two_sources
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Multisine, Welch, decimate
@@ -107,7 +107,7 @@ def test_steps_change_a_sine_as_the_describing_function_says(amplitude):
     rate = block.windowed.record.sampling_rate
     motion = amplitude * step * np.sin(2 * np.pi * f * np.arange(rows.count) / rate)
     found = (SensorSteps(step, 10).errors(motion, rows) / rows.apply(motion))[:, line]
-    k, o = np.arange(1, 200)[:, None], (np.arange(PLACES) + 0.5) / PLACES
+    k, o = np.arange(1, 200)[:, None], (np.arange(REST_POSITIONS) + 0.5) / REST_POSITIONS
     terms = 2 * (-1.0) ** k * j1(2 * np.pi * k * amplitude) / (np.pi * k * amplitude) * np.cos(2 * np.pi * k * o)
     assert found.real == pytest.approx(terms.sum(axis=0), abs=0.03 / amplitude)
 
@@ -118,7 +118,7 @@ def test_steps_are_read_at_the_rate_of_the_sensor():
     rows, rate, step = block.windowed.rows, 1000.0, 0.004
     time = np.arange(10 * rows.count) / rate
     fine = 0.05 * np.sin(2 * np.pi * (0.5 + 0.1 * time) * time) * np.minimum(1, (time[-1] - time) / 2)
-    place = 0.5 / PLACES * step
+    place = 0.5 / REST_POSITIONS * step
     read = step * np.rint((fine + place) / step) - fine - place
     template = block.windowed.record.select(["theta_1"])
     signal = replace(template["theta_1"], values=read)
@@ -131,7 +131,7 @@ def test_steps_are_read_at_the_rate_of_the_sensor():
 def test_an_interval_holds_what_noise_and_steps_do():
     """Against drawn errors: noise and a cosine of unknown phase, of two tests."""
     rng, count = np.random.default_rng(2), 200_000
-    phases = 2 * np.pi * (np.arange(PLACES) + 0.5) / PLACES
+    phases = 2 * np.pi * (np.arange(REST_POSITIONS) + 0.5) / REST_POSITIONS
     for noise, sizes in ((1.0, [0.5]), (0.1, [1.0]), (0.3, [1.0, 0.6])):
         drawn = noise * stats.t.rvs(30, size=count, random_state=rng)
         drawn += sum(size * np.cos(rng.uniform(0, 2 * np.pi, count)) for size in sizes)

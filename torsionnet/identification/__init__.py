@@ -1,4 +1,4 @@
-"""From tests to parameters that can be trusted."""
+"""Identification of the parameters of a drivetrain from measurements, with standard errors and lack of fit."""
 
 from torsionnet.core.lazy import offered
 

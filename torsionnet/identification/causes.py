@@ -1,4 +1,4 @@
-"""What usually makes a model not fit, each as a freedom more: delay, gain, kind of damping, a value taken for known."""
+"""Usual causes of a misfit, each as an additional unknown: delay, gain, kind of damping, a value taken as known."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, S
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
 FREED = ("inertia", "stiffness", "damping")
-"""What is set free of the quantities that a model takes for known, and the ratios of gears."""
+"""Dimensions of element fields that are tried as causes of a misfit, besides gear ratios."""
 GONE = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
-"""What an element no longer has with the other kind of damping, or with a ratio that no teeth make."""
+"""Field of an element that a cause of this kind replaces: the other kind of damping, or the teeth behind a ratio."""
 
 
 @dataclass(frozen=True)
 class Cause:
-    """One thing that may be wrong.
+    """Possible cause of a misfit: one additional unknown of the model or of a measuring channel.
 
     Attributes
     ----------
     kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
     unknown : str
-        Name of the freedom: ``I_2``, ``dmf.loss_factor``, ``delay``.
+        Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``.
     element : str
-        Whose damping is of another kind, or whose ratio its teeth make.
+        Name of the element whose kind of damping, or whose ratio made by teeth, is changed.
     """
 
     kind: str
@@ -42,16 +42,17 @@ class Cause:
 
     @property
     def is_of_channel(self) -> bool:
+        """Whether the cause is a delay or gain of the measuring channel."""
         return self.unknown in ("delay", "gain")
 
     @property
     def is_value(self) -> bool:
-        """Whether a number of the model is another one."""
+        """Whether the cause is a wrong number in the model, ratios included."""
         return self.kind in ("value", "ratio")
 
 
 def causes_of(problem: FitProblem) -> tuple[Cause, ...]:
-    """All that can be tried with the models and measurements of a fit."""
+    """Causes of a misfit that can be tried in a fit: those that are not free already."""
     free = {extra for block in problem.blocks for extra in block.extra}
     channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
@@ -74,7 +75,7 @@ def _values(rig: AssembledModel) -> Iterator[Cause]:
 
 
 def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
-    """Parameters with a number of their own that an expression comes down to."""
+    """Names of the parameters with plain numbers that an expression depends on."""
     found: list[str] = []
     for name in sorted(value.names & parameters.keys()):
         inner = parameters[name].value
@@ -83,14 +84,14 @@ def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
 
 
 def _ratios(rig: AssembledModel) -> Iterator[Cause]:
-    """Stages whose ratio follows from teeth."""
+    """Causes that free the ratio of gears given by teeth."""
     for element in rig.definition.active:
         if isinstance(element, Gear) and element.teeth is not None:
             yield Cause("ratio", f"{element.name}.ratio", element.name)
 
 
 def _dampings(rig: AssembledModel) -> Iterator[Cause]:
-    """Springs with one kind of damping, which might be the other."""
+    """Causes that exchange viscous and hysteretic damping of springs."""
     for element in rig.definition.active:
         if isinstance(element, Spring | HystereticSpring):
             if _loss(element, rig):
@@ -104,12 +105,12 @@ def _loss(element: AnySpring, rig: AssembledModel) -> float:
 
 
 def _damping(element: AnySpring, rig: AssembledModel) -> float:
-    """Viscous damping of a spring and of dampers beside it."""
+    """Viscous damping of a spring and of the dampers in parallel, N m s/rad."""
     return sum(_number(given, rig) for given in (element.damping, *(one.damping for one in _beside(element, rig))))
 
 
 def _number(given: Any, rig: AssembledModel) -> float:
-    """A value of the model; a measure of damping counts as 1."""
+    """Value of an element field in SI; a measure of damping counts as 1."""
     return float(given.evaluate(rig.exact_values)) if isinstance(given, Expression) else 1.0
 
 
@@ -119,16 +120,16 @@ def _beside(element: AnySpring, rig: AssembledModel) -> list[Damper]:
 
 
 def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray, *, instead: bool) -> FitProblem:
-    """The problem with freedoms more, beginning where it stands.
+    """Fit problem with causes as additional unknowns, starting at the values given.
 
     Parameters
     ----------
     problem : FitProblem
     causes : sequence of Cause
     values : (n,) array
-        Where it stands.
+        Start values of the unknowns that ``problem`` has already.
     instead : bool
-        Whether another kind of damping takes the place of the one there is, or begins at 0 beside it.
+        Whether another kind of damping replaces the present one; otherwise it starts at 0 in addition to it.
     """
     more = [cause.unknown for cause in causes if not cause.is_of_channel]
     gone = {f"{cause.element}.{GONE[cause.kind]}" for cause in causes if cause.element and instead}
@@ -165,9 +166,9 @@ def _acts(problem: FitProblem, name: str) -> bool:
 
 
 def _change(cause: Cause, frequency: float, instead: bool) -> Change:
-    """A spring with the other kind of damping: of the same loss at a frequency, or none of it yet beside its own.
+    """Change of a model by a cause: a spring with the other kind of damping, or a gear with its ratio as a number.
 
-    A stage has the ratio of its teeth as a number.
+    The new damping has the same loss at ``frequency`` (Hz), or starts at 0 beside the present one.
     """
 
     def change(rig: AssembledModel) -> AssembledModel:

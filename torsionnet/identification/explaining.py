@@ -1,4 +1,4 @@
-"""Which one freedom more would explain what a fit leaves, and what its values would be then."""
+"""Explanations of a misfit: single additional unknowns with which the model would fit, and all values then."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from torsionnet.identification.trying_causes import Solve, Tried, explaining, sq
 from torsionnet.response.recording import Recording
 from torsionnet.signals.resolution import ENOUGH, resolution
 
-TRIED = 6
-"""Causes that are fitted, those first that would take away most by a linear estimate."""
-SEEN = 1e-6
-"""Part of what a cause does to the data that the parameters cannot do."""
+CAUSES_FITTED_FIRST = 6
+"""Number of causes that are fitted first: those that would reduce the misfit most by a linear estimate."""
+LEAST_INDEPENDENT_EFFECT = 1e-6
+"""Share of the effect of a cause that the parameters must be unable to reproduce; below it the cause is ignored."""
 
 Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
-"""Standard errors at an optimum, by name."""
+"""Function for the standard errors at an optimum, by name of the unknown."""
 
 
 def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
-    """The best of them first, and others that do about as well; empty if none takes away most of the misfit."""
+    """Explanations of the misfit, the best first, and others about as good; empty if none removes most of it."""
     whole = squares(problem, values)
     starts = [values, problem.start]  # a wrong model may have led far off
     first = list(dict.fromkeys(cause for start in starts for cause in _promising(problem, start)))
     tried = tried_causes(problem, first, starts, solve)
     good = explaining(tried, whole)
-    if not good:  # by a linear estimate they are not what they are
+    if not good:  # the linear estimate may have picked the wrong causes
         others = [cause for cause in causes_of(problem) if cause not in first]
         good = explaining(tried_causes(problem, others, [values], solve), whole)
     found = [_explained(one, one.squares / whole, solve, errors) for one in good]
@@ -39,10 +39,10 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
-    """Causes by what a linear step would take away, those that do nothing left out."""
+    """Causes that a linear step predicts to reduce the misfit most, the best first."""
     causes = list(causes_of(problem))
     wide = with_causes(problem, causes, values, instead=False)
-    residuals, slopes = _where_each_stands(wide, problem.names)
+    residuals, slopes = _residuals_by_configuration(wide, problem.names)
     own = [wide.names.index(name) for name in problem.names]
     basis, _ = np.linalg.qr(_scaled(slopes[:, own]))
     gains = []
@@ -50,15 +50,15 @@ def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
         columns = [index for index, name in enumerate(wide.names) if name.partition("[")[0] == cause.unknown]
         more = _scaled(slopes[:, columns])
         rest = more - basis @ (basis.T @ more)
-        seen = np.linalg.norm(rest, axis=0) > SEEN
+        seen = np.linalg.norm(rest, axis=0) > LEAST_INDEPENDENT_EFFECT
         fresh, _ = np.linalg.qr(rest[:, seen])
         gains.append(float(np.sum((fresh.T @ residuals) ** 2)))
-    order = np.argsort(gains)[::-1][:TRIED]
+    order = np.argsort(gains)[::-1][:CAUSES_FITTED_FIRST]
     return [causes[place] for place in order if gains[place] > 0]
 
 
-def _where_each_stands(wide: FitProblem, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-    """Residuals and derivatives where every block has what its own configuration says of all but these names."""
+def _residuals_by_configuration(wide: FitProblem, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
+    """Residuals and derivatives where unknowns other than ``names`` have the values of each block's configuration."""
     parts, slopes = [], []
     for block, place in zip(wide.blocks, wide.places, strict=True):
         own = dict(zip(block.response.names, block.response.start.tolist(), strict=True))
@@ -98,7 +98,7 @@ def _explained(one: Tried, left: float, solve: Solve, errors: Errors) -> Explana
 
 
 def too_coarse(problem: FitProblem) -> tuple[str, ...]:
-    """Records that are compared beyond where the steps of their sensor are small against its motion."""
+    """Remarks on records that are compared at frequencies where the sensor moves by few of its steps."""
     found = []
     for block in problem.blocks:
         one = block.measurement

@@ -1,4 +1,4 @@
-"""The result of a fit: values, how certain they are, and what that means in words."""
+"""Result of a fit: values, standard errors, verdicts in words, and how it is made from an optimum."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from torsionnet.identification.verdict_words import verdicts
 from torsionnet.identification.widening import far_off
 from torsionnet.response.recording import Recording
 
-SINGULAR = 1e-9
+SINGULAR_RATIO = 1e-9
+"""Singular value of the scaled derivatives over the largest one below which a direction counts as undetermined."""
 EXTRA_UNITS = {"delay": "s", "gain": ""}
-HEAVY = 1e12
-"""Variance of what is not determined at all, over that of what is."""
+UNDETERMINED_VARIANCE_RATIO = 1e12
+"""Variance that an undetermined direction is given, over the total variance: large, so that it dominates."""
 
-
-FAR = 1e3
-"""Factor from the start."""
-UNSEEN = 0.1
-"""Standard deviations of all residuals together by which the data change on the rest of the way."""
-ENDLESS = {
+RUNAWAY_FACTOR = 1e3
+"""Factor from its start value beyond which a value has run to zero or to infinity."""
+INVISIBLE_EFFECT = 0.1
+"""Change of the residuals, in standard deviations of all together, below which a value has no visible effect."""
+ENDLESS_ADVICE = {  # advice by dimension for a value that grows without end
     "stiffness": "the data do not show that it gives way; make it rigid",
     "inertia": "the data do not show that it moves; lock its node",
     "damping": "the data do not show that it slips; make it rigid",
@@ -59,33 +59,33 @@ class Fit(FitResult):
         Which values can be trusted, in words.
     notes : tuple of str
     steps : mapping of str to tuple of tuples of float
-        By how much the steps of a sensor move a value from each place that it may rest at, for each test that has
-        them, SI. The errors contain it.
+        Errors of a value by the steps (resolution) of a sensor, SI: for each test whose sensor has steps, one error for
+        each rest position within a step. They are part of the standard errors.
     lack_of_fit : LackOfFit, optional
-        What the residuals hold beyond noise; none of a fit that was read from a file.
+        Test of whether the residuals are more than noise; None in a fit that was read from a file.
     """
 
     def profile(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Profile-likelihood interval of one value: how far it can move while the others follow, SI.
+        """Profile-likelihood interval of one value in SI: how far it can move while the others are fitted again.
 
         Unlike :meth:`intervals` it may be asymmetric; an end is infinite, or at a bound, where the data set none.
         """
         return profile_interval(self, name, level)
 
     def to_yaml(self, path: str | None = None) -> str:
-        """The result as YAML text, also written to ``path``; :func:`load_fit` reads it."""
+        """Result of the fit as YAML text, also written to ``path``; :func:`load_fit` reads it."""
         return dump_fit(self, path)
 
 
 def make_fit(
     model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
 ) -> Fit:
-    """Uncertainties and comparisons at the optimum.
+    """Make a :class:`Fit` from an optimum: standard errors, correlation, comparisons, verdicts and notes.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
-    correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top, and the
-    bias that noise makes. Of a model that does not fit they would be those of wrong values, so they are infinite. The
-    noise of records is known from their windows: that lines happen to agree better is no proof of less.
+    correlation R of the residuals, times the reduced chi squared; errors by the steps of sensors and the bias by noise
+    are added. If the model does not fit, the values are wrong, so their standard errors are infinite. The noise of
+    records is known from their windows: a reduced chi squared below 1 does not reduce it.
     """
     plain_names = {name: name.partition("[")[0] for name in problem.names}
     natures = {plain: nature(model, plain) for plain in plain_names.values()}
@@ -95,13 +95,13 @@ def make_fit(
     left_over = variance(residuals, len(values), loss, found.scale)
     factor = max(left_over, 1.0) if problem.noise_is_measured and loss == "linear" else left_over
     reach = np.linalg.norm(slopes, axis=0)
-    scale = 1 / np.where(reach > 0, reach, 1.0)  # what does nothing where the search ended is not determined
+    scale = 1 / np.where(reach > 0, reach, 1.0)  # parameters without effect at the optimum are not determined
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
-    lost = sizes < SINGULAR * sizes[0]
+    lost = sizes < SINGULAR_RATIO * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
     inverse = problem.under_noise(backward) + problem.under_shared(backward, values) / max(factor, np.finfo(float).tiny)
     covariance = factor * inverse * np.outer(scale, scale)
-    undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
+    undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR_RATIO)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, turned[lost])
     names, moved = problem.names, noise_bias(problem, values)
@@ -127,8 +127,8 @@ def make_fit(
 
 
 def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
-    """Of the estimates; where a combination is not determined at all, its members are wholly correlated."""
-    heavy = inverse + HEAVY * max(float(np.trace(inverse)), 1.0) * lost.T @ lost
+    """Correlation (n, n) of the estimates; parameters of an undetermined combination are fully correlated."""
+    heavy = inverse + UNDETERMINED_VARIANCE_RATIO * max(float(np.trace(inverse)), 1.0) * lost.T @ lost
     size = np.sqrt(np.diag(heavy))
     return np.asarray(heavy / np.outer(size, size))
 
@@ -168,14 +168,14 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
 
 
 def load_fit(path: str | os.PathLike[str]) -> Fit:
-    """A fit that was written with :meth:`Fit.to_yaml`, without the data needed to profile it.
+    """Read a fit that :meth:`Fit.to_yaml` has written; it lacks the data needed for profiles.
 
     Raises
     ------
     UsageError
         There is no such file.
     ModelError
-        It holds no fit.
+        The file is not the result of a fit.
     """
     found = read_fit(path)
     return Fit(**{part.name: getattr(found, part.name) for part in fields(found)})
@@ -184,19 +184,21 @@ def load_fit(path: str | os.PathLike[str]) -> Fit:
 def _at_limits(
     problem: FitProblem, values: FloatArray, natures: Mapping[str, Nature]
 ) -> tuple[FloatArray, dict[str, str]]:
-    """The values, 0 instead of what is as good as 0, and by name a sentence for what ran to zero or without end."""
+    """Values with 0 for those that ran to zero, and by name a sentence for each that ran to zero or without end."""
     residuals, slopes = problem.both(values)
     spread = np.sqrt(float(residuals @ residuals) / max(len(residuals) - len(values), 1))
     effect = np.linalg.norm(slopes, axis=0) * np.abs(values)
-    unseen = cannot_be_negative(problem) & (effect <= UNSEEN * max(spread, np.finfo(float).tiny))
+    unseen = cannot_be_negative(problem) & (effect <= INVISIBLE_EFFECT * max(spread, np.finfo(float).tiny))
     ended, said = values.copy(), {}
     for index in np.flatnonzero(unseen):
         name, factor = problem.names[index], values[index] / problem.start[index]
         kind = natures.get(name.partition("[")[0], Nature()).dimension
-        if factor < 1 / FAR and problem.lower[index] == 0:
-            what = kind if kind in ENDLESS else "parameter"
+        if factor < 1 / RUNAWAY_FACTOR and problem.lower[index] == 0:
+            what = kind if kind in ENDLESS_ADVICE else "parameter"
             said[name] = f"{name} runs to zero: the data do not show this {what}; leave it out"
             ended[index] = 0.0
-        elif factor > FAR:
-            said[name] = f"{name} grows without end: {ENDLESS.get(kind, 'the data set it no upper end; leave it out')}"
+        elif factor > RUNAWAY_FACTOR:
+            said[name] = (
+                f"{name} grows without end: {ENDLESS_ADVICE.get(kind, 'the data set it no upper end; leave it out')}"
+            )
     return ended, said

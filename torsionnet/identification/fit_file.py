@@ -1,4 +1,4 @@
-"""What a fit is about, from a YAML file: model, measurements, parameters, settings."""
+"""Reader of fit files (YAML): model, measurements, parameters and settings of a fit."""
 
 from __future__ import annotations
 
@@ -33,12 +33,13 @@ SAME_ENTRIES = (
 )  # fmt: skip
 """Entries of a measurement in a file that a :class:`Measurement` takes as they are."""
 OPTIONS = ("residual", "loss", "starts")
+"""Entries of a fit file that are passed on to :func:`identify` as options."""
 ReadResponse = Callable[[Path], FrequencyResponse]
 
 
 @dataclass(frozen=True, eq=False)
 class FitPlan:
-    """Everything :func:`identify` needs, and the true values where they are known."""
+    """Contents of a fit file: the arguments of :func:`identify`, and true values where they are known."""
 
     model: Drivetrain
     measurements: tuple[Measurement, ...]
@@ -48,7 +49,7 @@ class FitPlan:
 
 
 def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, ranks_alone: bool = False) -> FitPlan:
-    """Read a fit file; records are read too, and with the function given responses.
+    """Read a fit file with its records, and its responses by the function ``read_response``.
 
     With ``ranks_alone`` it may name no parameters, as :func:`rank_causes` needs none.
 
@@ -76,7 +77,7 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, 
 
 
 class _Reader:
-    """Collects faults while it reads."""
+    """Reader of one fit file that collects faults with their places."""
 
     def __init__(self, document: LocatedDocument, file: Path, read_response: ReadResponse) -> None:
         self.read_response = read_response
@@ -143,7 +144,7 @@ class _Reader:
                 self.faults.append(Fault(str(error), path))
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
-        """Settings for one record, decimated as far as its band allows where the file does not say how."""
+        """Welch settings of one record; without a decimation in the file, decimated as far as its band allows."""
         if settings is None:
             return default_settings(record, band)
         if self.entries["settings"].decimation is not None:

@@ -1,4 +1,4 @@
-"""All measurements of a fit as one least-squares problem in one vector."""
+"""Least-squares problem of a fit: residuals and derivatives of all measurements over one vector of unknowns."""
 
 from __future__ import annotations
 
@@ -20,21 +20,24 @@ from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.sources import together, two_sources
 from torsionnet.identification.unknown import Unknown
 
-EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), "")}
-POSITIVE = (0.0, np.inf)
-"""Of a gain that magnitudes tell: whether a channel is reversed they do not."""
+CHANNEL_UNKNOWNS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), "")}
+GAIN_BOUNDS_OF_MAGNITUDES = (0.0, np.inf)
+"""Bounds of a gain found from magnitudes, which do not show whether a channel is reversed."""
 
 
 @dataclass(eq=False)
 class FitProblem:
-    """Blocks, and which entries of the vector each of them sees.
+    """Least-squares problem of a fit: blocks of residuals, one per measurement, over one vector of unknowns.
 
     Attributes
     ----------
     names : tuple of str
         Entries of the vector: ``c_O``, ``c_O[V]`` where it is free per configuration, ``delay[V]``.
     start, lower, upper : (n,) array
+        Start values and bounds, SI.
     priors : mapping of index to (mean, standard deviation)
+    places : tuple of int arrays
+        For each block the indices of its unknowns in the vector.
     """
 
     names: tuple[str, ...]
@@ -47,13 +50,15 @@ class FitProblem:
     unknowns: Mapping[str, Unknown] = field(default_factory=dict)
 
     def residuals(self, values: FloatArray) -> FloatArray:
+        """Weighted residuals of all measurements and priors, (n_residuals,)."""
         return self.both(values)[0]
 
     def jacobian(self, values: FloatArray) -> FloatArray:
+        """Derivatives of the weighted residuals by the unknowns, (n_residuals, n)."""
         return self.both(values)[1]
 
     def both(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weighted residuals of all measurements and priors, and their derivatives; the last ones are kept."""
+        """Weighted residuals (n_residuals,) and their derivatives (n_residuals, n); the last result is cached."""
         key = values.tobytes()
         if self._known is not None and self._known[0] == key:
             return self._known[1]
@@ -74,7 +79,7 @@ class FitProblem:
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Let records take as noise what the model leaves unexplained; the same sensors have the same in all tests."""
+        """Weigh records by the noise estimated from what the model leaves; equal sensors share it in all tests."""
         records = [
             (block, values[place])
             for block, place in zip(self.blocks, self.places, strict=True)
@@ -94,7 +99,7 @@ class FitProblem:
         self.forget()
 
     def take_measured_noise(self, values: FloatArray) -> None:
-        """Let measurements take the noise there is, whatever the model leaves."""
+        """Weigh measurements by their noise as measured, which does not depend on the misfit of the model."""
         for block, place in zip(self.blocks, self.places, strict=True):
             noise = block.measured_noise(values[place])
             if noise is not None:
@@ -102,7 +107,7 @@ class FitProblem:
         self.forget()
 
     def reversed_where_nearer(self, start: FloatArray) -> FloatArray:
-        """The start (n,), with a negative gain where that brings the model nearer to the test: a reversed channel."""
+        """Start values (n,) with the gain negated where that is nearer to the test (reversed channel)."""
         found = start.copy()
         for block, place in zip(self.blocks, self.places, strict=True):
             if "gain" in block.extra and block.form != "magnitude":
@@ -113,19 +118,20 @@ class FitProblem:
 
     @property
     def has_records(self) -> bool:
+        """Whether a measurement is a record of signals (or a response with its record)."""
         return any(isinstance(block, RecordBlock) for block in self.blocks)
 
     @property
     def noise_is_measured(self) -> bool:
-        """Whether the size of all noise is known from windows, and not only how it is shared out over the lines."""
+        """Whether the noise level of all measurements is known from windows, not only its distribution over lines."""
         return all(isinstance(block, RecordBlock) and any(block.sources) for block in self.blocks)
 
     def forget(self) -> None:
-        """After the noise of a block has changed."""
+        """Drop cached residuals, after the noise of a block has changed."""
         self._known = None
 
     def under_noise(self, backward: FloatArray) -> FloatArray:
-        """Covariance of backward (n, n_residuals) @ residuals; measurements and priors are independent."""
+        """Covariance (n, n) of backward (n, n_residuals) @ residuals by noise; measurements are independent."""
         total, start = np.zeros((len(backward), len(backward))), 0
         for block in self.blocks:
             total += block.under_noise(backward[:, start : start + block.count])
@@ -133,14 +139,14 @@ class FitProblem:
         return total + backward[:, start:] @ backward[:, start:].T
 
     def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance of backward (n, n_residuals) @ residuals by errors that lines share, as of a sensor's steps."""
+        """Covariance (n, n) of backward @ residuals by errors that all lines share, as of a sensor's steps."""
         total = np.zeros((len(backward), len(backward)))
         for block, span, place in zip(self.blocks, self.spans, self.places, strict=True):
             total += block.under_shared(backward[:, span], values[place])
         return total
 
     def under_steps(self, backward: FloatArray) -> list[FloatArray]:
-        """By how much the steps of the sensor of each record move backward @ residuals, (n, places)."""
+        """Errors (n, places) of backward @ residuals by the sensor steps of each record, one per rest position."""
         return [
             block.under_steps(backward[:, span])
             for block, span in zip(self.blocks, self.spans, strict=True)
@@ -149,7 +155,7 @@ class FitProblem:
 
     @property
     def spans(self) -> tuple[slice, ...]:
-        """Where the residuals of every block stand."""
+        """Slice of each block in the vector of residuals."""
         ends = np.cumsum([0, *(block.count for block in self.blocks)]).tolist()
         return tuple(slice(begin, end) for begin, end in pairwise(ends))
 
@@ -161,18 +167,19 @@ class FitProblem:
 
     @property
     def lines(self) -> int:
+        """Number of frequency lines of all measurements."""
         return sum(len(block.frequencies) for block in self.blocks)
 
 
 def make_problem(
     model: AssembledModel, measurements: Sequence[Measurement], unknowns: Mapping[str, Unknown], form: str
 ) -> FitProblem:
-    """Lay out the vector.
+    """Least-squares problem of measurements and unknowns of a model.
 
     Raises
     ------
     UsageError
-        Anything the measurements or parameters name that is not there.
+        Measurements of one name, or names that the model or the data lack.
     """
     labels = [measurement.label for measurement in measurements]
     if len(set(labels)) != len(labels):
@@ -187,7 +194,7 @@ def laid_out(
     unknowns: Mapping[str, Unknown],
     known: Mapping[str, float] | None = None,
 ) -> FitProblem:
-    """One vector for blocks and unknowns, beginning at values that are ``known`` by the names of its entries."""
+    """Fit problem of blocks and unknowns; ``known`` replaces start values, by names of entries of the vector."""
     entries: dict[str, tuple[float, tuple[float, float]]] = {}
     priors: dict[str, tuple[float, float]] = {}
     places: list[list[str]] = []
@@ -203,8 +210,8 @@ def laid_out(
         for extra in block.extra:
             entry = f"{extra}[{block.measurement.label}]"
             mine.append(entry)
-            begin, span, _ = EXTRAS[extra]
-            entries[entry] = begin, POSITIVE if extra == "gain" and block.form == "magnitude" else span
+            begin, span, _ = CHANNEL_UNKNOWNS[extra]
+            entries[entry] = begin, GAIN_BOUNDS_OF_MAGNITUDES if extra == "gain" and block.form == "magnitude" else span
         places.append(mine)
     entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
     order = {entry: index for index, entry in enumerate(entries)}
@@ -226,11 +233,13 @@ def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> 
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
     bounds = unknown.bounds or stated or natural_bounds(model, name, start)
     if not bounds[0] <= start <= bounds[1]:
-        raise UsageError(f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}")
+        raise UsageError(
+            f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}; change start or bounds"
+        )
     return start, bounds
 
 
 def natural_bounds(model: AssembledModel, name: str, start: float) -> tuple[float, float]:
-    """What a value can be by nature; where that says nothing, one that begins above 0 stays there."""
+    """Physical bounds of a parameter, SI; without any, a value that starts above 0 stays positive."""
     lower, upper = nature(model, name).bounds
     return (lower, upper) if np.isfinite(lower) or start <= 0 else (0.0, upper)

@@ -1,4 +1,4 @@
-"""What a fit found: values, what is known of their errors, and the curves of test and model."""
+"""Values of a fit with standard errors and intervals, and the curves of test and model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.response import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Test and fitted model of one measurement, estimated alike.
+    """Curves of test and fitted model for one measurement, by the same estimator.
 
     Attributes
     ----------
@@ -27,12 +27,12 @@ class Compared:
     measured, fitted : (n,) complex array
         SI.
     deviation : (n,) array
-        Standard deviation of a line that its noise makes, SI.
+        Standard deviation of each line by its noise, SI.
     misfit : float
         RMS of the weighted residuals: 1 where the model explains all but noise.
     unit : str
     has_phase : bool
-        Whether the test has; else its values are magnitudes.
+        Whether the test has a phase; without, its values are magnitudes.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
-    """Values and errors without the measurements behind them; :class:`torsionnet.Fit` says what each is."""
+    """Values and standard errors of a fit as they are written to a file; fields as in :class:`torsionnet.Fit`."""
 
     values: Mapping[str, float]
     standard_errors: Mapping[str, float]
@@ -65,11 +65,11 @@ class FitResult:
     loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Confidence intervals from the standard errors, with Student's distribution; of an error by steps, its own."""
+        """Confidence intervals by name in SI, from Student's distribution and that of errors by sensor steps."""
         from torsionnet.identification.reach import reach
 
         if not 0 < level < 1:
-            raise UsageError(f"a level is a share between 0 and 1, got {level}")
+            raise UsageError(f"the confidence level is a number between 0 and 1, such as 0.95, got {level}")
         freedom, found = max(self.degrees_of_freedom, 1), {}
         for name, value in self.values.items():
             half = reach(level, self.standard_errors[name], self.steps.get(name, ()), freedom)
@@ -77,18 +77,18 @@ class FitResult:
         return found
 
     def configured(self, model: Drivetrain) -> Drivetrain:
-        """The model with the shared parameters found; those per configuration are left to ``values``."""
+        """Copy of the model with the shared parameters fitted; those per configuration are in ``values`` only."""
         shared = {name: value for name, value in self.values.items() if name in model.parameter_definitions}
         return model.configured(**shared)
 
     @property
     def aicc(self) -> float:
-        """Akaike's criterion for few data, from the chi squared; lower is better among fits with the same noise."""
+        """Corrected Akaike criterion (AICc) of the fit; lower is better among fits with the same noise."""
         k, n = len(self.values), self.degrees_of_freedom + len(self.values)
         return self.chi_squared + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)
 
     def table(self, level: float = 0.95, true: Mapping[str, float] | None = None) -> Table:
-        """Values with standard errors and intervals; ``true`` values beside them where they are known."""
+        """Table of values with standard errors and intervals, and ``true`` values where they are known."""
         intervals = self.intervals(level)
         columns = [Column("parameter"), Column("value"), Column("standard error", "", 2)]
         columns += [Column(f"{100 * level:g} % from"), Column("to"), Column("unit")]

@@ -1,4 +1,4 @@
-"""Least squares over all measurements of a drivetrain at once."""
+"""Identification of parameters by least squares over all measurements of a drivetrain."""
 
 from __future__ import annotations
 
@@ -24,11 +24,12 @@ from torsionnet.identification.widening import widened
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
-ROUNDS = 3
-"""Times that a fit of records learns its noise anew; it hardly changes after the first."""
-SETTLED = 1e-3
-IDLE = 1e-10
-"""Effect, over the data, below which a parameter does nothing to them."""
+NOISE_ROUNDS = 3
+"""Times that a fit of records estimates its noise again; it hardly changes after the first."""
+SETTLED_CHANGE = 1e-3
+"""Relative change of all values below which the noise is not estimated again."""
+IDLE_EFFECT = 1e-10
+"""Effect of a parameter over the size of the data below which it does not act on them."""
 
 
 @one_thread()
@@ -56,11 +57,11 @@ def identify(
         responses without a phase have. Responses are weighted by the error stated or by the coherence where there is
         one, else relative to the magnitude.
     loss : {"linear", "soft_l1", "huber", "cauchy"}, optional
-        Robust ones give less weight to lines that are far off, by the scale of most of them.
+        Loss function; the robust ones give less weight to outlying lines, judged by the scatter of most lines.
     starts : int, optional
-        From so many start values, the others drawn within the bounds (a decade about the first where there are none).
+        Number of start values; all but the first are drawn within the bounds (a decade about the first without bounds).
     seed : int, optional
-        Of the start values drawn.
+        Seed of the start values drawn.
 
     Returns
     -------
@@ -93,27 +94,27 @@ def identify(
         raise UsageError("there is nothing measured to fit to")
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
-    begun = _both_ways(problem, starts, seed)
+    begun = _starts_and_reversed(problem, starts, seed)
     best, start = min(((solved(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
     best = widened(problem, best, start, loss)
-    for _ in range(ROUNDS if problem.has_records else 0):
+    for _ in range(NOISE_ROUNDS if problem.has_records else 0):
         before = best.x
         problem.learn_noise(before)
         best = solved(problem, before, loss)
-        if _moved(before, best.x) < SETTLED:
+        if _moved(before, best.x) < SETTLED_CHANGE:
             break
     if not best.converged or not np.isfinite(best.cost):
         raise SolveError(f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10")
     try:
-        return _judged(model, problem, best, loss)
+        return _judge_fit(model, problem, best, loss)
     except np.linalg.LinAlgError as error:
         values = ", ".join(f"{name} = {x:.3g}" for name, x in zip(problem.names, best.x, strict=True))
-        text = f"the fit ends where nothing can be said of it, at {values} ({error})"
+        text = f"the standard errors cannot be calculated where the fit ends, at {values} ({error})"
         raise SolveError(f"{text}; fix a parameter, give bounds, or take other start values") from None
 
 
-def _judged(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
-    """The fit; of a model that does not, by the noise there is instead of the misfit, with what would explain it."""
+def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
+    """Result of the fit; if the model does not fit, weighed by measured noise and with explanations of the misfit."""
     lack = LackOfFit(misfits(problem, best.x, weights(problem.residuals(best.x), loss, best.scale)))
     if not lack.rejected:
         return make_fit(model, problem, best, loss, lack)
@@ -134,8 +135,8 @@ def _moved(before: FloatArray, after: FloatArray) -> float:
     return float(np.max(np.abs(after - before) / np.maximum(np.abs(before), 1e-300)))
 
 
-def _both_ways(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
-    """The starts, and those with a channel reversed that seems to be."""
+def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
+    """Start values, and besides them those with a reversed channel where that is nearer to the test."""
     found = _starts(problem, count, seed)
     return [
         *found,
@@ -166,7 +167,7 @@ def _check_information(problem: FitProblem) -> None:
         )
     reach = np.abs(slopes).max(axis=0) * steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
-    idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE * seen]
+    idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE_EFFECT * seen]
     if idle:
         pairs = ", ".join(
             dict.fromkeys(f"{block.measurement.output}/{block.measurement.input}" for block in problem.blocks)
@@ -177,7 +178,7 @@ def _check_information(problem: FitProblem) -> None:
 
 @one_thread()
 def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
-    """A fit again, from where it ended, with the noise that another fit of the same measurements left unexplained."""
+    """Fit repeated from its optimum with the noise that another fit of the same measurements left unexplained."""
     assert fit.problem is not None
     assert other.problem is not None
     count = sum(block.count for block in other.problem.blocks) - len(other.values)

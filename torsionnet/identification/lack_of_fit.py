@@ -1,4 +1,4 @@
-"""Whether what a fit leaves is more than noise."""
+"""Test of lack of fit: whether the residuals of a fit are more than noise."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from torsionnet.identification.noise_bias import noise_shift
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise
 
-LEVEL = 1e-3
+FALSE_ALARM_PROBABILITY = 1e-3
 """Probability, for every measurement of a fit, of calling noise a misfit."""
-WAVES = 5
-"""Patterns over frequency that are looked for, in size and in phase: cosines of up to four half periods."""
-TAKEN = 1e-3
-"""Share of a pattern's noise below which the parameters have taken it up."""
-NEGLIGIBLE = 2e-3
-"""RMS of the misfit over that of the response below which no sensor is calibrated."""
+PATTERN_COUNT = 5
+"""Number of patterns over frequency that are looked for: cosines of up to four half periods over the lines."""
+ABSORBED_VARIANCE_SHARE = 1e-3
+"""Variance of a pattern over the largest one below which the fitted parameters have absorbed it."""
+NEGLIGIBLE_MISFIT = 2e-3
+"""RMS of the misfit over that of the response below which it is ignored: sensors are not calibrated so well."""
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """How one measurement and the fitted model differ beyond noise.
+    """Test of one measurement against the fitted model: how large the residuals are beyond noise.
 
     Attributes
     ----------
     name : str
-        Of the measurement.
+        Name of the measurement.
     ratio : float
         RMS of the residuals over what noise alone would leave.
     size : float
         RMS of the difference beyond noise, over that of the response.
     probability : float
-        That noise alone leaves as much, or as clear a pattern over frequency.
+        Probability that noise alone leaves residuals as large, or as clear a pattern over frequency.
     """
 
     name: str
@@ -47,13 +47,13 @@ class Misfit:
 
     @property
     def rejected(self) -> bool:
-        """Whether the model does not fit."""
-        return self.probability < LEVEL and self.size > NEGLIGIBLE
+        """Whether the model does not fit this measurement."""
+        return self.probability < FALSE_ALARM_PROBABILITY and self.size > NEGLIGIBLE_MISFIT
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """A freedom with which the model fits, or fits much better.
+    """Explanation of a misfit: one additional unknown with which the model fits, or fits much better.
 
     Attributes
     ----------
@@ -61,9 +61,9 @@ class Explanation:
     of : str
         The signal that is late or too large, the element with another kind of damping, or the value set free.
     values, standard_errors : mapping of str to float
-        Of all parameters then, that of the cause among them, SI.
+        Values and errors of all parameters with the additional unknown, which is among them, SI.
     before : float or None
-        What the model had in the place of the cause.
+        Value that the model had for the unknown, SI.
     complete : bool
         Whether nothing but noise is left.
     left : float
@@ -82,16 +82,16 @@ class Explanation:
 
 @dataclass(frozen=True)
 class LackOfFit:
-    """What a fit leaves beyond noise.
+    """Lack of fit: tests of all measurements, and what would explain the misfit.
 
     Attributes
     ----------
     measurements : tuple of Misfit
-        Those whose noise can be told apart from the model's error.
+        Tests of the measurements whose noise can be told apart from the model's error.
     explanations : tuple of Explanation
-        Freedoms with each of which the model would fit, the best first; sought only where it does not.
+        Single additional unknowns with which the model would fit, the best first; only if it does not fit.
     doubts : tuple of str
-        What else may be wrong with the data, in words.
+        Warnings about the data, in words.
     """
 
     measurements: tuple[Misfit, ...]
@@ -105,12 +105,12 @@ class LackOfFit:
 
 
 def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None = None) -> tuple[Misfit, ...]:
-    """Every measurement whose noise is known apart from the model; a robust loss gives residuals its ``weights``.
+    """Tests of all measurements whose noise is known apart from the model, with the ``weights`` of a robust loss.
 
     The residuals of the optimum, r = (1 - P) e with the projection P on what the parameters can do, have the covariance
     (1 - P) R (1 - P) under noise of the covariance R. Sums of squares of them are compared with their mean and scatter
-    under that (Satterthwaite); patterns are sums along cosines over the lines. What squared noise does to them is taken
-    off before.
+    under that (Satterthwaite); patterns are sums along cosines over the lines. The bias of residuals by squared noise
+    is subtracted before.
     """
     residuals, slopes = problem.both(values)
     shift = noise_shift(problem, values)
@@ -129,17 +129,17 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
     for (block, span, noise), covariance in zip(known, covariances, strict=True):
         Q, S = basis[span], spread[span]
         left = covariance - Q @ S.T - S @ Q.T + Q @ both @ Q.T
-        result.append(_judged(block, residuals[span], left, noise))
+        result.append(_judge_block(block, residuals[span], left, noise))
     return tuple(result)
 
 
 def _covariance(block: MeasurementBlock, noise: Noise, values: FloatArray) -> FloatArray:
-    """Of the weighted residuals, under noise as it was found."""
+    """Covariance of the weighted residuals by the measured noise and by systematic errors of the estimate."""
     size = np.sqrt(np.tile(noise.ratio, block.parts))
     return np.asarray(block.likeness * np.outer(size, size) + block.beyond_noise(values))
 
 
-def _judged(block: MeasurementBlock, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
+def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
     count = len(noise.ratio)
     scale = 1 / np.sqrt(np.tile(noise.ratio, len(residual) // count))
     r, R = residual * scale, covariance * np.outer(scale, scale)
@@ -148,7 +148,7 @@ def _judged(block: MeasurementBlock, residual: FloatArray, covariance: FloatArra
     chances = [float(stats.f.sf(total, mean**2 / square, noise.certainty))]
     waves = _waves(count, len(r) // count)
     sizes, turned = np.linalg.eigh(waves.T @ R @ waves)
-    seen = sizes > TAKEN * sizes[-1]
+    seen = sizes > ABSORBED_VARIANCE_SHARE * sizes[-1]
     pattern = float(np.mean((turned[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
     chances.append(float(stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
     weights = block.absolute**2
@@ -158,6 +158,6 @@ def _judged(block: MeasurementBlock, residual: FloatArray, covariance: FloatArra
 
 
 def _waves(count: int, parts: int) -> FloatArray:
-    """Cosines over the lines, in each part of the residuals on its own, (parts * count, parts * WAVES)."""
+    """Cosines over the lines, in each part of the residuals on its own, (parts * count, parts * PATTERN_COUNT)."""
     places = (np.arange(count) + 0.5) / count
-    return np.asarray(np.kron(np.eye(parts), np.cos(np.pi * np.outer(places, np.arange(min(WAVES, count))))))
+    return np.asarray(np.kron(np.eye(parts), np.cos(np.pi * np.outer(places, np.arange(min(PATTERN_COUNT, count))))))

@@ -1,4 +1,4 @@
-"""That a model does not fit, in words, and what would explain it."""
+"""Sentences on lack of fit: that a model does not fit, what would explain it and what to do."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from torsionnet.core.number_text import with_error
 from torsionnet.identification.lack_of_fit import Explanation, LackOfFit
 
-AGREED = {
+ADVICE_BY_CAUSE = {
     "delay": "find it along (delay: true) or mend the channel",
     "gain": "find it along (gain: true), or look for a wrong ratio, calibration or sign",
     "hysteretic": "give the spring a loss factor instead of a viscous damping",
@@ -15,19 +15,20 @@ AGREED = {
     "ratio": "look for other teeth, or correct the ratio",
     "value": "free it too, or correct it",
 }
-WITHHELD = "Intervals are withheld"
-MOST_TOLD = 3
+INTERVALS_WITHHELD = "Intervals are withheld"
+MOST_EXPLANATIONS_LISTED = 3
+"""Explanations that a sentence lists at most; more would hide the first."""
 
 
 def lacking(lack: LackOfFit | None) -> Iterator[str]:
-    """One sentence, and what to do, if the model does not fit."""
+    """Sentence on a model that does not fit, with explanation and advice; nothing if the model fits."""
     if lack is None or not lack.rejected:
         return
     wrong = [one for one in lack.measurements if one.rejected]
     where = "" if len(lack.measurements) == 1 else f" {', '.join(one.name for one in wrong)}"
     worst = max(one.ratio for one in wrong)
     says = f"the model does not fit{where}: the residuals are {worst:.2g} times the noise, in a pattern over frequency"
-    withheld = "; ".join([WITHHELD, *lack.doubts])
+    withheld = "; ".join([INTERVALS_WITHHELD, *lack.doubts])
     if not lack.explanations:
         yield (
             f"{says}; no delay, gain, other kind of damping or single other value explains it: look at the residuals, "
@@ -37,7 +38,7 @@ def lacking(lack: LackOfFit | None) -> Iterator[str]:
     best, *others = lack.explanations
     verb = "would explain it" if best.complete else "would explain most of it"
     told = [f"{_what(best)} {verb}: {_values(best)}", *(f"so would {_what(one)}: {_values(one)}" for one in others)]
-    yield f"{says}; {'; '.join(told[:MOST_TOLD])}; {AGREED[best.kind]}. {withheld}"
+    yield f"{says}; {'; '.join(told[:MOST_EXPLANATIONS_LISTED])}; {ADVICE_BY_CAUSE[best.kind]}. {withheld}"
 
 
 def _what(one: Explanation) -> str:
@@ -46,7 +47,7 @@ def _what(one: Explanation) -> str:
 
 
 def cause_in_words(kind: str, of: str, value: float, before: float | None) -> str:
-    """A cause and its size.
+    """Description of a cause of a misfit with its value.
 
     >>> cause_in_words("gain", "n_out", 0.7767, None), cause_in_words("ratio", "stage.ratio", 2.33, 3.0)
     ('a gain of 0.7767 in n_out', 'stage.ratio = 2.33 instead of 3')
@@ -65,7 +66,7 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None) -> st
 
 
 def _values(one: Explanation) -> str:
-    """The other parameters then."""
+    """Text with the values of the other parameters under this explanation."""
     listed = [
         f"{name} would be {with_error(value, one.standard_errors[name])}"
         for name, value in one.values.items()

@@ -1,4 +1,4 @@
-"""Which of several models explains the data best: viscous, hysteretic, or both."""
+"""Choice between several models of the same data, such as viscous or hysteretic damping, by AICc."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import Column, Table
 
-CLEAR, SLIGHT = 10.0, 4.0
+CLEAR_AICC_DIFFERENCE, SLIGHT_AICC_DIFFERENCE = 10.0, 4.0
 """Differences of the criterion that leave next to no support, or little, to the worse model (Burnham and Anderson)."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model and the parameters of it that are found."""
+    """Model to choose from, with the parameters of it that are fitted."""
 
     model: Drivetrain
     parameters: Sequence[str] | Mapping[str, Unknown | float | None]
@@ -29,7 +29,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """Fits of several models to the same data, weighed by the same noise.
+    """Result of a choice between models: their fits to the same data, weighed by the same noise.
 
     Attributes
     ----------
@@ -41,21 +41,23 @@ class Choice:
 
     @property
     def best(self) -> str:
+        """Name of the model with the lowest AICc."""
         return next(iter(self.fits))
 
     @property
     def differences(self) -> dict[str, float]:
-        """AICc above that of the best."""
+        """AICc of each model above that of the best one."""
         least = self.fits[self.best].aicc
         return {name: fit.aicc - least for name, fit in self.fits.items()}
 
     @property
     def verdict(self) -> str:
+        """Sentence that names the preferred model and how clearly it is better."""
         others = [f"{name} is {rise:.3g} worse in AICc ({_how(rise)})" for name, rise in self.differences.items()][1:]
         return f"{self.best} is preferred: {', '.join(others)}" if others else f"only {self.best} was tried"
 
     def table(self) -> Table:
-        """A row for each model."""
+        """Table with a row for each model: parameters, AICc above the best, misfit."""
         columns = (Column("model"), Column("parameters"), Column("AICc above best", "", 4), Column("misfit", "", 3))
         rows = []
         for name, fit in self.fits.items():
@@ -66,7 +68,7 @@ class Choice:
 
 
 def _how(rise: float) -> str:
-    return "clearly" if rise > CLEAR else "somewhat" if rise > SLIGHT else "hardly"
+    return "clearly" if rise > CLEAR_AICC_DIFFERENCE else "somewhat" if rise > SLIGHT_AICC_DIFFERENCE else "hardly"
 
 
 def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement | Sequence[Measurement]) -> Choice:

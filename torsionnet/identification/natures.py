@@ -1,4 +1,4 @@
-"""What a number is by nature: its unit, and whether it can be negative, from the places where a model uses it."""
+"""Unit, dimension and physical bounds of a parameter, from the elements of a model that use it."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from torsionnet.model.parameters import dimensions
 
 @dataclass(frozen=True)
 class Nature:
-    """Of a parameter or a field of an element.
+    """Unit, dimension and physical bounds of a parameter or a field of an element.
 
     Attributes
     ----------
     unit : str
         SI; empty for a plain number.
     dimension : str
-        ``"damping"``, ``"stiffness"``, ...; empty if no field tells.
+        ``"damping"``, ``"stiffness"``, ...; empty if no element uses the parameter as such.
     bounds : tuple of float
-        Outside of which no model makes sense.
+        Lowest and highest value that is physically possible, SI.
     """
 
     unit: str = ""
@@ -32,7 +32,7 @@ class Nature:
 
 
 def nature(model: AssembledModel, name: str) -> Nature:
-    """Of a parameter, or of ``element.field``.
+    """Unit, dimension and physical bounds of a parameter, or of ``element.field``.
 
     >>> import torsionnet as tn
     >>> nature(tn.load("dmf_rig"), "k_2")

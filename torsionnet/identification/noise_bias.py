@@ -1,4 +1,4 @@
-"""What noise of the instrument, squared, does to a fit of records that have no clean one."""
+"""Bias of fitted values by noise on the signal that H1 or H2 multiplies by, in records without a clean reference."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import of_errors, parts
 
-MATERIAL = 0.5
-"""Standard errors; a smaller bias is not worth a word."""
+REPORTED_BIAS = 0.5
+"""Bias in standard errors above which a verdict reports it."""
 
 
 def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """Mean of the weighted residuals that squared noise makes, by the noise the fit has laid to its sensors."""
+    """Mean of the weighted residuals by squared noise (n_residuals,), from the sensor noise that the fit estimated."""
     shifts = np.zeros(len(problem.residuals(values)))
     for block, span, place in zip(problem.blocks, problem.spans, problem.places, strict=True):
         if isinstance(block, RecordBlock):
@@ -26,7 +26,7 @@ def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """By how much that moves the values, (n,)."""
+    """Bias of the fitted values by squared noise, (n,), SI."""
     shift = noise_shift(problem, values)
     if not shift.any():
         return np.zeros(len(values))
@@ -34,7 +34,7 @@ def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
-    """Mean of model minus test, (n_b,)."""
+    """Mean of model minus test by squared noise, (n_b,)."""
     windowed, (on_output, on_input) = block.windowed, block.sources
     rows = windowed.rows
     own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]
@@ -46,11 +46,11 @@ def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
 
 
 def biased(problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray) -> Iterator[str]:
-    """Which values noise moves, and by how much."""
+    """Sentence on the values that noise biases by more than REPORTED_BIAS standard errors, if there are any."""
     told = [
         f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"
         for name, value, change, error in zip(problem.names, values, moved, errors, strict=True)
-        if np.isfinite(error) and value and abs(change) > MATERIAL * error
+        if np.isfinite(error) and value and abs(change) > REPORTED_BIAS * error
     ]
     if not told:
         return

@@ -1,4 +1,4 @@
-"""Profile likelihood: how far one value can go while the others make the best of it."""
+"""Profile-likelihood intervals: how far one value can move while the others are fitted again."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from torsionnet.core.threads import one_thread
 if TYPE_CHECKING:
     from torsionnet.identification.fit_result import FitResult
 
-DOUBLINGS = 12
-EDGE = 1e-6
-"""How near to a bound the model is asked, over the way there: at the bound itself (no inertia) there may be none."""
+STEP_DOUBLINGS = 12
+"""Doublings of the step, from one standard error, after which an end of the interval counts as infinite."""
+BOUND_GAP = 1e-6
+"""Distance to a bound, over that from the optimum, at which the model is evaluated: at the bound it may be singular."""
 
 
 @one_thread()
 def profile_interval(fit: FitResult, name: str, level: float) -> tuple[float, float]:
-    """Both ends of the interval in which chi squared rises by less than the level allows."""
+    """Profile-likelihood interval of one value, SI: where chi squared rises by less than the level allows."""
     if fit.problem is None:
         raise UsageError("a fit read from a file has no data to profile; fit again")
     if name not in fit.values:
@@ -53,10 +54,10 @@ class _Profile:
         bound = float((self.problem.lower if sign < 0 else self.problem.upper)[self.index])
         inside, guess = float(self.best[self.index]), self.best.copy()
         reach = self.step
-        for _ in range(DOUBLINGS):
+        for _ in range(STEP_DOUBLINGS):
             place = self.best[self.index] + sign * reach
             if (place - bound) * sign >= 0:
-                place = bound + EDGE * (self.best[self.index] - bound)
+                place = bound + BOUND_GAP * (self.best[self.index] - bound)
                 if self.rise(place, guess) < 0:
                     return bound
             if self.rise(place, guess) >= 0:
@@ -69,7 +70,7 @@ class _Profile:
         return sign * np.inf
 
     def rise(self, value: float, guess: FloatArray) -> float:
-        """Chi squared at this value, the others fitted again, less what is allowed."""
+        """Chi squared at a value, the others fitted again, minus the limit allowed."""
         others = [i for i in range(len(self.best)) if i != self.index]
         whole = guess.copy()
         whole[self.index] = value

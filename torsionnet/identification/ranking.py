@@ -1,4 +1,4 @@
-"""Which value, freed alone, explains a misfit best, and the size that it would need."""
+"""Ranking of the causes of a misfit: each value freed alone, and the value it would need."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from torsionnet.response import Column, Table
 
 @dataclass(frozen=True)
 class RankedCause:
-    """One value freed alone, beside the parameters that were free before.
+    """Cause of a misfit with its rank: one value freed alone, besides the parameters that were free before.
 
     Attributes
     ----------
@@ -32,17 +32,17 @@ class RankedCause:
     of : str
         The value, the signals of a gain or delay, or the element with another kind of damping.
     unknown : str
-        Name of the freedom: ``gearbox.ratio``, ``gain``.
+        Name of the value freed: ``gearbox.ratio``, ``gain``.
     before : float or None
-        What the model has in its place, SI.
+        Value in the model, SI; None if it has none.
     value : float
-        What it would have to be, SI; the mean where it is found for each measurement.
+        Value with which the model fits best, SI; the mean where it is fitted for each measurement.
     misfit : float
-        RMS of model minus test over that of the test that is left, of all measurements.
+        RMS of model minus test over that of the test with this value freed, of all measurements.
     left : float
         Share of the sum of the squared weighted residuals that is left.
     explains : bool
-        Whether that is little, and not much more than the best cause leaves.
+        Whether little is left, and not much more than by the best cause.
     """
 
     kind: str
@@ -56,7 +56,7 @@ class RankedCause:
 
     @property
     def factor(self) -> float | None:
-        """Of what the model has; None where it has nothing in its place."""
+        """Fitted value over the value in the model; None if the model has none."""
         if self.kind == "gain":
             return self.value
         return self.value / self.before if self.before else None
@@ -67,13 +67,13 @@ class RankedCause:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Causes of a misfit by what they leave of it, the best first.
+    """Causes of a misfit ranked by what each leaves of it, the best first.
 
     Attributes
     ----------
     causes : tuple of RankedCause
     misfit : float
-        RMS of model minus test over that of the test as things are, of all measurements.
+        RMS of model minus test over that of the test with nothing freed, of all measurements.
     """
 
     causes: tuple[RankedCause, ...]
@@ -81,14 +81,14 @@ class Ranking:
 
     @property
     def verdict(self) -> str:
-        """Which causes explain the misfit, in a sentence."""
+        """Sentence that names the causes that explain the misfit."""
         good = [str(one) for one in self.causes if one.explains]
         if not good:
             return "no single value explains the misfit"
         return f"only {', or '.join(good)} explains the misfit"
 
     def table(self) -> Table:
-        """A row for each cause."""
+        """Table with a row for each cause: value in the model, value needed, misfit left."""
         columns = (
             Column("freed alone"),
             Column("model has"),
@@ -121,10 +121,10 @@ def rank_causes(
     Parameters
     ----------
     model : Drivetrain or Fit
-        Of a fit its model, measurements and parameters; parameters are found anew with every cause.
+        A fit brings its model, measurements and parameters, which are fitted again with every cause.
     measurements : Measurement or sequence of these, optional
     parameters : str, sequence of str, or mapping, optional
-        What is fitted along, as for :func:`identify`; nothing by default.
+        Parameters that are fitted together with each cause, as for :func:`identify`; none by default.
     residual : {"complex", "log", "magnitude"}, optional
 
     Returns

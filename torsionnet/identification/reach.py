@@ -1,8 +1,8 @@
-"""How far an interval reaches from a value whose error is noise, and in part that of steps of sensors.
+"""Half width of a confidence interval for a value with errors by noise and by the steps of sensors.
 
-What steps of a sensor do to a fitted value follows from the place within a step that a rig rests at. It has an end: for
-a sine of it 1.4 standard deviations, where 1.96 of them would be usual. What both errors together exceed at a stated
-level is found by averaging the distribution of the noise over the places.
+The error of a fitted value by sensor steps depends on the position within a step that the rig rests at. It is bounded:
+an error that varies as a sine with the position reaches 1.4 standard deviations, where noise has 1.96 at 95 %. The
+interval for both errors together follows from the distribution of the noise, averaged over the rest positions.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from scipy.optimize import brentq
 
 from torsionnet.assembly.rows import FloatArray
 
-COMBINATIONS = 1024
-LITTLE = 1e-3
-"""Share of the variance below which steps count as noise like all the rest, or noise as no longer there."""
+POSITION_COMBINATIONS = 1024
+"""Combinations of rest positions of several tests that the distribution is averaged over."""
+NEGLIGIBLE_VARIANCE_SHARE = 1e-3
+"""Share of the variance below which step errors count as noise, and below which noise is not reduced."""
 
 
 def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom: float) -> float:
-    """Half the width of an interval around a value.
+    """Half the width of the confidence interval of a value, in the unit of ``error``.
 
     Parameters
     ----------
@@ -29,9 +30,9 @@ def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom:
     error : float
         Standard error of the value, steps included.
     steps : sequence of sequences of float
-        By how much they move it, from places that are all as likely; those of several tests are independent.
+        Error of the value at each rest position, all equally likely; several tests are independent.
     freedom : float
-        Degrees of freedom of Student's distribution, which the noise has.
+        Degrees of freedom of Student's distribution of the noise.
 
     Examples
     --------
@@ -43,9 +44,9 @@ def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom:
     """
     usual = float(stats.t.ppf(0.5 + level / 2, freedom)) * error
     known = sum(float(np.mean(np.square(one))) for one in steps)
-    if not np.isfinite(error) or known <= LITTLE * error**2:
+    if not np.isfinite(error) or known <= NEGLIGIBLE_VARIANCE_SHARE * error**2:
         return usual
-    moved, noise = _combined(steps), np.sqrt(max(error**2 - known, LITTLE * error**2))
+    moved, noise = _combined(steps), np.sqrt(max(error**2 - known, NEGLIGIBLE_VARIANCE_SHARE * error**2))
 
     def missed(width: float) -> float:
         outside = stats.t.sf((width - moved) / noise, freedom) + stats.t.cdf((-width - moved) / noise, freedom)
@@ -55,9 +56,9 @@ def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom:
 
 
 def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
-    """Sums over the tests, of places that fill a cube evenly: multiples of powers of a generalised golden ratio."""
+    """Sums of step errors over the tests, for rest positions that fill a cube evenly (generalised golden ratio)."""
     ratio = float(brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
-    places = (np.arange(COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
+    places = (np.arange(POSITION_COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
     return np.asarray(
         np.sum([np.asarray(one)[(places[:, i] * len(one)).astype(int)] for i, one in enumerate(steps)], axis=0)
     )

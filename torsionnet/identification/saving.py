@@ -1,4 +1,4 @@
-"""Fits as YAML text and back."""
+"""Writing and reading of the result of a fit as YAML text."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.located import compose
 from torsionnet.model.files.quoting import written
 
-VERSION = 1
+FIT_FORMAT_VERSION = 1
+"""Version of the file format."""
 
 
 def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
-    """YAML text with values, errors, correlation, verdicts and the curves of test and model."""
-    lines = [f"torsionnet_fit: {VERSION}", f"title: {written(fit.title)}", "parameters:"]
+    """YAML text of a fit with values, errors, correlation, verdicts and the curves of test and model."""
+    lines = [f"torsionnet_fit: {FIT_FORMAT_VERSION}", f"title: {written(fit.title)}", "parameters:"]
     for name, value in fit.values.items():
         unit = f", unit: {written(fit.units.get(name, ''))}"
         error = fit.standard_errors[name]
@@ -60,14 +61,14 @@ def _number(value: float) -> str:
 
 
 def read_fit(path: str | os.PathLike[str]) -> FitResult:
-    """What :func:`dump_fit` has written.
+    """Read the result of a fit that :func:`dump_fit` has written.
 
     Raises
     ------
     UsageError
         There is no such file.
     ModelError
-        It holds no fit.
+        The file is not the result of a fit.
     """
     file = Path(path)
     try:
@@ -76,9 +77,10 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
         raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
     document = compose(text, str(file))
     data = document.data
-    if not isinstance(data, dict) or str(data.get("torsionnet_fit")) != str(VERSION):
+    if not isinstance(data, dict) or str(data.get("torsionnet_fit")) != str(FIT_FORMAT_VERSION):
         fault = Fault(
-            f"this is no result of a fit: it begins with torsionnet_fit: {VERSION}", position=document.position()
+            f"this is no result of a fit: it begins with torsionnet_fit: {FIT_FORMAT_VERSION}",
+            position=document.position(),
         )
         raise ModelError([fault], file.name)
     try:

@@ -1,4 +1,4 @@
-"""The search for a local optimum, with or without a robust loss."""
+"""Search for a local optimum of a fit problem, with or without a robust loss."""
 
 from __future__ import annotations
 
@@ -13,20 +13,23 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
 
-TOLERANCE = 1e-12
-MOST_CALLS = 500
-RANGE = 1e9
-"""A positive value is looked for within this factor about its start, where its bounds do not say otherwise."""
-TUNING = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385}
+CONVERGENCE_TOLERANCE = 1e-12
+"""Relative change of cost, values and gradient at which the search ends; near rounding, as derivatives are exact."""
+MOST_EVALUATIONS = 500
+"""Evaluations of the residuals after which a search counts as not converged."""
+SEARCH_RANGE_FACTOR = 1e9
+"""Factor about its start value within which a positive value is searched, if its bounds are wider."""
+LOSS_TUNING = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385}
 """Standard deviations at which a loss begins to give way: for normal noise it then is 95 % efficient (Huber 1981)."""
-NORMAL = 1.4826
+DEVIATION_PER_MEDIAN = 1.4826
 """Standard deviation of a normal number over the median of its absolute values."""
-ROUNDS, SETTLED = 30, 1e-4
+SCALE_ROUNDS, SETTLED_SCALE_CHANGE = 30, 1e-4
+"""Most repetitions of a robust fit, and the relative change of its residual scale that ends them."""
 
 
 @dataclass(frozen=True)
 class LeastSquaresSolution:
-    """Where a search ended; ``scale`` is the standard deviation of the residuals that a robust loss went by."""
+    """End of a search: values, cost, convergence, and the ``scale`` (standard deviation) that a robust loss used."""
 
     x: FloatArray
     cost: float
@@ -36,28 +39,28 @@ class LeastSquaresSolution:
 
 
 def solved(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSolution:
-    """A local optimum; one that cannot be calculated has an infinite cost.
+    """Local optimum of a fit problem from a start; its cost is infinite if it cannot be calculated.
 
-    A robust loss needs to know how large residuals are that are not outliers. That is the median of their absolute
-    values, found anew until it stays.
+    A robust loss needs the size of residuals that are not outliers: the median of their absolute values, calculated
+    again until it settles.
     """
     if loss == "linear":
         return _local(problem, start, loss, 1.0)
     found = _local(problem, start, "linear", 1.0)
     scale = typical(problem, found.x)
-    for _ in range(ROUNDS):
+    for _ in range(SCALE_ROUNDS):
         if not np.isfinite(found.cost) or scale == 0:
             break
-        found = _local(problem, found.x, loss, TUNING[loss] * scale)
+        found = _local(problem, found.x, loss, LOSS_TUNING[loss] * scale)
         before, scale = scale, typical(problem, found.x)
-        if abs(scale / before - 1) < SETTLED:
+        if abs(scale / before - 1) < SETTLED_SCALE_CHANGE:
             break
     return replace(found, scale=scale)
 
 
 def typical(problem: FitProblem, x: FloatArray) -> float:
     """Standard deviation of the residuals that are not outliers."""
-    return NORMAL * float(np.median(np.abs(problem.residuals(x))))
+    return DEVIATION_PER_MEDIAN * float(np.median(np.abs(problem.residuals(x))))
 
 
 def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> LeastSquaresSolution:
@@ -72,43 +75,43 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> L
             x_scale=steps(problem, problem.start),
             loss=chosen,
             f_scale=scale,
-            xtol=TOLERANCE,
-            ftol=TOLERANCE,
-            gtol=TOLERANCE,
-            max_nfev=MOST_CALLS,
+            xtol=CONVERGENCE_TOLERANCE,
+            ftol=CONVERGENCE_TOLERANCE,
+            gtol=CONVERGENCE_TOLERANCE,
+            max_nfev=MOST_EVALUATIONS,
         )
     except SolveError as error:
         return LeastSquaresSolution(start, np.inf, converged=False, message=str(error))
     except (ValueError, np.linalg.LinAlgError):
         where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(problem.names, start, strict=True))
-        return LeastSquaresSolution(start, np.inf, converged=False, message=f"numbers beyond all range from {where}")
+        return LeastSquaresSolution(start, np.inf, converged=False, message=f"numbers overflow from {where}")
     return LeastSquaresSolution(
         np.asarray(found.x), float(found.cost), converged=bool(found.success), message=str(found.message)
     )
 
 
 def cannot_be_negative(problem: FitProblem) -> NDArray[np.bool_]:
-    """Of each value; one that begins at 0 has no size to go by and does not count."""
+    """Mask (n,) of the unknowns that cannot be negative; those that start at 0 have no size and are left out."""
     return np.asarray((problem.start > 0) & (problem.lower >= 0))
 
 
 def search_bounds(problem: FitProblem) -> tuple[FloatArray, FloatArray]:
-    """Lower and upper (n,): on the way to zero or infinity numbers leave the range in which anything is calculated."""
+    """Lower and upper search bounds, each (n,), narrowed so that numbers stay in the range of floating point."""
     positive = cannot_be_negative(problem)
-    lower = np.where(positive, np.maximum(problem.lower, problem.start / RANGE), problem.lower)
-    upper = np.where(positive, np.minimum(problem.upper, problem.start * RANGE), problem.upper)
+    lower = np.where(positive, np.maximum(problem.lower, problem.start / SEARCH_RANGE_FACTOR), problem.lower)
+    upper = np.where(positive, np.minimum(problem.upper, problem.start * SEARCH_RANGE_FACTOR), problem.upper)
     return lower, upper
 
 
 def steps(problem: FitProblem, start: FloatArray) -> FloatArray:
-    """In proportion to the values, and those of a delay to a tenth of the shortest period."""
+    """Typical step of each unknown (n,): its start value; for a delay a tenth of the shortest period."""
     top = max(float(block.frequencies[-1]) for block in problem.blocks)
     extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]
     return np.where(np.abs(start) > 0, np.abs(start), np.array(extra))
 
 
 def variance(residuals: FloatArray, parameters: int, loss: str, scale: float) -> float:
-    """Of a residual, as it makes itself felt in the values found (Huber 1981, Robust Statistics, section 7.6)."""
+    """Effective variance of a residual under a loss (Huber 1981, Robust Statistics, section 7.6)."""
     free = max(len(residuals) - parameters, 1)
     if loss == "linear" or scale == 0:
         return float(residuals @ residuals) / free
@@ -117,13 +120,13 @@ def variance(residuals: FloatArray, parameters: int, loss: str, scale: float) ->
 
 
 def weights(residuals: FloatArray, loss: str, scale: float) -> FloatArray:
-    """What a robust loss leaves of each residual, as a share."""
+    """Weight of each residual under a robust loss, from 0 to 1."""
     return np.ones(len(residuals)) if loss == "linear" or scale == 0 else _influence(loss, residuals, scale)[0]
 
 
 def _influence(loss: str, residuals: FloatArray, scale: float) -> tuple[FloatArray, FloatArray]:
     """Weight of residuals, and derivative of weight times residual."""
-    squared = (residuals / (TUNING[loss] * scale)) ** 2
+    squared = (residuals / (LOSS_TUNING[loss] * scale)) ** 2
     if loss == "huber":
         inside = squared <= 1
         return np.where(inside, 1.0, 1 / np.sqrt(np.maximum(squared, 1.0))), inside.astype(float)

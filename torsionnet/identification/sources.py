@@ -1,4 +1,4 @@
-"""How the noise of a record is shared out between the sensor on the output and the one on the input."""
+"""Split of the noise of a record between the sensors on output and input."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from scipy.stats import norm
 
 from torsionnet.assembly.rows import FloatArray
 
-ROUNDS = 5
-TOLERATED = 4.0
-"""Standard errors that two findings of one noise may be apart; noise that comes with the excitation is seen in the
-lines only that it drives."""
+REWEIGHTING_ROUNDS = 5
+"""Repetitions of the weighted least squares, whose weights depend on the result; a few suffice."""
+COMPATIBLE_STANDARD_ERRORS = 4.0
+"""Standard errors by which two estimates of one noise may differ and still be averaged: noise that comes with the
+excitation shows only in the lines that it drives."""
 
 
 def two_sources(
@@ -23,7 +24,7 @@ def two_sources(
     repeated: float = 1.0,
     seen: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
-    """Noise power of a sensor on the output, and of one on the input seen through the response, that fit a level best.
+    """Noise powers of the output sensor and of the input sensor (through the response) that fit a noise level best.
 
     One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
     and weights made of that alone would favour lines that happen to agree. Neither is below 0; one that is found within
@@ -45,7 +46,7 @@ def two_sources(
     """
     both = np.column_stack([np.ones_like(gain), gain])
     shares, spread = _shares(level, both, rest, repeated)
-    if seen is None or abs(seen[0] - shares[1]) > TOLERATED * np.hypot(seen[1], spread[1]):
+    if seen is None or abs(seen[0] - shares[1]) > COMPATIBLE_STANDARD_ERRORS * np.hypot(seen[1], spread[1]):
         made_up = rest + both @ shares
         shares = shares * np.mean(level / np.maximum(made_up, np.finfo(float).tiny))
         return _above_zero(float(shares[0]), float(shares[1]))
@@ -56,7 +57,7 @@ def two_sources(
 
 
 def together(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
-    """Mean of values with standard errors, weighted by these, and its own standard error.
+    """Mean of values weighted by their standard errors, and its own standard error; None without values.
 
     >>> together([(1.0, 1.0), None, (2.0, 1.0)])
     (1.5, 0.7071067811865476)
@@ -69,10 +70,10 @@ def together(found: Iterable[tuple[float, float] | None]) -> tuple[float, float]
 
 
 def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
-    """Likeliest shares that make up level - rest, if a level scatters as its own size, and their standard errors."""
+    """Noise powers that make up level - rest, if a level scatters in proportion to its size, with standard errors."""
     tiny = np.finfo(float).tiny
     found, shares = np.maximum(level, tiny), np.zeros(columns.shape[1])
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTING_ROUNDS):
         rows = columns / found[:, None]
         scale = np.maximum(rows.max(axis=0), tiny)
         shares = nnls(rows / scale, (level - rest) / found)[0] / scale
@@ -83,7 +84,7 @@ def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: 
 def _probable(
     level: FloatArray, columns: FloatArray, found: FloatArray, repeated: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Means of shares over what they may be, normal but not below 0, and their spread."""
+    """Means of noise powers under a normal distribution cut off at 0, and their standard deviations."""
     rows = columns / found[:, None]
     scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
     inverse = np.linalg.pinv(rows / scale)

@@ -1,4 +1,4 @@
-"""What a fit leaves with one freedom more, and which of several freedoms explain a misfit: one rule for all who ask."""
+"""Fits with one additional unknown each, and the rule which of them explain a misfit."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, with_causes
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.search import RANGE, LeastSquaresSolution
+from torsionnet.identification.search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
 from torsionnet.identification.verdict_words import relative_misfits
 
-MOST = 0.8
+LEAST_MISFIT_REDUCTION = 0.8
 """Share of the misfit, as a sum of squares, that a cause must take away to be named."""
-FACTORS, SIGNS = (1.0, 0.5, 2.0), (1.0, -1.0)
-"""Multiples from which the search for a value begins, as a resonance may lie in the way (of records only once), and for
-a gain, as a channel may be reversed."""
-ALIKE = 1.5
-"""Sums of squares that are left, of causes that explain a misfit about as well."""
-ENDED = 1e-3
-"""A value that comes as near to the end of its range, as a factor, has run there."""
+START_FACTORS, GAIN_SIGNS = (1.0, 0.5, 2.0), (1.0, -1.0)
+"""Multiples of its value in the model from which a value is searched, as a resonance may lie in between, and signs from
+which a gain is searched, as a channel may be reversed."""
+EQUALLY_GOOD_RATIO = 1.5
+"""Ratio of the sums of squares left up to which two causes explain a misfit equally well."""
+RANGE_END_FACTOR = 1e-3
+"""Factor from the end of the search range within which a value has run to zero or without end."""
 
 Solve = Callable[[FitProblem, FloatArray], LeastSquaresSolution]
-"""A local optimum from a start."""
+"""Function that finds a local optimum of a problem from a start."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A cause, the problem with it, and the optimum of that."""
+    """Fit with one cause of a misfit freed: the problem, its optimum and the sum of squares left."""
 
     cause: Cause
     problem: FitProblem
@@ -39,24 +39,26 @@ class Tried:
 
     @property
     def criterion(self) -> float:
-        """Akaike's, in units of noise: of two that leave as much, the one with fewer unknowns comes first."""
+        """Akaike information criterion, the sum of squares left plus 2 for each unknown."""
         return self.squares + 2 * len(self.values)
 
     @property
     def misfit(self) -> float:
-        """RMS of model minus test over that of the test, of all measurements."""
+        """RMS of model minus test over that of the test with the cause freed, of all measurements."""
         return overall_misfit(self.problem, self.values)
 
     @property
     def ended(self) -> bool:
-        """Whether the value ran to zero or without end, which explains nothing."""
+        """Whether the value freed ran to zero or without end, so that the cause explains nothing."""
         mine = [name.partition("[")[0] == self.cause.unknown for name in self.problem.names]
         begin, value = float(np.mean(self.problem.start[mine])), float(np.mean(self.values[mine]))
-        return begin > 0 and not ENDED * RANGE > abs(value / begin) > 1 / (ENDED * RANGE)
+        return begin > 0 and not RANGE_END_FACTOR * SEARCH_RANGE_FACTOR > abs(value / begin) > 1 / (
+            RANGE_END_FACTOR * SEARCH_RANGE_FACTOR
+        )
 
 
 def squares(problem: FitProblem, values: FloatArray) -> float:
-    """Sum of the squared weighted residuals."""
+    """Sum of the squared weighted residuals at ``values``."""
     return float(np.sum(problem.residuals(values) ** 2))
 
 
@@ -68,7 +70,7 @@ def overall_misfit(problem: FitProblem, values: FloatArray) -> float:
 def tried_causes(
     problem: FitProblem, causes: Sequence[Cause], starts: Sequence[FloatArray], solve: Solve
 ) -> list[Tried]:
-    """The best fit with each of the causes, from all starts, the best of them first."""
+    """Best fit with each of the causes from all starts, sorted, the best cause first."""
     best: dict[Cause, Tried] = {}
     found = [
         _tried(problem, cause, start, solve, factor)
@@ -83,12 +85,12 @@ def tried_causes(
 
 def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
     if cause.kind == "gain" and any(block.form != "magnitude" for block in problem.blocks):
-        return SIGNS
-    return FACTORS if cause.is_value and not problem.has_records else FACTORS[:1]
+        return GAIN_SIGNS
+    return START_FACTORS if cause.is_value and not problem.has_records else START_FACTORS[:1]
 
 
 def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float) -> Tried | None:
-    """The fit with a cause from a start, the cause from a multiple of its own; None where that cannot be calculated."""
+    """Fit with a cause from a start, its value multiplied by ``factor`` first; None if it cannot be calculated."""
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
         begin = with_it.start.copy()
@@ -100,29 +102,32 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
 
 
 def explaining(tried: Sequence[Tried], whole: float) -> list[Tried]:
-    """Those of the causes tried that take away most of a misfit and leave about as little as the best of them.
+    """Fits with a cause that remove most of a misfit and leave about as little as the best of them.
 
     Parameters
     ----------
     tried : sequence of Tried
         The best first.
     whole : float
-        Sum of squares without any of them.
+        Sum of squares with none of the causes freed.
     """
-    sound = [one for one in tried if not one.ended and one.squares <= (1 - MOST) * whole]
+    sound = [one for one in tried if not one.ended and one.squares <= (1 - LEAST_MISFIT_REDUCTION) * whole]
     if not sound:
         return []
     least, rounding = sound[0], np.finfo(float).eps * whole
     noise = _noise(least.problem)
 
     def as_good(one: Tried) -> bool:
-        alike = one.squares <= ALIKE * least.squares and one.misfit <= np.sqrt(ALIKE) * least.misfit
+        alike = (
+            one.squares <= EQUALLY_GOOD_RATIO * least.squares
+            and one.misfit <= np.sqrt(EQUALLY_GOOD_RATIO) * least.misfit
+        )
         return one is least or alike or one.squares <= max(noise, rounding)
 
     return [one for one in sound if as_good(one)]
 
 
 def _noise(problem: FitProblem) -> float:
-    """Sum of squares that errors make which are stated; 0 where none are."""
+    """Sum of squares expected from stated errors; 0 where a measurement states none."""
     stated = all(block.measurement.error is not None for block in problem.blocks)
     return problem.effective_count if stated else 0.0

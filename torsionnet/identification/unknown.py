@@ -1,4 +1,4 @@
-"""A parameter to be found: where to begin, what is possible, what was known before."""
+"""Unknown parameter of a fit: start value, bounds and prior."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 
-LARGEST = 1e20
-"""In SI; a value in a model may be larger, one that is to be found is between others."""
+LARGEST_SIZE = 1e20
+"""Largest size in SI of a start value, bound or prior, and the reciprocal of the smallest: beyond, it is a mistake."""
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A parameter to be found.
+    """Unknown parameter of a fit, with start value, bounds and prior.
 
     Attributes
     ----------
@@ -38,8 +38,11 @@ class Unknown:
         if self.start is not None and not np.isfinite(self.start):
             raise UsageError(f"a start value is a finite number in SI, got {self.start}")
         for size in (self.start, *(self.prior or ()), *(self.bounds or ())):
-            if size and np.isfinite(size) and not 1 / LARGEST < abs(size) < LARGEST:
-                raise UsageError(f"{size:g} is no size that a parameter of a drivetrain has")
+            if size and np.isfinite(size) and not 1 / LARGEST_SIZE < abs(size) < LARGEST_SIZE:
+                raise UsageError(
+                    f"{size:g} is out of range for a parameter ({1 / LARGEST_SIZE:g} to {LARGEST_SIZE:g} in SI); "
+                    "check its unit"
+                )
         if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
             raise UsageError(f"the lower bound must be below the upper bound, got {self.bounds}")
         if self.prior is not None and not self.prior[1] > 0:
@@ -47,7 +50,7 @@ class Unknown:
 
 
 def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float | None]) -> dict[str, Unknown]:
-    """Unknowns by name from names alone, or from names with a start value or an :class:`Unknown`.
+    """Unknown parameters by name, from names alone, or from names with a start value or an :class:`Unknown`.
 
     >>> read_unknowns({"c_O": 100, "c_B": None})["c_O"].start
     100.0

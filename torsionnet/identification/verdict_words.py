@@ -1,4 +1,4 @@
-"""What a fit does and does not say, in words."""
+"""Verdicts of a fit in words: undetermined or correlated parameters, values at bounds, outlying measurements."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from torsionnet.identification.noise_bias import biased
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, peaks
 
-ALIKE = 0.95
-VAGUE = 0.3
-"""Relative standard error above which a value is hardly known."""
-ODD = 2.0
-"""Misfit of one measurement over that of the others above which it does not belong to them."""
-AT_BOUND = 1e-6
-
-
-FIX = "fit the record itself, which has no such error, or use longer windows"
+INDISTINGUISHABLE_CORRELATION = 0.95
+"""Correlation of two parameters above which they are reported as indistinguishable."""
+VAGUE_RELATIVE_ERROR = 0.3
+"""Relative standard error above which a value is reported as hardly determined."""
+OUTLYING_MISFIT_RATIO = 2.0
+"""Misfit of one measurement over the median of the others above which it is reported as not fitting them."""
+AT_BOUND_DISTANCE = 1e-6
+"""Relative distance to a bound within which a value stands at it; the search ends inside the bound by rounding."""
+NARROW_PEAK_ADVICE = "fit the record itself, which has no such error, or use longer windows"
 
 
 def verdicts(
@@ -33,7 +33,7 @@ def verdicts(
     moved: FloatArray,
     ended: Collection[str] = (),
 ) -> tuple[str, ...]:
-    """Everything a reader of the values should know; of those that have ``ended`` at a limit that is said elsewhere."""
+    """Verdicts of a fit in words; values that ``ended`` at zero or infinity are reported elsewhere."""
     return (
         *_combinations(problem, lost),
         *_alike(problem, errors, correlation),
@@ -51,7 +51,7 @@ def _where(problem: FitProblem) -> str:
 
 
 def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
-    """Directions, scaled by what each parameter does to the data, in which nothing changes."""
+    """Sentence for each combination of parameters that the data do not determine."""
     for direction in lost:
         members = np.flatnonzero(np.abs(direction) > 1e-3 * np.abs(direction).max())
         names = " and ".join(problem.names[index] for index in members)
@@ -64,14 +64,19 @@ def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
 def _alike(problem: FitProblem, errors: FloatArray, correlation: FloatArray) -> Iterator[str]:
     for first, second in combinations(range(len(problem.names)), 2):
         both = abs(float(correlation[first, second]))
-        if both > ALIKE and np.isfinite(errors[[first, second]]).all():
+        if both > INDISTINGUISHABLE_CORRELATION and np.isfinite(errors[[first, second]]).all():
             pair = f"{problem.names[first]} and {problem.names[second]}"
             yield f"{pair} are indistinguishable {_where(problem)}: correlation {correlation[first, second]:.2f}"
 
 
 def _vague(problem: FitProblem, values: FloatArray, errors: FloatArray, ended: Collection[str]) -> Iterator[str]:
     for name, value, error in zip(problem.names, values, errors, strict=True):
-        if name not in ended and np.isfinite(error) and error > VAGUE * abs(value) and not name.startswith("delay["):
+        if (
+            name not in ended
+            and np.isfinite(error)
+            and error > VAGUE_RELATIVE_ERROR * abs(value)
+            and not name.startswith("delay[")
+        ):
             yield f"{name} is hardly determined: {value:.3g} with a standard error of {error:.2g}"
 
 
@@ -81,19 +86,19 @@ def _bounds(problem: FitProblem, values: FloatArray, ended: Collection[str]) -> 
             if (
                 name not in ended
                 and np.isfinite(bound)
-                and abs(value - bound) <= AT_BOUND * max(abs(value), abs(bound), 1e-300)
+                and abs(value - bound) <= AT_BOUND_DISTANCE * max(abs(value), abs(bound), 1e-300)
             ):
                 yield f"{name} stands at its bound {bound:g}: its standard error means nothing there"
 
 
 def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
-    """Measurements that the common parameters do not fit, judged with each one's own noise."""
+    """Sentence for each measurement that fits much worse than the others."""
     misfits = relative_misfits(problem, values)
     if len(misfits) < 2:
         return
     for number, misfit in enumerate(misfits):
         others = np.delete(misfits, number)
-        if misfit > ODD * np.median(others):
+        if misfit > OUTLYING_MISFIT_RATIO * np.median(others):
             label = problem.blocks[number].measurement.label
             yield (
                 f"{label} does not fit the others: its response is off by {100 * misfit:.2g} % (RMS), theirs by "
@@ -102,7 +107,7 @@ def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
 
 
 def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """RMS of model minus test over RMS of test, of every measurement."""
+    """RMS of model minus test over RMS of the test, of each measurement."""
     found = []
     for block, place in zip(problem.blocks, problem.places, strict=True):
         predicted, measured = block.predicted(values[place])[0], block.measured
@@ -112,7 +117,7 @@ def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def _narrow_peaks(problem: FitProblem, values: FloatArray) -> Iterator[str]:
-    """A sentence for each response in which windows may pass for damping."""
+    """Sentence for each peak so narrow that the windows of the estimate act like damping."""
     for block, place in zip(problem.blocks, problem.places, strict=True):
         if isinstance(block, ResponseBlock) and block.data.coherence is not None:
             yield from _narrow(block, values[place])
@@ -131,6 +136,6 @@ def _narrow(block: ResponseBlock, values: FloatArray) -> Iterator[str]:
         label = block.measurement.label
         about = f"{label}: the peak at {lines[peak]:.3g} Hz is {width:.2g} Hz wide, under {LEAST_BINS} lines"
         if smooth is None:
-            yield f"{about}: what windows did to it passes for damping; {FIX}"
+            yield f"{about}: what windows did to it passes for damping; {NARROW_PEAK_ADVICE}"
         else:
-            yield f"{about}: windows under a sweep are corrected in part, and the errors widened; {FIX}"
+            yield f"{about}: windows under a sweep are corrected in part, and the errors widened; {NARROW_PEAK_ADVICE}"

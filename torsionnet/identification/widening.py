@@ -1,8 +1,8 @@
-"""A search that begins with the lowest lines and takes in more of them step by step.
+"""Search for an optimum that starts with the lowest frequency lines and adds higher ones step by step.
 
 Where a model has many resonances, one that is a little off already misses a high peak, and the misfit has a minimum
-wherever two of the peaks come together. Low lines are smooth in the parameters; what they tell brings the higher peaks
-near enough, one after the other.
+wherever two of the peaks coincide. Low lines depend smoothly on the parameters; fitting them first brings the higher
+peaks near enough, one after the other.
 """
 
 from __future__ import annotations
@@ -18,38 +18,43 @@ from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.search import LeastSquaresSolution, search_bounds, solved, steps
 from torsionnet.identification.verdict_words import relative_misfits
 
-SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
-"""Of all lines, counted from the lowest, that are compared one after the other."""
-FEWEST, CALLS = 3, 50
-"""Lines for each parameter in the first step, and evaluations in each."""
-OFF = 0.02
+LINE_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
+"""Shares of all lines, counted from the lowest, that are fitted one after the other."""
+FEWEST_LINES_PER_PARAMETER, MOST_STEP_EVALUATIONS = 3, 50
+"""Fewest lines for each parameter in a step, and most evaluations in each step."""
+SUSPICIOUS_MISFIT = 0.02
 """RMS of model minus test over that of the test above which a search may have ended beside the optimum."""
-FAR, LESS = 0.1, 1e-6
-"""The same above which it is told where nothing says what noise there is, and the share by which another is better."""
+WARNED_MISFIT, LEAST_IMPROVEMENT = 0.1, 1e-6
+"""Relative RMS misfit above which a response of unknown noise is warned of, and least relative improvement of the cost
+by which another optimum is taken."""
 
 
 def widened(problem: FitProblem, best: LeastSquaresSolution, start: FloatArray, loss: str) -> LeastSquaresSolution:
-    """The best optimum so far, or the one that lines taken in step by step lead to where that is better.
+    """Better one of the best optimum so far and that of a search with step-by-step added lines.
 
-    Of responses alone; records take far longer, and their lines are wide.
+    Only for responses; records take far longer, and their lines are wide.
     """
-    if problem.has_records or not np.isfinite(best.cost) or relative_misfits(problem, best.x).max() <= OFF:
+    if (
+        problem.has_records
+        or not np.isfinite(best.cost)
+        or relative_misfits(problem, best.x).max() <= SUSPICIOUS_MISFIT
+    ):
         return best
     try:
         found = start
-        with np.errstate(all="ignore"):  # numbers beyond all range are no answer
-            for share in SHARES:
+        with np.errstate(all="ignore"):  # overflow is checked by the cost
+            for share in LINE_SHARES:
                 found = _with_lines(problem, found, share)
     except (SolveError, ValueError, np.linalg.LinAlgError):
-        return best  # which stays the answer; lines that few may lead anywhere
+        return best  # few lines may lead anywhere, even where the model cannot be solved
     other = solved(problem, found, loss)
-    return other if other.converged and other.cost < (1 - LESS) * best.cost else best
+    return other if other.converged and other.cost < (1 - LEAST_IMPROVEMENT) * best.cost else best
 
 
 def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatArray:
-    """The optimum of the lowest lines and what was known before, (n,)."""
+    """Optimum (n,) of the lowest lines and the priors."""
     every = np.sort(np.concatenate([block.frequencies for block in problem.blocks]))
-    count = min(max(int(share * len(every)), FEWEST * len(start)), len(every))
+    count = min(max(int(share * len(every)), FEWEST_LINES_PER_PARAMETER * len(start)), len(every))
     inside = [np.tile(block.frequencies <= every[count - 1], block.parts) for block in problem.blocks]
     kept = np.concatenate([*inside, np.ones(len(problem.priors), dtype=bool)])
     lower, upper = search_bounds(problem)
@@ -66,19 +71,19 @@ def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatAr
         jac=jacobian,
         bounds=(lower, upper),
         x_scale=steps(problem, problem.start),
-        max_nfev=CALLS,
+        max_nfev=MOST_STEP_EVALUATIONS,
     )
     return np.asarray(found.x)
 
 
 def far_off(problem: FitProblem, values: FloatArray) -> tuple[str, ...]:
-    """A sentence for every response that a model with peaks is far from, and nothing tells noise from other peaks."""
+    """Warning for each response of unknown noise that the model misses by far, as it may have other peaks."""
     misfits = relative_misfits(problem, values)
     return tuple(
         f"{block.measurement.label}: the model is off by {100 * misfit:.2g} % of the response (RMS), and nothing says "
         "that this is noise: it may have other peaks than the test; try starts=10, or an error or a coherence"
         for block, place, misfit in zip(problem.blocks, problem.places, misfits, strict=True)
-        if misfit > FAR and _has_unknown_noise(block) and _has_peaks(block.predicted(values[place])[0])
+        if misfit > WARNED_MISFIT and _has_unknown_noise(block) and _has_peaks(block.predicted(values[place])[0])
     )
 
 

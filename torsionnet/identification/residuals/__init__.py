@@ -1,1 +1,1 @@
-"""Differences of measurement and model, weighted by what the noise of the measurement is."""
+"""Residuals of a fit: differences between measurement and model, weighted by the noise of the measurement."""

@@ -1,8 +1,8 @@
-"""What the spectra of a record are multiplied by, so that noise on both sensors averages out.
+"""Instrumental variable of a record: the signal whose spectra multiply those of input and output in the estimate.
 
 Welch's H1 multiplies by the input itself, and the noise on that, squared, never averages out: H1 is low by its share. A
-set-point shares no noise with the sensors, so nothing is left of it (instrumental variables). Without one, segments in
-which a line is not excited show the squared noise alone, and what they show can be taken off the others. Antoni,
+set-point shares no noise with the sensors, so its product with their noise averages out. Without one, segments in
+which a line is not excited show the squared noise alone, which can be subtracted from the others. Antoni,
 Wagstaff and Henrio (2004), IEEE Transactions on Instrumentation and Measurement 53(2), do so with random excitation
 whose power rises and falls; a sweep passes each line once, which is as good.
 """
@@ -23,15 +23,15 @@ from torsionnet.response.recording import Recording
 from torsionnet.signals.estimators import LEAST_DRIVEN
 from torsionnet.signals.welch import Welch
 
-LOUD = 0.1
-"""Share of the power of a line in segments that excite it (the mean that power itself weighs) above which one does."""
-MOST_LOUD = 0.5
-"""Share of segments that excite a line above which the others say too little of the noise."""
+EXCITED_POWER_SHARE = 0.1
+"""Share of the power-weighted mean power of a line above which a segment excites the line."""
+MOST_EXCITED_SEGMENTS = 0.5
+"""Share of segments that excite a line above which the others are too few to show the noise."""
 
 
 @dataclass(frozen=True)
 class Instrument:
-    """An estimator, and the signal whose lines multiply those of input and output.
+    """Estimator, and the signal whose lines multiply those of input and output (instrumental variable).
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class Instrument:
         ``H1`` (the input itself), ``H2`` (the output) or ``Hr`` (a reference).
     signal : str
     asked : bool
-        Whether it must be this one; otherwise the input stands in for a reference that does not drive it.
+        Whether the user asked for this signal; otherwise the input replaces a reference that does not drive it.
     plain : bool
-        Whether its squared noise stays in all segments, as in an estimate by Welch's method.
+        Whether its squared noise stays in the estimate, as by Welch's method.
     """
 
     estimator: str
@@ -51,14 +51,14 @@ class Instrument:
 
     @property
     def is_clean(self) -> bool:
-        """Whether it shares no noise with input and output."""
+        """Whether the signal shares no noise with input and output."""
         return self.estimator == "Hr"
 
     def __str__(self) -> str:
         return f"Hr with {self.signal} as reference" if self.is_clean else self.estimator
 
     def lines(self, of_input: ComplexArray, of: Callable[[str], ComplexArray]) -> tuple[Instrument, ComplexArray]:
-        """What it is in the end, and its lines (n_segments, n_b) from those of the input and of any signal.
+        """Instrument after the check that it drives the input, and its lines (n_segments, n_b).
 
         Raises
         ------
@@ -76,13 +76,13 @@ class Instrument:
             return self, found
         if self.asked:
             raise UsageError(
-                f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it, and is no reference"
+                f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it; name another reference"
             )
         return Instrument("H1", ""), of_input
 
 
 def instrument_of(model: AssembledModel, measurement: Measurement, record: Recording, settings: Welch) -> Instrument:
-    """What the measurement asks for, else a set-point that the record has, else the input.
+    """Instrument for a measurement: the reference asked for, else a set-point in the record, else the input.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def instrument_of(model: AssembledModel, measurement: Measurement, record: Recor
 
 
 def set_points(model: AssembledModel, excitation: str | None = None) -> tuple[str, ...]:
-    """What the set-points of the model's inputs are called, or that of one of them.
+    """Channel names of the set-points of the model's inputs, or of one input.
 
     >>> import torsionnet as tn
     >>> set_points(tn.load("dmf_rig"))
@@ -121,11 +121,11 @@ def _set_point(model: AssembledModel, measurement: Measurement, record: Recordin
 def without_background(lines: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
     """Lines (n_segments, n_b) weighted so that squared noise, the same in all segments, adds up to nothing.
 
-    Segments that excite a line count one less the share of such segments, all others minus that share. Lines that most
-    segments excite stay as they are: whether they do, (n_b,).
+    Segments that excite a line get the weight 1 minus the share of such segments, all others minus that share. Lines
+    that most segments excite are returned unchanged; the second array (n_b,) is True for them.
     """
     power = np.abs(lines) ** 2
-    loud = power > LOUD * (power**2).sum(axis=0) / np.maximum(power.sum(axis=0), np.finfo(float).tiny)
+    loud = power > EXCITED_POWER_SHARE * (power**2).sum(axis=0) / np.maximum(power.sum(axis=0), np.finfo(float).tiny)
     share = loud.mean(axis=0)
-    kept = share > MOST_LOUD
+    kept = share > MOST_EXCITED_SEGMENTS
     return np.asarray(np.where(kept, lines, lines * (loud - share))), np.asarray(kept)

@@ -1,4 +1,4 @@
-"""How uncertain the lines of a response are, and how far neighbours share their errors."""
+"""Variance of the lines of a response by noise, and the correlation between neighbouring lines."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
 
 LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
-SAMPLES = 512
-"""Of a window, whose shape is all that matters here."""
-NOTHING = 1e-4
-"""Correlation that is left out."""
+"""Limits to which a coherence is clipped, so that no line has an infinite or zero variance."""
+WINDOW_SAMPLES = 512
+"""Samples of a window from which the correlation of lines is calculated; only its shape matters."""
+NEGLIGIBLE_CORRELATION = 1e-4
+"""Correlation of two lines below which it is left out, so that the matrix stays sparse."""
 USUAL_WINDOW, USUAL_OVERLAP = "hann", 0.5
-"""What is assumed of a coherence that does not say how it was averaged."""
+"""Window and overlap assumed for a response with coherence whose averaging is unknown."""
 
 
 def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
-    """Variance (n_f,) of the real part, and as much of the imaginary one, of one pair.
+    """Variance (n_f,) of the real part of a response, equal to that of the imaginary part.
 
-    From a relative standard error if there is one, else from the coherence; in proportion to the squared magnitude
+    From the relative standard error if there is one, else from the coherence; in proportion to the squared magnitude
     where there is neither.
     """
     squared = data.magnitude[:, 0, 0] ** 2
@@ -36,9 +37,9 @@ def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
 
 
 def averaging_of(data: FrequencyResponse) -> Estimation | None:
-    """How a response was averaged; what is usual if it does not say, and None if it was not averaged.
+    """Averaging of a response: as stated, else the usual one if it has a coherence, else None.
 
-    Lines of a window are 1 / seconds apart, and evenly.
+    Lines of a window are evenly spaced by 1 / seconds.
     """
     if data.estimation is not None or data.coherence is None:
         return data.estimation
@@ -49,7 +50,7 @@ def averaging_of(data: FrequencyResponse) -> Estimation | None:
 
 
 def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_array:
-    """Of the random errors of lines (n_b, n_b): segments overlap, and so do the bands that a window lets through.
+    """Correlation (n_b, n_b) of the random errors of lines, as segments and the bands of a window overlap.
 
     With the window's ambiguity function A(lag, shift), the sum over the lags m between segments of |A(m, f - f')|^2,
     over the same for equal lines. Without overlap that is |sum w^2 exp(2 pi j (f - f') t)|^2 / (sum w^2)^2.
@@ -70,14 +71,14 @@ def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_arr
 
 
 def _by_distance(estimation: Estimation) -> FloatArray:
-    """Correlation of lines that are 0, 1, 2 ... bins apart, as far as there is any."""
-    window = np.asarray(get_window(estimation.window, SAMPLES), dtype=np.float64)
-    step = max(1, SAMPLES - round(estimation.overlap * SAMPLES))
-    total = np.zeros(SAMPLES // 2)
-    for m in range(min(estimation.averages, -(-SAMPLES // step))):
-        shared = np.zeros(SAMPLES)
-        shared[m * step :] = window[m * step :] * window[: SAMPLES - m * step]
+    """Correlation of lines that are 0, 1, 2 ... bins apart, up to the last that is not negligible."""
+    window = np.asarray(get_window(estimation.window, WINDOW_SAMPLES), dtype=np.float64)
+    step = max(1, WINDOW_SAMPLES - round(estimation.overlap * WINDOW_SAMPLES))
+    total = np.zeros(WINDOW_SAMPLES // 2)
+    for m in range(min(estimation.averages, -(-WINDOW_SAMPLES // step))):
+        shared = np.zeros(WINDOW_SAMPLES)
+        shared[m * step :] = window[m * step :] * window[: WINDOW_SAMPLES - m * step]
         weight = 1 if m == 0 else 2 * (1 - m / estimation.averages)
-        total += weight * np.abs(np.fft.fft(shared)[: SAMPLES // 2]) ** 2
+        total += weight * np.abs(np.fft.fft(shared)[: WINDOW_SAMPLES // 2]) ** 2
     found = total / total[0]
-    return np.asarray(found[: np.flatnonzero(found > NOTHING)[-1] + 1])
+    return np.asarray(found[: np.flatnonzero(found > NEGLIGIBLE_CORRELATION)[-1] + 1])

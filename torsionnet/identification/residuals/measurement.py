@@ -1,4 +1,4 @@
-"""What was measured, and on which configuration."""
+"""Measurement for a fit: data, channels, band and the configuration it was made in."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from torsionnet.signals.welch import Welch
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """One test: a record of signals, or a response already estimated.
+    """Measurement for a fit, either a record of signals or an estimated frequency response.
 
     Attributes
     ----------
     data : Recording or FrequencyResponse
-        A record takes the same-estimator route, which has no leakage bias: the model predicts the output from the
-        measured input, and both are estimated alike. Its first sample is at rest, or see ``settling``.
+        With a record, the model predicts the output from the measured input, and test and prediction go through the
+        same estimator, which avoids a bias by leakage. A record begins at rest, or see ``settling``.
     output, input : str
         Names in the data, and in the model unless ``model_output`` and ``model_input`` say otherwise.
     configuration : str, optional
-        Of the model: ``"II"``, ``"gear=II,clutch=open"``.
+        Configuration of the model: ``"II"``, ``"gear=II,clutch=open"``.
     band : tuple of float, optional
         Lowest and highest frequency in Hz; by default all up to where the data can be used.
     excluded : tuple of tuple of float, optional
         Bands in Hz that are left out.
     settings : Welch, optional
-        Of a record; by default those of the source paper, its decimation if the rate is above 1 kHz. Of estimators H1,
-        H2 and Hr can be asked for.
+        Averaging of a record; by default that of the source paper, decimated if the rate is above 1 kHz. Estimators
+        are H1, H2 and Hr.
     model_output, model_input, excitation : str, optional
     delay, gain : bool, optional
         Whether a delay (s) and a gain of the output's channel are found along with the parameters; the gain is negative
@@ -80,5 +80,5 @@ class Measurement:
 
     @property
     def label(self) -> str:
-        """How tables and messages call it."""
+        """Name of the measurement in tables and messages."""
         return self.name or self.configuration or "measurement"

@@ -1,8 +1,8 @@
-"""Residuals of one measurement, weighted, with exact derivatives.
+"""Weighted residuals of one measurement with exact derivatives (base class of record and response blocks).
 
-Lines become real vectors, divided by what noise alone would do to them. Lines next to each other share noise, since
-windows smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the uncertainties
-of a fit do.
+Lines become real vectors, divided by their standard deviation by noise. Neighbouring lines share noise, since windows
+smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the standard errors of a
+fit do.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
 @dataclass(eq=False)
 class MeasurementBlock(ABC):
-    """One measurement against the model.
+    """Weighted residuals of one measurement against the model.
 
-    ``parameters`` of the model come first in the vectors handed in, then delay and gain where they are found along.
+    Vectors of values hold the ``parameters`` of the model first, then delay and gain where they are fitted.
     """
 
     measurement: Measurement
@@ -34,7 +34,7 @@ class MeasurementBlock(ABC):
 
     @property
     def parts(self) -> int:
-        """Residuals of a line."""
+        """Number of residuals per line."""
         return 1 if self.form == "magnitude" else 2
 
     @property
@@ -45,44 +45,44 @@ class MeasurementBlock(ABC):
     @property
     @abstractmethod
     def frequencies(self) -> FloatArray:
-        """Lines compared, Hz."""
+        """Frequencies of the lines compared, Hz, (n_b,)."""
 
     @property
     def described(self) -> str:
-        """What is compared, in a few words."""
+        """Short description of the data compared, such as '40 lines of H1'."""
         return f"{len(self.frequencies)} lines"
 
     @property
     @abstractmethod
     def measured(self) -> ComplexArray:
-        """What the test says at the lines."""
+        """Measured response at the lines, SI, (n_b,)."""
 
     @abstractmethod
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """What the model says (n_b,), and its derivatives (n_b, n)."""
+        """Response predicted by the model (n_b,), SI, and its derivatives (n_b, n)."""
 
     @property
     @abstractmethod
     def deviations(self) -> FloatArray:
-        """Standard deviation of real and imaginary parts of the lines that noise alone makes, (2 n_b,)."""
+        """Standard deviations of real, then imaginary parts of the lines by noise, (2 n_b,)."""
 
     @property
     @abstractmethod
     def sizes(self) -> FloatArray:
-        """The same of the residuals before they are weighted, (count,)."""
+        """Standard deviations by which the residuals are divided, (count,)."""
 
     @property
     def absolute(self) -> FloatArray:
-        """What residuals are multiplied by to be differences in the unit of the response, (count,)."""
+        """Factors that turn weighted residuals into differences in the unit of the response, (count,)."""
         return self.sizes * (1.0 if self.form == "complex" else np.tile(np.abs(self.measured), self.parts))
 
     @property
     def correlation(self) -> FloatArray | None:
-        """Of the weighted residuals, (count, count); None where they are independent."""
+        """Correlation (count, count) of the weighted residuals; None where they are independent."""
         return None
 
     def under_noise(self, backward: FloatArray) -> FloatArray:
-        """Covariance of backward (n, count) @ residuals by noise."""
+        """Covariance (n, n) of backward (n, count) @ residuals by noise."""
         correlation = self.correlation
         return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
 
@@ -92,53 +92,53 @@ class MeasurementBlock(ABC):
         return float(self.count if self.correlation is None else np.sum(self.correlation**2))
 
     def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance of backward (n, count) @ residuals by errors beyond noise that all lines share."""
+        """Covariance (n, n) of backward (n, count) @ residuals by systematic errors that all lines share."""
         del values
         return np.zeros((len(backward), len(backward)))
 
     def beyond_noise(self, values: FloatArray) -> FloatArray:
-        """Covariance (count, count) of the weighted residuals of a right model by anything but noise."""
+        """Covariance (count, count) of the weighted residuals of a correct model by systematic errors."""
         return self.under_shared(np.eye(self.count), values)
 
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weighted model against test (count,), and derivatives (count, n)."""
+        """Weighted residuals, model minus test (count,), and their derivatives (count, n)."""
         residuals, slopes = apart(self.form, *self.predicted(values), self.measured)
         size = self.sizes
         return residuals / size, slopes / size[:, None]
 
     @property
     def remark(self) -> str:
-        """What was assumed of the measurement, for the notes of a fit."""
+        """Note on assumptions about the measurement, for the notes of a fit; empty if there are none."""
         return ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
-        """What noise there is whether or not the model is right; None where that cannot be told."""
+        """Noise of the measurement, independent of errors of the model; None where it cannot be separated."""
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
         found = noise_between_lines(lines, self.likeness[:count, :count])
         if found is None:
             return None
-        # A model that leads nowhere leaves residuals that jump between lines; noise is no more than what was measured.
+        # A useless model leaves residuals that jump between lines; noise cannot exceed the measured response.
         power = float(np.tile(found.ratio, len(residual) // count) @ self.absolute**2)
         most = float(np.sum(np.abs(self.measured) ** 2))
         return replace(found, ratio=found.ratio * min(1.0, most / power)) if power > 0 else found
 
     @property
     def likeness(self) -> FloatArray:
-        """Correlation of the weighted residuals as far as it is known, (count, count)."""
+        """Correlation (count, count) of the weighted residuals, the identity where it is unknown."""
         return np.eye(self.count) if self.correlation is None else self.correlation
 
     @abstractmethod
     def take_measured_noise(self, noise: Noise) -> None:
-        """Weigh by noise as it was found."""
+        """Weigh the residuals by a measured noise."""
 
     @abstractmethod
     def take_noise(self, other: MeasurementBlock, left: float) -> None:
-        """Weigh as another fit of the same measurement does; ``left`` is its reduced chi squared."""
+        """Use the weights of another fit of the same measurement, whose reduced chi squared is ``left``."""
 
     def varied(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> MeasurementBlock:
-        """The same test against another model, or in other parameters."""
+        """Copy of the block with another model, other measurement flags or other parameters."""
         found, old = copy(self), self.response
         found.measurement = measurement
         output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
@@ -149,12 +149,12 @@ class MeasurementBlock(ABC):
 
     @property
     def extra(self) -> tuple[str, ...]:
-        """Names of what is found along, after the parameters."""
+        """Names of the channel unknowns (delay, gain) that follow the parameters."""
         asked = (("delay", self.measurement.delay), ("gain", self.measurement.gain))
         return tuple(name for name, wanted in asked if wanted)
 
     def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Model with delay and gain of the channel, (n_f,), and derivatives (n_f, n)."""
+        """Response of the model with delay and gain of the channel, (n_f,), and derivatives (n_f, n)."""
         count = len(self.response.names)
         found = self.response.at(values[:count])
         G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]

@@ -1,4 +1,4 @@
-"""Blocks of a fit from measurements: which lines are compared, and by which route."""
+"""Choice of residual block and lines for each measurement of a fit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.identification.residuals.instrument import Instrument, instrument_of
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.memory import MOST, check_memory, demand
+from torsionnet.identification.residuals.memory import MOST_BYTES, check_memory, demand
 from torsionnet.identification.residuals.operator import WindowedEstimate, windowed_estimate
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import Form
@@ -28,14 +28,14 @@ from torsionnet.signals.estimators import estimate
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
-UNKNOWN = "1"
-"""Unit of both ends of a response of which a file only says that they are alike."""
+UNSTATED_UNIT = "1"
+"""Unit of both channels of a response whose file only says that they are equal."""
 
 
 def make_block(
     model: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form
 ) -> MeasurementBlock:
-    """The block of one measurement.
+    """Residual block of one measurement of a model.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def _of_response(
 
 
 def default_settings(record: Recording, band: tuple[float, float] | None = None) -> Welch:
-    """The source paper's windows; records faster than 1 kHz are decimated as far as the band allows."""
+    """Welch settings with the windows of the source paper, and a decimation for records above 1 kHz."""
     factor = factor_for(record.sampling_rate, band[1] if band else 0.0)
     return Welch(PAPER.window, PAPER.seconds, PAPER.overlap, decimation=factor)
 
@@ -129,7 +129,7 @@ def _response(
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
     response = parametric_response(rig, output, into, frequencies, parameters, excitation=measurement.excitation)
     theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
-    if all(channel.unit == UNKNOWN for channel in channels):
+    if all(channel.unit == UNSTATED_UNIT for channel in channels):
         if theirs[0] != theirs[1]:
             pair = f"{channels[0].name}/{channels[1].name} is a ratio of like signals in the data"
             raise UsageError(f"{measurement.label}: {pair}, of {theirs[0]} over {theirs[1]} in the model")
@@ -145,11 +145,11 @@ def _response(
 def _remembered_estimate(
     chosen: FrequencyResponse,
 ) -> tuple[WindowedEstimate, NDArray[np.bool_], SensorSteps] | None:
-    """How lines of one pair follow from a transfer function, which of them are compared, and the sensor's steps.
+    """Windowed estimate from the record kept with a response, the lines compared, and the sensor's steps.
 
-    None without a record, where it was not swept (an average over a stationary input is smoothed alike wherever the
-    record begins), for estimators that are not linear in the transfer function, and for records that would take too
-    much memory.
+    None without a record, where the input was not swept (an average over a stationary input is smoothed in the same way
+    wherever the record begins), for estimators that are not linear in the transfer function, and for records that would
+    take too much memory.
     """
     origin, f = chosen.estimation, chosen.frequencies
     output, driven = chosen.outputs[0].name, chosen.inputs[0].name
@@ -163,7 +163,7 @@ def _remembered_estimate(
     instrument = Instrument(origin.estimator, signal, plain=True)
     detrend: Any = origin.detrend
     settings, band = Welch(origin.window, origin.seconds, origin.overlap, detrend), (float(f[0]), float(f[-1]))
-    if demand(origin.record, settings, band).most > MOST:
+    if demand(origin.record, settings, band).most > MOST_BYTES:
         return None
     windowed = windowed_estimate(origin.record, output, driven, settings, band, instrument=instrument)
     kept = np.asarray(np.isclose(windowed.frequencies[:, None], f, rtol=1e-9).any(axis=1), dtype=np.bool_)

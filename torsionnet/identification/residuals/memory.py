@@ -1,4 +1,4 @@
-"""What a fit of records takes in memory, told before it starts."""
+"""Memory demand of a fit of records, estimated before it starts."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.residuals.segments import BATCH, HELD
+from torsionnet.identification.residuals.segments import MOST_ROW_BYTES, NUMBERS_PER_BATCH
 from torsionnet.response.recording import Recording
 from torsionnet.signals.welch import Welch
 
-MOST = 2e9
-"""Bytes beyond which a measurement is refused; it would also take hours."""
-NUMBER, COMPLEX = 8, 16
-"""Bytes."""
+MOST_BYTES = 2e9
+"""Largest memory demand of a measurement in bytes; a larger one is refused, and would also take hours."""
+FLOAT_BYTES, COMPLEX_BYTES = 8, 16
+"""Bytes of a real and of a complex number."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """Memory that one record takes in a fit.
+    """Memory demand of one record in a fit, in bytes.
 
     Attributes
     ----------
     kept, passing : float
-        Bytes, through the whole fit and for a moment.
+        Bytes held during the whole fit, and temporarily.
     lines : int
-        Lines compared.
+        Number of lines compared.
     """
 
     kept: float
@@ -34,38 +34,40 @@ class Demand:
 
     @property
     def most(self) -> float:
-        """At the highest."""
+        """Peak memory in bytes."""
         return self.kept + self.passing
 
 
 def demand(record: Recording, settings: Welch, band: tuple[float, float]) -> Demand:
-    """What a record takes whose lines in a band are compared, within a factor of two."""
+    """Memory demand of a record whose lines in a band (Hz) are compared, within a factor of two."""
     rate, samples = record.sampling_rate / settings.decimation, len(record) / settings.decimation
     lines = max(0, int((min(band[1], rate / 2) - band[0]) * settings.seconds) + 1)
-    covariance = NUMBER * (2 * lines) ** 2
-    pieces = 3 * COMPLEX * lines * settings.samples(rate)
-    rows = COMPLEX * lines * samples
-    held = 2 * rows if rows <= HELD else 0  # else row by row
-    transforms = 4 * COMPLEX * max(2 * samples, min(BATCH, 2 * samples * lines))
-    return Demand(3 * NUMBER * len(record) + 2 * covariance, max(pieces, held + transforms) + 4 * covariance, lines)
+    covariance = FLOAT_BYTES * (2 * lines) ** 2
+    pieces = 3 * COMPLEX_BYTES * lines * settings.samples(rate)
+    rows = COMPLEX_BYTES * lines * samples
+    held = 2 * rows if rows <= MOST_ROW_BYTES else 0  # else row by row
+    transforms = 4 * COMPLEX_BYTES * max(2 * samples, min(NUMBERS_PER_BATCH, 2 * samples * lines))
+    return Demand(
+        3 * FLOAT_BYTES * len(record) + 2 * covariance, max(pieces, held + transforms) + 4 * covariance, lines
+    )
 
 
 def total(demands: Iterable[Demand]) -> float:
-    """Bytes for all the records of a fit, which are treated one after the other."""
+    """Peak memory in bytes for all records of a fit, which are processed one after the other."""
     listed = list(demands)
     return sum(one.kept for one in listed) + max((one.passing for one in listed), default=0.0)
 
 
 def check_memory(label: str, record: Recording, settings: Welch, band: tuple[float, float]) -> None:
-    """Refuse a measurement that takes too much.
+    """Refuse a measurement that takes more than ``MOST_BYTES`` of memory.
 
     Raises
     ------
     UsageError
-        With what takes less.
+        With advice on settings that take less.
     """
     found = demand(record, settings, band)
-    if found.most > MOST:
+    if found.most > MOST_BYTES:
         size = found.most / 1e9
         raise UsageError(
             f"{label}: comparing {found.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of memory; "

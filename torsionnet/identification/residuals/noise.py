@@ -1,8 +1,7 @@
-"""How large the noise of a measurement is, found without trusting the model.
+"""Noise level of a measurement, estimated so that errors of the model do not count as noise.
 
-What a model leaves unexplained is noise and its own error, and the two look alike in any one line. They differ in this:
-the error of a linear model follows the input from one window to the next, or runs smoothly from line to line; noise
-does neither.
+What a model leaves unexplained is noise and its own error, which cannot be told apart in a single line. But the error
+of a linear model follows the input from one window to the next, or runs smoothly from line to line; noise does neither.
 """
 
 from __future__ import annotations
@@ -16,24 +15,24 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.operator import WindowedEstimate
 from torsionnet.identification.residuals.segments import SegmentRows
 
-POOLED = 20.0
-"""Independent complex values of noise that lines next to each other are taken together for."""
-FEWEST = 4.0
-"""Fewer of them in a whole measurement say nothing."""
-REACH = 3
-"""Lines on either side of one through which a parabola is laid."""
+POOLED_VALUES = 20.0
+"""Independent complex noise values that an average over neighbouring lines has to contain."""
+FEWEST_VALUES = 4.0
+"""Fewest independent noise values of a whole measurement from which its noise is estimated."""
+PARABOLA_HALF_WIDTH = 3
+"""Lines on either side of a line that a local parabola is fitted to."""
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise as it is found, against what the weights of a fit suppose.
+    """Noise of a measurement as found, relative to the noise that the weights of a fit suppose.
 
     Attributes
     ----------
     ratio : (n_b,) array
-        Variance found over the one supposed, of every line.
+        Variance found over the variance supposed, for each line.
     certainty : float
-        Number of independent real values that it rests on.
+        Number of independent real values behind the estimate.
     """
 
     ratio: FloatArray
@@ -43,19 +42,19 @@ class Noise:
 def noise_between_windows(
     windowed: WindowedEstimate, G: ComplexArray, kept: NDArray[np.bool_], supposed: FloatArray, independent: float
 ) -> Noise | None:
-    """From the windows of a record: what does not follow the input from one window to the next.
+    """Noise of a record from the part of the residuals that does not follow the input between windows.
 
     Parameters
     ----------
     windowed : WindowedEstimate
     G : (n_f,) complex array
-        Of the model; whatever is proportional to its prediction, line by line, does not count.
+        Transfer function of the model; residuals proportional to its prediction in a line do not count.
     kept : (n_all,) bool array
         Lines compared.
     supposed : (n_b,) array
         Variance of a line that the fit supposes, of real and imaginary part together.
     independent : float
-        Number of independent lines that those compared are worth.
+        Equivalent number of independent lines.
 
     Returns
     -------
@@ -73,7 +72,7 @@ def noise_between_windows(
     crossed = (weight * share.conj() * smeared).sum(axis=0).real
     expected = whole - 2 * crossed + (weight * np.abs(share) ** 2).sum(axis=0) * (w * smeared).sum(axis=0).real
     worth = np.maximum(expected / whole, 0) * whole**2 / _squares(overlap, weight) * independent / w.shape[1]
-    if float(worth.sum()) < FEWEST:
+    if float(worth.sum()) < FEWEST_VALUES:
         return None
     level = (weight * np.abs(rest) ** 2).sum(axis=0) / np.maximum(expected, 1e-6 * whole)
     variance = level * (w * smeared).sum(axis=0).real
@@ -89,7 +88,7 @@ def _overlaps(rows: SegmentRows) -> ComplexArray:
 
 
 def _smeared(overlap: ComplexArray, lines: ComplexArray) -> ComplexArray:
-    """Covariance of the noise of windows, from what they share at each distance (n_lags, n_b), times lines."""
+    """Covariance of the noise of windows (from their overlaps (n_lags, n_b)) times lines."""
     found = overlap[0] * lines
     for lag in range(1, min(len(overlap), len(lines))):
         found[:-lag] += overlap[lag] * lines[lag:]
@@ -106,28 +105,28 @@ def _squares(overlap: ComplexArray, weight: FloatArray) -> FloatArray:
 
 
 def _pooled(ratio: FloatArray, worth: FloatArray) -> Noise:
-    """Means over lines next to each other, which rest on enough."""
-    half = min(len(ratio), int(np.ceil(POOLED / 2 / max(float(worth.mean()), 1e-9))))
+    """Noise averaged over so many neighbouring lines that each mean has POOLED_VALUES values."""
+    half = min(len(ratio), int(np.ceil(POOLED_VALUES / 2 / max(float(worth.mean()), 1e-9))))
     sums, weights = (np.convolve(values, np.ones(2 * half + 1))[half:-half] for values in (worth * ratio, worth))
     return Noise(sums / weights, 2 * float(min(worth.sum(), weights.mean())))
 
 
 def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatArray) -> Noise | None:
-    """From weighted residuals (n_b,): what does not run smoothly from line to line.
+    """Noise of a measurement from the part of the residuals (n_b,) that is not smooth over the lines.
 
     Parameters
     ----------
     residual : (n_b,) complex array, or real where only magnitudes are compared
     correlation : (n_b, n_b) array
-        That noise has between lines.
+        Correlation of the noise between lines.
     """
-    if len(residual) <= 2 * REACH + 1:
+    if len(residual) <= 2 * PARABOLA_HALF_WIDTH + 1:
         return None
     rough = _roughness(len(residual))
     spread = rough @ correlation @ rough.T
     mean, square = float(np.trace(spread)), float((spread**2).sum())
     worth = mean**2 / square
-    if worth < FEWEST:
+    if worth < FEWEST_VALUES:
         return None
     parts = 2 if np.iscomplexobj(residual) else 1
     scale = float((np.abs(rough @ residual) ** 2).sum()) / (parts * mean)
@@ -135,12 +134,12 @@ def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatA
 
 
 def _roughness(count: int) -> FloatArray:
-    """Matrix (count, count): each value less that of a parabola through it and its neighbours, by least squares."""
+    """Matrix (count, count) that subtracts from each value a local parabola by least squares."""
     found = np.zeros((count, count))
     for place in range(count):
-        first = min(max(place - REACH, 0), count - 2 * REACH - 1)
-        basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * REACH + 1)[:, None] ** np.arange(3))
-        near = slice(first, first + 2 * REACH + 1)
+        first = min(max(place - PARABOLA_HALF_WIDTH, 0), count - 2 * PARABOLA_HALF_WIDTH - 1)
+        basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * PARABOLA_HALF_WIDTH + 1)[:, None] ** np.arange(3))
+        near = slice(first, first + 2 * PARABOLA_HALF_WIDTH + 1)
         found[place, near] = -basis[place - first] @ basis.T
         found[place, place] += 1
     return found

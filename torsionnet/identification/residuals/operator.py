@@ -1,8 +1,8 @@
-"""The same-estimator route: what Welch's method would make of the output that a model predicts from the measured input.
+"""Estimate by Welch's method of the output that a model predicts from the measured input, linear in the model.
 
 The prediction is G(f) X(f) over the whole record, and everything after it (cutting into windows, taking out means,
-averaging) is linear in the output. So the estimate of the prediction is linear in G, and its derivative is the same of
-dG: leakage and windows act on model and test alike, and cancel.
+averaging) is linear in the output. So the estimate of the prediction is linear in G, and its derivative is that of dG.
+Leakage and windows act on model and test in the same way, and cancel.
 """
 
 from __future__ import annotations
@@ -21,30 +21,29 @@ from torsionnet.signals.decimation import decimate
 from torsionnet.signals.record_blocks import check_processable
 from torsionnet.signals.welch import Welch
 
-REACH = 2.0
-"""A window's side lobes are followed to this multiple of the highest line, plus 20 lines."""
+SIDE_LOBE_FACTOR = 2.0
+"""Multiple of the highest line (plus 20 lines) up to which the model is evaluated, for the side lobes of windows."""
 
 
 @dataclass(frozen=True, eq=False)
 class WindowedEstimate:
-    """Estimate of a record at some lines, and how it follows from a transfer function.
+    """Estimate of a record at some lines, and the linear map from a transfer function to such an estimate.
 
     Attributes
     ----------
     frequencies : (n_b,) array
         Lines of the estimate, Hz.
     measured : (n_b,) complex array
-        Estimate of the record: the lines of all segments of the output, multiplied by those of the instrument and added
-        up, over the same of the input.
+        Estimate of the record: sum over segments of output times instrument, over the sum of input times instrument.
     fine : (n_f,) array
         Frequencies at which the transfer function is needed, Hz.
     drive : (n_f,) complex array
-        Spectrum of the input there, of the record and as many zeros after it.
+        Spectrum of the input at ``fine``, of the record followed by as many zeros.
     rows : SegmentRows
-        Estimate = rows @ output, for the samples of the (decimated) output.
+        Rows with estimate = rows @ output, for the samples of the (decimated) output.
     instrument : Instrument
     power : (n_b,) complex array
-        The sum over the segments of the input.
+        Sum over the segments of input times instrument.
     background : (n_b,) bool array
         Whether squared noise of the instrument is in that sum.
     """
@@ -67,11 +66,11 @@ class WindowedEstimate:
         return np.stack(columns, axis=1).reshape(-1, *G.shape[1:])
 
     def output_covariance(self) -> FloatArray:
-        """Of real and imaginary parts of the estimate (2 n_b, 2 n_b), for unit white noise on the output."""
+        """Covariance (2 n_b, 2 n_b) of real and imaginary parts of the estimate, for unit white noise on the output."""
         return self.rows.covariance()
 
     def input_covariance(self, G: ComplexArray) -> FloatArray:
-        """The same for unit white noise on the input, which the prediction passes on through G."""
+        """Covariance (2 n_b, 2 n_b) of the predicted estimate, for unit white noise on the input passed on by G."""
         n, first = _padded(self.rows.count), self._first
         both = np.zeros(n, dtype=complex)
         both[first : first + len(G)] = G
@@ -79,32 +78,32 @@ class WindowedEstimate:
         return self.rows.filtered_covariance(both)
 
     def unexplained(self, G: ComplexArray) -> FloatArray:
-        """Mean square of the lines of measured minus predicted output, over that of unit white noise, (n_b,).
+        """Power of measured minus predicted output at each line, over that of unit white noise, (n_b,).
 
-        Segments count as they do in the estimate: in a sweep a line is measured while the sweep passes it, and
-        what an encoder's steps do then is not what they do at other times.
+        Segments are weighted as in the estimate: in a sweep a line is measured while the sweep passes it, and the
+        errors by an encoder's steps differ then from those at other times.
         """
         rest, _ = self.apart(G)
         noise, drive = np.abs(self.rows.segments.lines(rest)) ** 2, np.abs(self.rows.weights) ** 2
         return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / self.rows.squares)
 
     def apart(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """Measured minus predicted output, and predicted output, (n,)."""
+        """Measured minus predicted output, and predicted output, each (n,)."""
         predicted = self._passed(G)
         return _from_rest(self.record, self.output) - predicted, predicted
 
     @property
     def input_from_rest(self) -> FloatArray:
-        """The input less its first value, (n,)."""
+        """Input signal minus its first value, (n,)."""
         return _from_rest(self.record, self.input)
 
     @property
     def _first(self) -> int:
-        """Place of the lowest of the fine frequencies in the spectrum."""
+        """Index of the lowest of the fine frequencies in the spectrum."""
         return round(float(self.fine[0]) * _padded(self.rows.count) / self.record.sampling_rate)
 
     def _passed(self, G: ComplexArray) -> FloatArray:
-        """The output that G (n_f,) predicts from the input, (n,)."""
+        """Output (n,) that the transfer function G (n_f,) predicts from the input."""
         n = _padded(self.rows.count)
         spectrum = np.zeros(n // 2 + 1, dtype=complex)
         spectrum[self._first : self._first + len(G)] = G * self.drive
@@ -120,7 +119,7 @@ def windowed_estimate(
     settling: float = 0.0,
     instrument: Instrument | None = None,
 ) -> WindowedEstimate:
-    """Prepare the route for one record.
+    """Windowed estimate of one record, ready to compare with models.
 
     Parameters
     ----------
@@ -128,13 +127,13 @@ def windowed_estimate(
         Begins at rest, or ``settling`` seconds of its start are left out of the estimate.
     output, input : str
     settings : Welch
-        Its estimator does not count here.
+        Averaging; its estimator is not used here.
     band : tuple of float
         Lowest and highest line, Hz.
     settling : float, optional
-        s.
+        Seconds left out at the start.
     instrument : Instrument, optional
-        H1 as in Welch's method if left out.
+        By default the input, as for H1 in Welch's method.
 
     Raises
     ------
@@ -163,7 +162,10 @@ def windowed_estimate(
     power = (R.conj() * X).sum(axis=0)
     rows = SegmentRows(segments, R.conj() / power, len(x))
     n = _padded(len(x))
-    top = min(rate / 2, REACH * float(bins[-1]) / settings.samples(rate) * rate + 20 * rate / settings.samples(rate))
+    top = min(
+        rate / 2,
+        SIDE_LOBE_FACTOR * float(bins[-1]) / settings.samples(rate) * rate + 20 * rate / settings.samples(rate),
+    )
     fine = np.arange(1, int(top * n / rate))
     return WindowedEstimate(
         frequencies=bins * rate / settings.samples(rate),
@@ -197,7 +199,7 @@ def _from_rest(record: Recording, name: str) -> FloatArray:
 
 
 def _padded(count: int) -> int:
-    """Length after zeros in which a response dies away: twice that of the record."""
+    """Length of a record with zeros appended in which a response dies away: at least twice its own."""
     from scipy.fft import next_fast_len
 
     return int(next_fast_len(2 * count, real=True))

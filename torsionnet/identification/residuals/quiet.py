@@ -1,9 +1,9 @@
-"""What sensors show in windows in which the excitation is elsewhere.
+"""Noise of the input sensor from windows of a record in which a line is not excited.
 
-There the measured input is all but its own noise, and so is what a model predicts from it: their product has the power
-of that noise as its mean, over windows and lines by the thousand. The lines that a fit compares are few in which this
-noise weighs as much as that of the output, and the fit has bent itself to them. What a wrong model leaves follows the
-excitation, and that is elsewhere.
+There the measured input is almost only noise, and so is the output that a model predicts from it: the mean of their
+product over thousands of windows and lines is the power of that noise. Among the lines that a fit compares, few have an
+input noise as large as that of the output, and the fit has adapted to them. The error of a wrong model follows the
+excitation, which is absent from these windows.
 """
 
 from __future__ import annotations
@@ -17,38 +17,39 @@ from scipy.ndimage import uniform_filter
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.operator import WindowedEstimate
 
-WINDOW = "blackmanharris"
-"""Side lobes of 92 dB, so that a sweep elsewhere does not cover noise."""
-PER_LENGTH = 4
-"""Windows begun while one lasts."""
-NEAR = 5
-"""Windows and lines over which the power of the input says whether it is excited there."""
-QUIET = 0.03
-"""Share of the highest power of a line below which windows are not."""
-LEAST_QUIET = 0.3
-"""Share of windows that are, below which it is by chance, as lines of a stationary input come and go."""
-FEWEST = 100
-"""Values that a mean is worth taking of."""
+NOISE_WINDOW = "blackmanharris"
+"""Window with side lobes of -92 dB, so that a sweep at other lines does not cover noise."""
+WINDOWS_PER_LENGTH = 4
+"""Windows that start within the length of one (overlap of 3/4)."""
+EXCITATION_CELLS = 5
+"""Windows and lines over which the power of the input is averaged to decide whether a line is excited."""
+UNEXCITED_POWER_SHARE = 0.03
+"""Share of the highest power of a line below which a window does not excite it."""
+LEAST_UNEXCITED_WINDOWS = 0.3
+"""Least share of unexcited windows of a line; fewer are chance, as lines of a stationary input come and go."""
+FEWEST_VALUES = 100
+"""Fewest independent values for a mean."""
 FEWEST_WINDOWS = 2
-"""Windows apart from each other that a median is worth taking of."""
-AROUND = 15
-"""Windows and lines over which the power of the input is smoothed: a weight made of a cell's own noise would favour
-cells that happen to have little."""
+"""Fewest separate windows for a median."""
+SMOOTHING_CELLS = 15
+"""Windows and lines over which the power of the input is smoothed for weights: weights from the noise of a single cell
+would favour cells that have little by chance."""
 
 
 @dataclass(frozen=True, eq=False)
 class QuietWindows:
-    """Windows (n_s) and lines (n_b) of a record, those marked that are not excited.
+    """Powers of a record by window (n_s) and line (n_b), with a mask of those that are not excited.
 
     Attributes
     ----------
     quiet : (n_s, n_b) bool array
+        Whether a line is not excited in a window.
     moment : (n_s, n_b) array
-        Of what a model leaves and what it predicts, as variance of white noise of the input times ``squared``.
+        Product of the residual and the prediction of the model, as variance of white input noise times ``squared``.
     power : (n_s, n_b) array
-        Of the input, as variance of white noise that would have it; smoothed.
+        Power of the input as the variance of white noise with that power; smoothed.
     left : (n_s, n_b) array
-        The same of what the model leaves of the output.
+        Power of the residual of the output as the variance of white noise.
     squared : (n_b,) array
         Squared magnitude of the response.
     """
@@ -60,11 +61,11 @@ class QuietWindows:
     squared: FloatArray
 
     def input_noise(self, output_noise: float) -> tuple[float, float] | None:
-        """Power of white noise on the input (variance of its samples), and standard error of that.
+        """Noise power of the input (variance of its samples) and its standard error.
 
-        None where too few windows are free of excitation. The noise of the output is needed for the weights.
+        None where too few windows are free of excitation. The noise power of the output is needed for the weights.
         """
-        if np.count_nonzero(self.quiet) < FEWEST * PER_LENGTH:
+        if np.count_nonzero(self.quiet) < FEWEST_VALUES * WINDOWS_PER_LENGTH:
             return None
         on_output, level, total = 1.0, 0.0, 0.0
         for _ in range(2):
@@ -73,31 +74,31 @@ class QuietWindows:
             level = max(float((weights * self.moment).sum()) / total, 0.0)
             on_output = output_noise
         # Of a complex product the real part has half the variance, and overlapping windows repeat what they share.
-        return level, float(np.sqrt(PER_LENGTH / 2 / total))
+        return level, float(np.sqrt(WINDOWS_PER_LENGTH / 2 / total))
 
     def floor(self) -> FloatArray:
-        """Power of white noise that half of the quiet windows stay below, (n_b,), infinite where there are too few.
+        """Noise power of the output from the median over unexcited windows, (n_b,), infinite with too few windows.
 
-        Not the mean: what rings on after the sweep, and a wrong model has not, is in some windows only.
+        Not the mean: ringing after the sweep, which a wrong model lacks, is in some windows only.
         """
         found = np.full(self.quiet.shape[1], np.inf)
-        for line in np.flatnonzero(self.quiet.sum(axis=0) >= FEWEST_WINDOWS * PER_LENGTH):
+        for line in np.flatnonzero(self.quiet.sum(axis=0) >= FEWEST_WINDOWS * WINDOWS_PER_LENGTH):
             found[line] = np.median(self.left[self.quiet[:, line], line]) / np.log(2)
         return found
 
 
 def quiet_windows(windowed: WindowedEstimate, G: ComplexArray) -> QuietWindows:
-    """Of a record, against what a transfer function (n_f,) predicts."""
+    """Unexcited windows of a record, with the residuals of a transfer function G (n_f,)."""
     own = windowed.rows.segments
-    segments = replace(own, settings=replace(own.settings, window=WINDOW, overlap=1 - 1 / PER_LENGTH))
+    segments = replace(own, settings=replace(own.settings, window=NOISE_WINDOW, overlap=1 - 1 / WINDOWS_PER_LENGTH))
     rest, _ = windowed.apart(G)
     left, into = segments.lines(rest), segments.lines(windowed.input_from_rest)
     at = windowed.frequencies
     gain = np.interp(at, windowed.fine, G.real) + 1j * np.interp(at, windowed.fine, G.imag)
     unit = (np.abs(segments.pieces()) ** 2).sum(axis=1)
     power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
-    near = uniform_filter(power, NEAR)
-    quiet = near < QUIET * near.max(axis=0)
-    quiet &= quiet.mean(axis=0) > LEAST_QUIET
-    smooth = uniform_filter(power, AROUND)
+    near = uniform_filter(power, EXCITATION_CELLS)
+    quiet = near < UNEXCITED_POWER_SHARE * near.max(axis=0)
+    quiet &= quiet.mean(axis=0) > LEAST_UNEXCITED_WINDOWS
+    smooth = uniform_filter(power, SMOOTHING_CELLS)
     return QuietWindows(quiet, moment, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)

@@ -1,4 +1,4 @@
-"""A record against the model, both estimated alike."""
+"""Weighted residuals of a record against the model, both through the same estimator."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from torsionnet.identification.residuals.noise import Noise, noise_between_windo
 from torsionnet.identification.residuals.operator import WindowedEstimate
 from torsionnet.identification.residuals.quiet import quiet_windows
 from torsionnet.identification.residuals.residual_forms import of_covariance, of_errors
-from torsionnet.identification.residuals.steps import PLACES, SensorSteps
+from torsionnet.identification.residuals.steps import REST_POSITIONS, SensorSteps
 
-LOUDER = 100.0
-"""Times the power of what is seen where the excitation is elsewhere that noise may have where it is not; what is more,
-and does not follow the input from one window to the next, is what a model of other resonances leaves."""
+MOST_NOISE_RATIO = 100.0
+"""Largest noise power of excited windows over that of unexcited ones; a larger residual that does not follow the input
+from window to window is the error of a model with other resonances."""
 
 
 @dataclass(eq=False)
 class RecordBlock(MeasurementBlock):
-    """A record, or a response that remembers its own, by the same-estimator route.
+    """Residuals of a record, or of a response that keeps its record, by the same estimator as the prediction.
 
     Attributes
     ----------
     sensor : SensorSteps
-        Of the output.
+        Steps of the output's sensor.
     given : (n_b,) complex array, optional
-        Lines of a response estimated before, in the place of those that are estimated of the record.
+        Lines of a response that was estimated before, used instead of estimating the record again.
     moved : (places, 2 n_b) array
-        By how much the steps of the sensor move real and imaginary parts, from each place that it may rest at.
+        Errors of real and imaginary parts by the steps of the sensor, for each rest position within a step.
     """
 
     windowed: WindowedEstimate
@@ -44,7 +44,7 @@ class RecordBlock(MeasurementBlock):
 
     def __post_init__(self) -> None:
         self.covariance = self._part(self.windowed.output_covariance())
-        self.moved = np.zeros((PLACES, len(self.covariance)))
+        self.moved = np.zeros((REST_POSITIONS, len(self.covariance)))
 
     @property
     def described(self) -> str:
@@ -78,39 +78,39 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def squares(self) -> float:
-        """Of noise: errors by steps are known, and do not make it less certain."""
+        """Sum of the squared correlations of all pairs of residuals by noise, without errors by sensor steps."""
         noise = of_covariance(self.form, self.covariance, self.measured)
         size = np.sqrt(np.diag(noise))
         return float(np.sum((noise / np.outer(size, size)) ** 2))
 
     def under_steps(self, backward: FloatArray) -> FloatArray:
-        """By how much steps move backward (n, count) @ residuals, from each place of the sensor, (n, places)."""
+        """Errors (n, places) of backward (n, count) @ residuals by sensor steps, one per rest position."""
         return np.asarray(backward @ (of_errors(self.form, self.moved.T, self.measured) / self.sizes[:, None]))
 
     def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         del values
         moved = self.under_steps(backward)
-        return np.asarray(moved @ moved.T / PLACES)
+        return np.asarray(moved @ moved.T / REST_POSITIONS)
 
     @property
     def sensors(self) -> tuple[str, str, float]:
-        """Output, input and sampling rate, which set the noise of a record."""
+        """Output, input and sampling rate, by which records share their noise level."""
         return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
 
     def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What the model leaves of the output over unit white noise; what such noise of the input does, and steps."""
+        """Residual power of the output per line, squared response, and power of step errors, over unit white noise."""
         G, _ = self._distorted(values, self.windowed.fine)
         self._take_steps(G)
         steps = self._variance_of_steps / self._unit
         return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2, steps
 
     def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
-        """Power of the noise of the input, seen where the excitation is elsewhere, and its standard error."""
+        """Noise power of the input from unexcited windows, and its standard error; None with too few windows."""
         G, _ = self._distorted(values, self.windowed.fine)
         return quiet_windows(self.windowed, G).input_noise(on_output)
 
     def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
-        """Weigh by noise of these powers on output and input."""
+        """Weigh the residuals by noise of these powers on output and input."""
         G, _ = self._distorted(values, self.windowed.fine)
         self.sources = on_output, on_input
         self.covariance = on_output * self._part(self.windowed.output_covariance())
@@ -125,7 +125,7 @@ class RecordBlock(MeasurementBlock):
         if between is None:
             return super().measured_noise(values)
         quiet = self._unit * quiet_windows(self.windowed, G).floor()[self.kept] + self._variance_of_steps
-        return replace(between, ratio=np.minimum(between.ratio, LOUDER * quiet / supposed))
+        return replace(between, ratio=np.minimum(between.ratio, MOST_NOISE_RATIO * quiet / supposed))
 
     def take_measured_noise(self, noise: Noise) -> None:
         size = np.sqrt(np.tile(noise.ratio, 2))
@@ -138,8 +138,8 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def _whole(self) -> FloatArray:
-        """Covariance of real and imaginary parts by noise and steps."""
-        return np.asarray(self.covariance + self.moved.T @ self.moved / PLACES)
+        """Covariance (2 n_b, 2 n_b) of real and imaginary parts by noise and sensor steps."""
+        return np.asarray(self.covariance + self.moved.T @ self.moved / REST_POSITIONS)
 
     @property
     def _unit(self) -> FloatArray:
@@ -157,7 +157,7 @@ class RecordBlock(MeasurementBlock):
             self.moved = np.concatenate([lines.real, lines.imag], axis=1)
 
     def _part(self, whole: FloatArray) -> FloatArray:
-        """Of the lines compared."""
+        """Part of a covariance (of all lines) for the lines compared."""
         lines = np.flatnonzero(self.kept)
         both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
         return np.asarray(whole[np.ix_(both, both)])

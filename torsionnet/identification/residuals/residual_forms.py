@@ -1,6 +1,6 @@
-"""How a predicted line is held against a measured one: complex, by log magnitude and phase, or by magnitude alone.
+"""Forms of residuals between prediction and test: complex, log magnitude and phase, or log magnitude alone.
 
-Errors are small against the values, so those of log(prediction / test) are those of the line over its value.
+Errors are small against the values, so the error of log(prediction / test) is the relative error of the line.
 """
 
 from __future__ import annotations
@@ -13,26 +13,29 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 Form: TypeAlias = str
 FORMS = ("complex", "log", "magnitude")
+"""Forms of residuals by name."""
 
 
 def parts(values: ComplexArray | FloatArray) -> FloatArray:
-    """Real parts, then imaginary parts, (2 n, ...)."""
+    """Real parts of complex values, then imaginary parts, (2 n, ...)."""
     return np.concatenate([values.real, values.imag])
 
 
 def apart(
     form: Form, predicted: ComplexArray, slopes: ComplexArray, measured: ComplexArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Prediction (n,) against test as so many real numbers as the form has, and derivatives (.., n_p)."""
+    """Residuals between prediction and test (n,) as real numbers in a form, and derivatives (.., n_p)."""
     if form == "complex":
         return parts(predicted - measured), parts(slopes)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a gain of 0 on the way: infinitely far, and the step shrinks
+    with np.errstate(
+        divide="ignore", invalid="ignore"
+    ):  # a gain of 0 gives an infinite residual, and the search takes a smaller step
         ratio, relative = np.log(predicted / measured), slopes / predicted[:, None]
     return (ratio.real, relative.real) if form == "magnitude" else (parts(ratio), parts(relative))
 
 
 def of_errors(form: Form, errors: FloatArray, measured: ComplexArray) -> FloatArray:
-    """What small errors of real and imaginary parts (2 n, k) are in a form, (.., k)."""
+    """Small errors of real and imaginary parts (2 n, k) converted to a form of residuals, (.., k)."""
     if form == "complex":
         return errors
     count = len(measured)
@@ -41,5 +44,5 @@ def of_errors(form: Form, errors: FloatArray, measured: ComplexArray) -> FloatAr
 
 
 def of_covariance(form: Form, covariance: FloatArray, measured: ComplexArray) -> FloatArray:
-    """The same of a covariance (2 n, 2 n)."""
+    """Covariance of real and imaginary parts (2 n, 2 n) converted to a form of residuals."""
     return of_errors(form, of_errors(form, covariance, measured).T, measured)

@@ -1,4 +1,4 @@
-"""A response against the model, without the record it was estimated from."""
+"""Weighted residuals of a frequency response against the model, without the record behind it."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from torsionnet.identification.residuals.line_noise import (
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise
 from torsionnet.identification.residuals.residual_forms import of_covariance, of_errors, parts
-from torsionnet.identification.residuals.smoothing import UNCERTAIN, Smoothing
+from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
 from torsionnet.response import FrequencyResponse
 
-STATED = 1e6
-"""Number of independent values that stand for an error which is stated: as good as known."""
+STATED_ERROR_CERTAINTY = 1e6
+"""Number of independent values attributed to a stated error, so large that the error counts as known."""
 
 
 @dataclass(eq=False)
 class ResponseBlock(MeasurementBlock):
-    """A response without its record. Windows are taken to act on the model as they do under a stationary input."""
+    """Residuals of a response without its record; windows smooth the model as under a stationary input."""
 
     data: FrequencyResponse
     smoothing: Smoothing | None = None
@@ -46,11 +46,11 @@ class ResponseBlock(MeasurementBlock):
 
     @property
     def fine(self) -> FloatArray:
-        """Frequencies at which the model is asked, Hz."""
+        """Frequencies at which the model is evaluated, Hz, (n_f,)."""
         return self.frequencies if self.smoothing is None else self.smoothing.fine
 
     def curve(self, values: FloatArray) -> ComplexArray:
-        """The model there, before windows act on it."""
+        """Response of the model at ``fine`` before smoothing by windows, (n_f,)."""
         return self._distorted(values, self.fine)[0]
 
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -84,7 +84,7 @@ class ResponseBlock(MeasurementBlock):
 
     @property
     def _line_correlation(self) -> csr_array | None:
-        """Of lines, the same for real and imaginary parts."""
+        """Correlation (n_b, n_b) of lines, for real and imaginary parts; None where it is unknown."""
         averaged = averaging_of(self.data) if self.measurement.error is None else self.data.estimation
         return None if averaged is None else line_correlation(self.frequencies, averaged)
 
@@ -92,7 +92,7 @@ class ResponseBlock(MeasurementBlock):
         if self.smoothing is None or self.smoothing.exact:
             return super().under_shared(backward, values)
         plain = self.curve(values)[self.smoothing.own]
-        doubtful = parts(UNCERTAIN * (self.predicted(values)[0] - plain))[:, None]
+        doubtful = parts(SMOOTHING_ERROR_SHARE * (self.predicted(values)[0] - plain))[:, None]
         moved = backward @ (of_errors(self.form, doubtful, self.measured) / self.sizes[:, None])
         return np.asarray(moved @ moved.T)
 
@@ -118,7 +118,7 @@ class ResponseBlock(MeasurementBlock):
     def measured_noise(self, values: FloatArray) -> Noise | None:
         if self.measurement.error is None:
             return super().measured_noise(values)
-        return Noise(line_noise(self.data, self.measurement.error) / self.noise, STATED)
+        return Noise(line_noise(self.data, self.measurement.error) / self.noise, STATED_ERROR_CERTAINTY)
 
     def take_measured_noise(self, noise: Noise) -> None:
         self.noise = self.noise * noise.ratio
@@ -129,5 +129,5 @@ class ResponseBlock(MeasurementBlock):
 
 
 def settled(data: FrequencyResponse) -> float:
-    """From where lines of a sweep are smoothed by whole windows, Hz; with the record at hand that does not matter."""
+    """Lowest usable frequency of a sweep in Hz, after its first window; 0 with the record at hand."""
     return data.estimation.settled_from if data.estimation and data.estimation.record is None else 0.0

@@ -1,8 +1,8 @@
-"""Lines of the windows of a signal, and rows over a whole record that are sums of them.
+"""Lines (Fourier coefficients) of the windows of a signal, and linear maps from a record to weighted sums of them.
 
-A row has a value for every sample of a record and there is one for every line: 80 lines of two minutes at 5 kHz would
-fill 770 MB, and filtered copies several times that. They are made of short pieces, one for each window, so that what
-is asked of them can be had from the pieces.
+Such a map has a row for each line with a value for each sample: 80 lines of two minutes at 5 kHz would fill 770 MB, and
+filtered copies several times that. Rows consist of short pieces, one for each window, so products and covariances are
+calculated from the pieces.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.welch import Welch
 
-BATCH = 2**21
-"""Numbers that are transformed together."""
-HELD = 2**28
-"""Bytes of filtered rows up to which all are kept at a time."""
+NUMBERS_PER_BATCH = 2**21
+"""Numbers that are transformed together; more take more memory, fewer more calls."""
+MOST_ROW_BYTES = 2**28
+"""Bytes of filtered rows up to which all are held at a time; beyond, they are made one by one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Windows over a record, and the lines taken of each.
+    """Windows over a record, and the lines (Fourier coefficients) taken from each.
 
     Attributes
     ----------
     settings : Welch
     rate : float
-        Hz.
+        Sampling rate, Hz.
     bins : (n_b,) int array
         Lines taken, in multiples of one over the length of a window; neither 0 nor the half rate.
     first : int
@@ -46,14 +46,16 @@ class Segments:
 
     @property
     def length(self) -> int:
+        """Samples of a window."""
         return self.settings.samples(self.rate)
 
     @property
     def step(self) -> int:
+        """Samples from the start of a window to the next."""
         return self.settings.step(self.rate)
 
     def starts(self, count: int) -> NDArray[np.intp]:
-        """First samples of the windows in a record of so many samples."""
+        """Indices of the first samples of the windows in a record of ``count`` samples."""
         return np.arange(self.first * self.step, count - self.length + 1, self.step)
 
     def lines(self, values: FloatArray) -> ComplexArray:
@@ -62,14 +64,14 @@ class Segments:
         found = np.zeros((len(starts), len(self.bins)), dtype=complex)
         if len(starts):
             views = np.lib.stride_tricks.sliding_window_view(values, self.length)
-            weights, batch = self.settings.weights(self.rate), max(1, BATCH // self.length)
+            weights, batch = self.settings.weights(self.rate), max(1, NUMBERS_PER_BATCH // self.length)
             for begin in range(0, len(starts), batch):
                 plain = without_trend(views[starts[begin : begin + batch]], self.settings.detrend)
                 found[begin : begin + batch] = np.fft.rfft(plain * weights, axis=-1)[:, self.bins]
         return found
 
     def pieces(self, lines: slice = slice(None)) -> ComplexArray:
-        """Rows (n_b, length) that make of a window its lines without its trend."""
+        """Rows (n_b, length) that map a window to its lines, trend removed."""
         turn = np.exp(-2j * np.pi * np.outer(self.bins[lines], np.arange(self.length)) / self.length)
         rows = self.settings.weights(self.rate) * turn
         return without_trend(rows.real, self.settings.detrend) + 1j * without_trend(rows.imag, self.settings.detrend)
@@ -77,7 +79,7 @@ class Segments:
 
 @dataclass(frozen=True, eq=False)
 class SegmentRows:
-    """Rows (n_b, n) of a matrix, each the sum over windows of a weight times the piece that makes its line.
+    """Matrix (n_b, n) from the samples of a record to weighted sums of the lines of its windows, never stored.
 
     Attributes
     ----------
@@ -92,16 +94,16 @@ class SegmentRows:
     count: int
 
     def apply(self, values: FloatArray) -> ComplexArray:
-        """Rows @ values (n,), (n_b,)."""
+        """Product rows @ values (n,), shape (n_b,)."""
         return np.asarray((self.weights * self.segments.lines(values)).sum(axis=0))
 
     def only(self, lines: NDArray[np.bool_]) -> SegmentRows:
-        """The rows of some lines."""
+        """Copy with the rows of some lines only."""
         chosen = replace(self.segments, bins=self.segments.bins[lines])
         return SegmentRows(chosen, self.weights[:, lines], self.count)
 
     def dense(self, lines: slice = slice(None)) -> ComplexArray:
-        """The rows themselves."""
+        """Rows as a dense matrix (n_b, n)."""
         pieces, length = self.segments.pieces(lines), self.segments.length
         rows = np.zeros((len(pieces), self.count), dtype=complex)
         for start, weights in zip(self.segments.starts(self.count), self.weights[:, lines], strict=True):
@@ -115,9 +117,9 @@ class SegmentRows:
         return np.concatenate([(np.abs(self.segments.pieces(lines)) ** 2).sum(axis=1) for lines in some])
 
     def covariance(self) -> FloatArray:
-        """Of real and imaginary parts of rows @ white noise of unit variance, (2 n_b, 2 n_b).
+        """Covariance (2 n_b, 2 n_b) of real and imaginary parts of rows @ white noise of unit variance.
 
-        Windows share noise as far as they overlap: what they share follows from the pieces, once for each lag.
+        Windows share noise as far as they overlap, which follows from the pieces, once for each lag.
         """
         pieces, step, length = self.segments.pieces(), self.segments.step, self.segments.length
         size = (len(pieces), len(pieces))
@@ -132,15 +134,15 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def filtered_covariance(self, spectrum: ComplexArray) -> FloatArray:
-        """The same for noise over the record that a filter of this spectrum (n_p,) passes on, n_p >= 2 n."""
-        if 16 * self.count * len(self.segments.bins) > HELD:
+        """Covariance (2 n_b, 2 n_b) of rows @ white noise after a filter of a spectrum (n_p,), n_p >= 2 n."""
+        if 16 * self.count * len(self.segments.bins) > MOST_ROW_BYTES:
             return self._row_by_row(spectrum)
         rows = np.concatenate([self._backwards(lines, spectrum) for lines in self._some(len(spectrum))])
         parts = np.concatenate([rows.real, rows.imag])
         return np.asarray(parts @ parts.T)
 
     def _row_by_row(self, spectrum: ComplexArray) -> FloatArray:
-        """With one row in memory at a time: what reaches the output from a row is estimated as an output is."""
+        """Covariance (2 n_b, 2 n_b) of filtered noise with one row in memory at a time."""
         size = (len(self.segments.bins),) * 2
         conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
         for line in range(len(self.segments.bins)):
@@ -151,18 +153,18 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def _backwards(self, lines: slice, spectrum: ComplexArray) -> ComplexArray:
-        """Rows @ filter: what a sample before the filter does to the lines, (n_lines, n)."""
+        """Product rows @ filter: effect of each sample before the filter on the lines, (n_lines, n)."""
         passed = np.fft.fft(self.dense(lines), len(spectrum), axis=1)
         passed *= spectrum.conj()
         return np.fft.ifft(passed, axis=1)[:, : self.count]
 
     def _some(self, size: int) -> Iterator[slice]:
-        """Lines a few at a time, with so many numbers each."""
-        batch, lines = max(1, BATCH // size), len(self.segments.bins)
+        """Slices of lines for batches, where each line takes ``size`` numbers."""
+        batch, lines = max(1, NUMBERS_PER_BATCH // size), len(self.segments.bins)
         yield from (slice(begin, min(begin + batch, lines)) for begin in range(0, lines, batch))
 
 
 def _parts_covariance(conjugate: ComplexArray, plain: ComplexArray) -> FloatArray:
-    """Of real and imaginary parts of complex numbers z with means z z^H and z z^T."""
+    """Covariance of real and imaginary parts of complex numbers z from the means of z z^H and z z^T."""
     both, apart = conjugate + plain, conjugate - plain
     return np.block([[both.real, -apart.imag], [both.imag, apart.real]]) / 2

@@ -1,4 +1,4 @@
-"""What the windows of an average make of a model's response before it is compared with the estimate.
+"""Smoothing of a model's response by the windows of an average, before comparison with an estimate.
 
 Under a stationary input the estimate at f tends to the transform of the impulse response times the lag window, which is
 the window's correlation with itself. In frequency that is a weighted mean of the response about f.
@@ -16,21 +16,22 @@ from scipy.sparse import csr_array
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.response.estimation import Estimation
 
-REACH = 8
-"""Bins on either side of a line that enter it."""
-FINER = 8
-"""Points of the transfer function per bin."""
-UNCERTAIN = 0.15
-"""Share of the smoothing that is in doubt as a whole if the input was a sweep, which is not stationary."""
-OFF = 1.5
-"""The same of single lines: where the power of the input slopes, that does as much as the curve of the response."""
-ALIKE = 1.5
-"""Lines over which such errors are alike."""
+NEIGHBOUR_BINS = 8
+"""Bins on either side of a line that a window mixes into it."""
+POINTS_PER_BIN = 8
+"""Points of the transfer function per bin; more give a smoother mean at more cost."""
+SMOOTHING_ERROR_SHARE = 0.15
+"""Standard error of the whole smoothing as a share of it, if the input was a sweep, which is not stationary."""
+LINE_ERROR_RATIO = 1.5
+"""Standard error of single lines as a multiple of their smoothing under a sweep: the slope of the input's power has as
+much effect as the curvature of the response."""
+ERROR_CORRELATION_LINES = 1.5
+"""Distance in lines over which the smoothing errors of lines are correlated."""
 
 
 @dataclass(frozen=True, eq=False)
 class Smoothing:
-    """Estimate of a model's response: forward @ G + mirrored @ conj(G), or of H2 the same of 1/G and 1/estimate.
+    """Linear smoothing of a response, forward @ G + mirrored @ conj(G); for H2 applied to 1/G, then inverted.
 
     Attributes
     ----------
@@ -39,9 +40,9 @@ class Smoothing:
     forward, mirrored : (n_b, n_f) sparse array
     inverted : bool
     exact : bool
-        Whether this is all that windows do, in the mean.
+        Whether this is the exact mean effect of the windows (stationary input).
     own : (n_b,) array of int
-        Places of the lines in ``fine``.
+        Indices of the lines in ``fine``.
     """
 
     fine: FloatArray
@@ -52,16 +53,16 @@ class Smoothing:
     own: NDArray[np.intp]
 
     def smoothed(self, G: ComplexArray, slopes: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Of G (n_f,) and its derivatives (n_f, n): the lines (n_b,), (n_b, n)."""
+        """Smoothed lines (n_b,) and derivatives (n_b, n) from a response G (n_f,) and derivatives (n_f, n)."""
         if not self.inverted:
             return self._linear(G), self._linear(slopes)
         below = self._linear(1 / G)
         return 1 / below, self._linear(slopes / (G**2)[:, None]) / (below**2)[:, None]
 
     def covariance(self, change: ComplexArray) -> FloatArray:
-        """Of real and imaginary parts of lines (2 n_b, 2 n_b) that windows change by so much, under a sweep."""
-        far = np.subtract.outer(self.own, self.own) / FINER / ALIKE
-        both = OFF**2 * np.outer(change, change.conj()) * np.exp(-(far**2) / 2)
+        """Covariance (2 n_b, 2 n_b) of smoothing errors under a sweep; ``change`` (n_b,) is smoothed minus exact."""
+        far = np.subtract.outer(self.own, self.own) / POINTS_PER_BIN / ERROR_CORRELATION_LINES
+        both = LINE_ERROR_RATIO**2 * np.outer(change, change.conj()) * np.exp(-(far**2) / 2)
         return np.block([[both.real, -both.imag], [both.imag, both.real]]) / 2
 
     def _linear(self, G: ComplexArray) -> ComplexArray:
@@ -69,9 +70,9 @@ class Smoothing:
 
 
 def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
-    """Of the lines (n_b,) of an estimate of one pair."""
-    step = 1 / (estimation.seconds * FINER)
-    offsets = np.arange(-REACH * FINER, REACH * FINER + 1)
+    """Smoothing for the lines (n_b,) of an estimate, by its window, length and estimator."""
+    step = 1 / (estimation.seconds * POINTS_PER_BIN)
+    offsets = np.arange(-NEIGHBOUR_BINS * POINTS_PER_BIN, NEIGHBOUR_BINS * POINTS_PER_BIN + 1)
     weights = _shares(estimation, offsets)
     own = np.rint(frequencies / step).astype(np.intp)
     places = own[:, None] + offsets
@@ -86,15 +87,15 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
 
 
 def _sparse(weights: FloatArray, places: NDArray[np.intp], count: int) -> csr_array:
-    """Weights (n_b, n) of columns 1 to ``count``."""
+    """Sparse matrix (n_b, count) from weights (n_b, n) and their columns, counted from 1."""
     lines = np.repeat(np.arange(len(places)), places.shape[1])
     return csr_array((weights.ravel(), (lines, places.ravel() - 1)), shape=(len(places), count))
 
 
 def _shares(estimation: Estimation, offsets: NDArray[np.intp]) -> FloatArray:
-    """How much of its line the window lets through at frequencies so many fine steps away."""
-    samples = 4 * REACH * FINER
+    """Weights of a window at offsets (in fine steps) from its line; their sum is 1."""
+    samples = 4 * NEIGHBOUR_BINS * POINTS_PER_BIN
     window = np.asarray(get_window(estimation.window, samples), dtype=np.float64)
-    power = np.abs(np.fft.fft(window, samples * FINER)) ** 2
+    power = np.abs(np.fft.fft(window, samples * POINTS_PER_BIN)) ** 2
     share = power[offsets % len(power)]
     return np.asarray(share / share.sum())

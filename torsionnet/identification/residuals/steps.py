@@ -1,7 +1,7 @@
-"""What the steps of a sensor do to a measured response, beyond noise.
+"""Errors of a measured response by the steps (resolution) of its sensor.
 
-The motion that a model predicts is read in steps as the sensor does, from several places of rest within a step. Nobody
-knows the place, but it is one for a whole test of a rig that is held: the errors go with it from line to line, and no
+The motion that a model predicts is rounded to steps as by the sensor, from several rest positions within a step. The
+position is unknown, but the same for a whole test of a rig that is held: its errors are common to all lines, and no
 averaging reduces them. A sine of A steps comes out up to 0.2 / A^1.5 too large or too small.
 """
 
@@ -18,30 +18,31 @@ from torsionnet.response.recording import Recording
 from torsionnet.signals.decimation import HALF_LENGTH, anti_alias_taps
 from torsionnet.signals.resolution import step_of, swept
 
-PLACES = 16
+REST_POSITIONS = 16
+"""Rest positions within a step for which errors are calculated."""
 
 
 @dataclass(frozen=True)
 class SensorSteps:
-    """How a sensor reads.
+    """Step size of a sensor, and the decimation of its samples.
 
     Attributes
     ----------
     size : float
-        Of a step, SI; 0 if it has none.
+        Size of a step, SI; 0 if the sensor has none.
     decimation : int
-        Samples taken by the sensor for one of the record.
+        Samples of the sensor for each sample of the record.
     """
 
     size: float = 0.0
     decimation: int = 1
 
     def errors(self, motion: FloatArray, rows: SegmentRows) -> ComplexArray:
-        """What they do to a response (places, n_b) = rows @ output, n_b of them, with a motion (n,) at its rate."""
+        """Errors (places, n_b) of lines rows @ output by the steps, for a motion (n,) at the rate of the record."""
         if not self.size:
-            return np.zeros((PLACES, len(rows.segments.bins)), dtype=complex)
+            return np.zeros((REST_POSITIONS, len(rows.segments.bins)), dtype=complex)
         fine = _finer(motion, self.decimation)
-        places = (np.arange(PLACES) + 0.5) / PLACES * self.size
+        places = (np.arange(REST_POSITIONS) + 0.5) / REST_POSITIONS * self.size
         return np.array([rows.apply(self._error(fine + place, len(motion))) for place in places])
 
     def _error(self, motion: FloatArray, count: int) -> FloatArray:
@@ -52,16 +53,16 @@ class SensorSteps:
 
 
 def steps_in(record: Recording, output: str, input: str, decimation: int) -> SensorSteps:
-    """Those of a sensor, before decimation; none where the input is no sine that is swept.
+    """Steps of the output's sensor before decimation; of size 0 where the input is not a swept sine.
 
-    Under other inputs, and in rigs that turn, a reading falls on all places of a step: its errors are noise.
+    Under other inputs, and in rigs that turn, readings fall on all positions within a step: errors are noise.
     """
     is_swept = len(swept(record, output, input)[0]) > 1
     return SensorSteps(step_of(record[output].values) if is_swept else 0.0, decimation)
 
 
 def _finer(motion: FloatArray, factor: int) -> FloatArray:
-    """The same with so many samples for one, without what is above the half rate; zeros follow after it."""
+    """Motion at ``factor`` times the sampling rate, band-limited to the half rate of before."""
     if factor == 1:
         return motion
     count = 2 * len(motion)
