@@ -17,7 +17,7 @@ import torsionnet as tn
 from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError
 from torsionnet.io.foreign import ForeignFileError, process, resource_limits
-from torsionnet.io.foreign.__main__ import said
+from torsionnet.io.foreign.__main__ import error_line
 from torsionnet.io.foreign.uff_content import check_end
 from torsionnet.signals import iter_blocks, read_recording, write_recording
 
@@ -49,7 +49,7 @@ def library(tmp_path, monkeypatch):
         )
         process.end_all()
         monkeypatch.syspath_prepend(str(folder))
-        monkeypatch.setattr("torsionnet.io.formats.extras.require", lambda _: None)
+        monkeypatch.setattr("torsionnet.io.formats.extras.require_extra", lambda _: None)
         path = tmp_path / "plant.h5"
         path.write_bytes(b"anything")
         return path
@@ -110,11 +110,11 @@ class TestCrashes:
         )
         first = path.with_name("first.h5")
         first.write_bytes(b"x")
-        with process.borrowed() as running:
+        with process.borrow_process() as running:
             running.is_used = True
             with pytest.raises(process.ForeignFileError):
                 running.ask({"open": str(first), "form": "hdf5"})
-            running.is_sound = True  # as if the library had noticed nothing
+            running.is_responsive = True  # as if the library had noticed nothing
         assert "read by itself" in message(path)
 
     @pytest.mark.parametrize("ending", [".h5", ".mat"])
@@ -136,8 +136,8 @@ class TestProcess:
         paths = [written(tmp_path / str(number), ".h5") for number in range(3) if not (tmp_path / str(number)).mkdir()]
         process.end_all()
         started = []
-        begin = process.Process.__init__
-        monkeypatch.setattr(process.Process, "__init__", lambda self: (started.append(1), begin(self))[1])
+        begin = process.ReaderProcess.__init__
+        monkeypatch.setattr(process.ReaderProcess, "__init__", lambda self: (started.append(1), begin(self))[1])
         for path in paths:
             read_recording(path)
         assert len(started) == 1
@@ -184,8 +184,8 @@ class TestProcess:
             np.testing.assert_array_equal(np.concatenate(blocks), record()["T_T"].values)
 
     def test_words_of_errors_are_short_and_plain(self):
-        assert said(ValueError("x " * 1000)).endswith("...")
-        assert said(ValueError("")) == "it is damaged (ValueError)"
+        assert error_line(ValueError("x " * 1000)).endswith("...")
+        assert error_line(ValueError("")) == "it is damaged (ValueError)"
 
 
 class TestDamagedFiles:
@@ -367,7 +367,7 @@ class TestClaims:
 
     def test_a_large_file_may_take_more(self, tmp_path):
         (tmp_path / "large").write_bytes(b"\0" * 10_000_000)
-        assert resource_limits.allowed(tmp_path / "large") == 10**9
+        assert resource_limits.largest_unpacked(tmp_path / "large") == 10**9
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit to the size of files is one of POSIX")

@@ -69,7 +69,7 @@ def test_wrong_usage(tmp_path, monkeypatch, arguments, text):
 
 
 def test_an_fmu_says_what_it_runs_on(tmp_path, monkeypatch):
-    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
+    monkeypatch.setitem(extras.EXTRA_PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
     result = run("export", "dmf_rig", "-o", tmp_path / "x.fmu", "--fmi", "3.0")
     assert result.stderr.startswith(f"note: binaries for {this_machine().name}; pip install")
     with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
@@ -77,7 +77,7 @@ def test_an_fmu_says_what_it_runs_on(tmp_path, monkeypatch):
 
 
 def test_missing_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
+    monkeypatch.setitem(extras.EXTRA_PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
     monkeypatch.setenv("PATH", str(tmp_path))
     result = run("export", "dmf_rig", "-o", tmp_path / "x.fmu", code=4)
     assert 'pip install "torsionnet[fmu]"' in result.stderr

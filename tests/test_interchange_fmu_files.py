@@ -15,7 +15,7 @@ import torsionnet as tn
 from torsionnet.core.errors import MissingExtraError, UsageError
 from torsionnet.io import write_fmu
 from torsionnet.io.fmu import compiling
-from torsionnet.io.fmu.platforms import for_all_macs
+from torsionnet.io.fmu.platforms import universal_binary
 from torsionnet.io.formats import extras
 
 validation = pytest.importorskip("fmpy.validation")
@@ -335,7 +335,7 @@ def test_refusals(tmp_path, rig, name, options, text):
 
 
 def test_without_any_compiler_the_command_is_named(tmp_path, monkeypatch):
-    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
+    monkeypatch.setitem(extras.EXTRA_PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
     monkeypatch.setattr(compiling, "COMPILERS", ())
     monkeypatch.delenv("CC", raising=False)
     with pytest.raises(MissingExtraError, match=r'pip install "torsionnet\[fmu\]"; a C compiler'):
@@ -345,7 +345,7 @@ def test_without_any_compiler_the_command_is_named(tmp_path, monkeypatch):
 
 @needs_compiler
 def test_a_compiler_that_fails_is_quoted(tmp_path, monkeypatch):
-    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
+    monkeypatch.setitem(extras.EXTRA_PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
     monkeypatch.setattr(compiling, "FLAGS", ("-no-such-flag",))
     with pytest.raises(compiling.CompilerError, match="no-such-flag"):
         write_fmu(one_mass(), tmp_path / "rig.fmu")
@@ -354,7 +354,7 @@ def test_a_compiler_that_fails_is_quoted(tmp_path, monkeypatch):
 
 def test_one_library_for_all_macs():
     """The header of such a file: 0xcafebabe, a count, then processor, offset and size of each."""
-    made = for_all_macs({"x86_64": b"first", "aarch64": b"the second"})
+    made = universal_binary({"x86_64": b"first", "aarch64": b"the second"})
     words = np.frombuffer(made[:48], ">u4")
     assert words[:2].tolist() == [0xCAFEBABE, 2]
     assert words[2::5][:2].tolist() == [0x01000007, 0x0100000C]

@@ -325,7 +325,7 @@ class TestUniversalFiles:
             write_frequency_response(response([1.0]), tmp_path / "r.uff")
 
     def test_missing_extra_names_the_command(self, tmp_path, monkeypatch):
-        monkeypatch.setitem(extras.PACKAGES, "uff", ("no_such_module", "pyuff", "UFF58"))
+        monkeypatch.setitem(extras.EXTRA_PACKAGES, "uff", ("no_such_module", "pyuff", "UFF58"))
         with pytest.raises(MissingExtraError, match=r'pip install "torsionnet\[uff\]"'):
             write_frequency_response(response([1.0, 2.0]), tmp_path / "r.uff")
 

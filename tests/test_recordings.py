@@ -24,7 +24,7 @@ EXTRAS = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarro
 ENDINGS = [".csv", ".npz", ".mat", *EXTRAS]
 
 
-LABELS = {ending: form.label for form in FORMATS if form.opened for ending in form.endings}
+LABELS = {ending: form.label for form in FORMATS if form.open_source for ending in form.endings}
 
 
 def test_every_format_is_tested():
@@ -260,7 +260,7 @@ class TestForeignFiles:
         assert found["T_T"].values.tolist() == [2000.0, 4000.0]
 
     def test_missing_extra_names_the_command(self, tmp_path, monkeypatch):
-        monkeypatch.setitem(extras.PACKAGES, "tdms", ("no_such_module", "npTDMS", "TDMS"))
+        monkeypatch.setitem(extras.EXTRA_PACKAGES, "tdms", ("no_such_module", "npTDMS", "TDMS"))
         with pytest.raises(MissingExtraError, match=r'TDMS .* npTDMS: pip install "torsionnet\[tdms\]"'):
             write_recording(recording(), tmp_path / "r.tdms")
 
@@ -307,7 +307,7 @@ class TestFaultyFiles:
 
         np.savez(tmp_path / "r.npz", a=np.zeros(5), b=np.zeros(5), fs=1.0)
         monkeypatch.setattr(zipfile.ZipFile, "open", kept)
-        with npz.opened(tmp_path / "r.npz"):
+        with npz.open_source(tmp_path / "r.npz"):
             assert any(not member.closed for member in members)
         assert all(member.closed for member in members)
 

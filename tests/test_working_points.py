@@ -6,7 +6,7 @@ from study_blocks import together
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError
-from torsionnet.io.fmu.motion import trace_motion
+from torsionnet.io.fmu.fmu_coordinates import trace_motion
 from torsionnet.solve.sensitivity import mode_sensitivities
 from torsionnet.study.quantities.quantity import QUANTITIES
 

@@ -109,7 +109,7 @@ def _seconds() -> float:
     return sum(used.ru_utime + used.ru_stime for used in both) + sum(map(_so_far, process._idle))
 
 
-def _so_far(running: process.Process) -> float:
+def _so_far(running: process.ReaderProcess) -> float:
     with contextlib.suppress(OSError):
         words = Path(f"/proc/{running._running.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")

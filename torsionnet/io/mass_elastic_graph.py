@@ -11,11 +11,11 @@ from typing import Any
 
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.part_words import unwritten
+from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Row, Shaft, Values
 
-PAIR = 2
-MOST_NAMED = 4
+NODES_PER_CONNECTION = 2
+MOST_LISTED_PARTS = 4
 """Parts that a message names."""
 
 
@@ -52,7 +52,7 @@ class MassElasticGraph:
     ratios: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def at(self) -> dict[str, list[Connection]]:
+    def connections_at(self) -> dict[str, list[Connection]]:
         """Those between two nodes, at each of them."""
         found: dict[str, list[Connection]] = {node: [] for node in self.inertias}
         for one in self.connections:
@@ -82,13 +82,17 @@ def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGra
         element = _lumped(given)
         for part in element.parts(value):
             rigid = isinstance(part, Constraint)
-            written = _law(graph, element, part, value) if isinstance(part, Law) else rigid and len(part.row) <= PAIR
+            written = (
+                _law(graph, element, part, value)
+                if isinstance(part, Law)
+                else rigid and len(part.row) <= NODES_PER_CONNECTION
+            )
             if written and part.row and rigid:
                 graph.connections.append(_connected(element.name, part.row))
-            refused += [] if written else [unwritten(element, part)]
+            refused += [] if written else [describe_element_part(element, part)]
     if refused:
-        rest = f" and {len(refused) - MOST_NAMED} more" if len(refused) > MOST_NAMED else ""
-        raise UsageError(f"a mass-elastic sheet has no column for {'; '.join(refused[:MOST_NAMED])}{rest}")
+        rest = f" and {len(refused) - MOST_LISTED_PARTS} more" if len(refused) > MOST_LISTED_PARTS else ""
+        raise UsageError(f"a mass-elastic sheet has no column for {'; '.join(refused[:MOST_LISTED_PARTS])}{rest}")
     graph.connections = list(_named(graph.connections))
     graph.ratios = _ratios(graph, reference)
     return graph
@@ -105,7 +109,11 @@ def _lumped(element: Element) -> Element:
 
 def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> bool:
     """Put a law into the graph; whether a sheet can hold it."""
-    if law.table is not None or len(law.row) > PAIR or (len(law.row) == PAIR and law.inertia != 0):
+    if (
+        law.table is not None
+        or len(law.row) > NODES_PER_CONNECTION
+        or (len(law.row) == NODES_PER_CONNECTION and law.inertia != 0)
+    ):
         return False
     if not law.row:
         return True
@@ -146,7 +154,7 @@ def _named(connections: list[Connection]) -> Iterator[Connection]:
 def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
     """Speed of every node over that of the reference; UsageError where nothing or two things tell it."""
     ratios: dict[str, Any] = {reference: Fraction(1)}
-    at, waiting = graph.at, deque([reference])
+    at, waiting = graph.connections_at, deque([reference])
     while waiting:
         node = waiting.popleft()
         for one in at[node]:

@@ -15,7 +15,7 @@ from torsionnet.core.units import numeral_of
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.mass_elastic_graph import Connection, MassElasticGraph, mass_elastic_graph
 
-MOST_DIGITS = 10**6
+LARGEST_RATIO_TERM = 10**6
 """A ratio of whole numbers up to this is written as one."""
 _COLUMNS = (
     "mass", "{J} [kg*m^2]", "absolute damping{by} [N*m*s/rad]", "speed ratio", "from", "to", "{k} [N*m/rad]",
@@ -74,7 +74,7 @@ def _laid_out(graph: MassElasticGraph) -> tuple[list[str], dict[str, Connection]
 
     Along the main line a row has the shaft to the next one; in a branch, the one back to where it comes from.
     """
-    at = graph.at
+    at = graph.connections_at
     ends = [node for node, there in at.items() if len(there) <= 1]
     order: list[str] = []
     held: dict[str, Connection] = {}
@@ -116,6 +116,6 @@ def _shaft_cells(graph: MassElasticGraph, one: Connection, referred: bool) -> Se
 
 def _ratio(ratio: Any) -> str:
     """Whole numbers where they are small, else the decimals of the nearest float."""
-    if isinstance(ratio, Fraction) and max(abs(ratio.numerator), ratio.denominator) < MOST_DIGITS:
+    if isinstance(ratio, Fraction) and max(abs(ratio.numerator), ratio.denominator) < LARGEST_RATIO_TERM:
         return numeral_of(ratio)
     return repr(float(ratio))

@@ -14,11 +14,11 @@ import numpy as np
 from torsionnet.core.atomic import write_bytes, write_text
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.formats.mat import cells, mat_bytes
+from torsionnet.io.formats.mat import cell_array, mat_bytes
 from torsionnet.io.matrices import Matrices, matrices
 from torsionnet.solve.dynamic_stiffness.state_space import StateSpace, state_space
 
-NUMBERS = {
+MATRIX_MEANINGS = {
     "M": "inertia, kg*m^2",
     "C": "viscous damping, N*m*s/rad",
     "K": "stiffness, N*m/rad",
@@ -29,7 +29,7 @@ NUMBERS = {
     "Yu": "outputs from u",
     "T": "angles of all nodes from q",
 }
-LISTS = {
+NAME_MEANINGS = {
     "coordinates": "q",
     "nodes": "theta",
     "inputs": "u",
@@ -37,16 +37,16 @@ LISTS = {
     "outputs": "y",
     "output_units": "",
 }
-RESERVED = frozenset({
+RESERVED_WORDS = frozenset({
     "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
     "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while", "do", "until", "endfor",
     "endfunction", "endif", "endswitch", "endwhile", "end_try_catch", "end_unwind_protect", "unwind_protect",
     "unwind_protect_cleanup", "enumeration", "events", "methods", "properties",
 })  # fmt: skip
 """Words of Matlab and Octave, under which neither runs a script."""
-LARGEST = 1e15
+LARGEST_INTEGER = 1e15
 """Up to which whole numbers are written without a point."""
-DENSE = 400
+MOST_DENSE_ENTRIES = 400
 """Entries up to which a matrix is written out whole; larger ones by their entries that are not zero."""
 
 
@@ -77,11 +77,11 @@ def to_matlab(drivetrain: Drivetrain) -> str:
     found = matrices(drivetrain)
     states, reason = _states(drivetrain)
     lines = [*_head(drivetrain), f"title = {_quoted(drivetrain.title)};"]
-    for name, meaning in LISTS.items():
+    for name, meaning in NAME_MEANINGS.items():
         listed = ", ".join(_quoted(text) for text in getattr(found, name))
         lines.append(f"{name} = {{{listed}}};{f'  % {meaning}' if meaning else ''}")
     lines += ["", "% M q'' + C q' + K q = F u,   y = Y0 q + Y1 q' + Y2 q'' + Yu u,   theta = T q"]
-    for name, meaning in NUMBERS.items():
+    for name, meaning in MATRIX_MEANINGS.items():
         lines += [f"% {name}: {meaning}", *_matrix(name, getattr(found, name))]
     if states is None:
         lines += ["", f"% no state space: {_one_line(reason)}"]
@@ -108,8 +108,12 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
             raise UsageError(
                 f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter'
             )
-        if target.stem in RESERVED | NUMBERS.keys() | LISTS.keys() | {"title", "state_space", "sys"}:
-            what = "a word of Matlab's own" if target.stem in RESERVED else "a variable that the script sets"
+        if target.stem in RESERVED_WORDS | MATRIX_MEANINGS.keys() | NAME_MEANINGS.keys() | {
+            "title",
+            "state_space",
+            "sys",
+        }:
+            what = "a word of Matlab's own" if target.stem in RESERVED_WORDS else "a variable that the script sets"
             raise UsageError(f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m')
         write_text(target, to_matlab(drivetrain))
     elif ending == ".mat":
@@ -122,8 +126,8 @@ def _variables(drivetrain: Drivetrain) -> dict[str, Any]:
     found = matrices(drivetrain)
     states, _ = _states(drivetrain)
     content: dict[str, Any] = {"title": drivetrain.title}
-    content |= {name: cells(getattr(found, name)) for name in LISTS}
-    content |= {name: np.asarray(getattr(found, name), dtype=float) for name in NUMBERS}
+    content |= {name: cell_array(getattr(found, name)) for name in NAME_MEANINGS}
+    content |= {name: np.asarray(getattr(found, name), dtype=float) for name in MATRIX_MEANINGS}
     if states is not None:
         content["state_space"] = {name: getattr(states, name) for name in "ABCD"}
     return content
@@ -156,7 +160,7 @@ def _matrix(name: str, values: Any) -> list[str]:
     rows, columns = values.shape
     if not values.size or not values.any():
         return [f"{name} = zeros({rows}, {columns});"]
-    if values.size > DENSE:
+    if values.size > MOST_DENSE_ENTRIES:
         i, j = np.nonzero(values)
         lists = [_row(i + 1), _row(j + 1), _row(values[i, j])]
         return [
@@ -172,7 +176,8 @@ def _matrix(name: str, values: Any) -> list[str]:
 
 def _row(values: Iterable[Any]) -> str:
     return " ".join(
-        repr(int(value)) if value == int(value) and abs(value) < LARGEST else repr(float(value)) for value in values
+        repr(int(value)) if value == int(value) and abs(value) < LARGEST_INTEGER else repr(float(value))
+        for value in values
     )
 
 

@@ -12,16 +12,16 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.modelica_elements import write_element
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import COMPONENTS, FIXED, has_counterpart, port
-from torsionnet.io.modelica_words import (
+from torsionnet.io.modelica_syntax import (
     KEYWORDS,
     ROTATIONAL,
-    ModelicaWords,
-    kinds_in_use,
+    ModelicaExpressions,
+    export_unit,
+    parameter_kinds,
     quoted,
     unit_of,
-    written_unit,
 )
-from torsionnet.io.part_words import unwritten
+from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions
@@ -74,7 +74,7 @@ def write_modelica(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None
 def _refuse(drivetrain: Drivetrain) -> None:
     values = Values(drivetrain.exact_values)
     without = [
-        unwritten(element, part)
+        describe_element_part(element, part)
         for element in drivetrain.elements.values()
         for part in element.parts(values)
         if not has_counterpart(part)
@@ -94,7 +94,7 @@ class _Model:
     def write(self) -> None:
         drivetrain, channels = self.drivetrain, active_channels(self.drivetrain)
         known = {name: self.names.new(name) for name in drivetrain.parameter_definitions}
-        words = ModelicaWords(known, drivetrain.exact_values)
+        words = ModelicaExpressions(known, drivetrain.exact_values)
         self.parameters = self._parameters(known, words)
         self.net = Net(self.names)
         driven = {
@@ -125,9 +125,9 @@ class _Model:
             if sensor.quantity != "torque":
                 self._read(read[name], sensor)
 
-    def _parameters(self, known: dict[str, str], words: ModelicaWords) -> list[str]:
+    def _parameters(self, known: dict[str, str], words: ModelicaExpressions) -> list[str]:
         found = dimensions(self.drivetrain.parameter_definitions)[0]
-        kinds = kinds_in_use(self.drivetrain.elements.values(), found)
+        kinds = parameter_kinds(self.drivetrain.elements.values(), found)
         lines = []
         for name, parameter in self.drivetrain.parameter_definitions.items():
             unit = unit_of(found.get(name), kinds.get(name), str(parameter.value))
@@ -137,7 +137,7 @@ class _Model:
         return lines
 
     def _interface(self, kind: str, name: str, unit: str) -> str:
-        return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{written_unit(unit)}"')
+        return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{export_unit(unit)}"')
 
     def _attach(self, point: str, node: str, index: int, outputs: list[str]) -> None:
         """A port to its node, through a torque sensor if there is one: into the element at the first port, else out."""

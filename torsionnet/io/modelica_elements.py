@@ -8,13 +8,13 @@ from typing import Any
 from torsionnet.core.entries.spec import present
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import declared, port, write_parts
-from torsionnet.io.modelica_words import ModelicaWords, factor
+from torsionnet.io.modelica_syntax import ModelicaExpressions, factor
 from torsionnet.model.elements import Differential, Element, Gear, Law, Planetary, Shaft
 
-Writer = Callable[[Any, Net, ModelicaWords], None]
+Writer = Callable[[Any, Net, ModelicaExpressions], None]
 
 
-def _compliant(element: Any, net: Net, words: ModelicaWords, entrance: str) -> str:
+def _compliant(element: Any, net: Net, words: ModelicaExpressions, entrance: str) -> str:
     """The point behind the compliance of a mesh, which sits at its first port; the port itself if it is rigid."""
     if element.stiffness is None:
         return entrance
@@ -25,7 +25,7 @@ def _compliant(element: Any, net: Net, words: ModelicaWords, entrance: str) -> s
     return f"{name}.flange_b"
 
 
-def _gear(element: Gear, net: Net, words: ModelicaWords) -> None:
+def _gear(element: Gear, net: Net, words: ModelicaExpressions) -> None:
     ratio = _quotient(element.teeth) if element.teeth else words.expression(present(element.ratio))
     support = ", useSupport=true" if element.housing else ""
     name = declared(element, net, "IdealGear", f"ratio={ratio}{support}")
@@ -39,7 +39,7 @@ def _quotient(teeth: Any) -> str:
     return f"{int(teeth[1])}/{factor(str(int(teeth[0])))}"
 
 
-def _planetary(element: Planetary, net: Net, words: ModelicaWords) -> None:
+def _planetary(element: Planetary, net: Net, words: ModelicaExpressions) -> None:
     ratio = _quotient(element.teeth) if element.teeth else words.expression(present(element.ratio))
     name = declared(element, net, "IdealPlanetary", f"ratio={ratio}")
     net.points.join(_compliant(element, net, words, port(element, "sun")), f"{name}.sun")
@@ -58,7 +58,7 @@ def _planetary(element: Planetary, net: Net, words: ModelicaWords) -> None:
         net.points.join(port(element, "carrier"), f"{orbit}.flange_a")
 
 
-def _differential(element: Differential, net: Net, words: ModelicaWords) -> None:
+def _differential(element: Differential, net: Net, words: ModelicaExpressions) -> None:
     del words
     sides = {"cage": "carrier", "left": "sun", "right": "ring"}
     if element.locked:
@@ -69,7 +69,7 @@ def _differential(element: Differential, net: Net, words: ModelicaWords) -> None
         net.points.join(port(element, ours), f"{name}.{theirs}")
 
 
-def _shaft(element: Shaft, net: Net, words: ModelicaWords) -> None:
+def _shaft(element: Shaft, net: Net, words: ModelicaExpressions) -> None:
     n = element.segments
     area = (
         f"Modelica.Constants.pi*({_power(words, element.outer_diameter)} - {_power(words, element.inner_diameter)})/32"
@@ -91,7 +91,7 @@ def _shaft(element: Shaft, net: Net, words: ModelicaWords) -> None:
             _segment_inertia(element, net, inertia, points[index : index + 2], suffix)
 
 
-def _power(words: ModelicaWords, value: Any) -> str:
+def _power(words: ModelicaExpressions, value: Any) -> str:
     return f"{factor(words.expression(value))}^4"
 
 
@@ -117,7 +117,7 @@ _WRITERS: dict[type[Element], Writer] = {
 }
 
 
-def write_element(element: Element, net: Net, words: ModelicaWords) -> None:
+def write_element(element: Element, net: Net, words: ModelicaExpressions) -> None:
     """Declare and connect the components of an element."""
     # The nicer components take their values from the entries, which may be quoted at another shaft.
     write = write_parts if element.has_other_laws else _WRITERS.get(type(element), write_parts)

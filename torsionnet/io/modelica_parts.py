@@ -5,15 +5,15 @@ from __future__ import annotations
 from functools import reduce
 from typing import TypeAlias
 
+from torsionnet.io.expression_numbers import ExpressionNumber, expression_number
 from torsionnet.io.modelica_net import Net
-from torsionnet.io.modelica_words import ROTATIONAL, ModelicaWords, quoted
-from torsionnet.io.open_numbers import OpenNumber, open_number
+from torsionnet.io.modelica_syntax import ROTATIONAL, ModelicaExpressions, quoted
 from torsionnet.model.elements import GROUND, Action, Constraint, Element, Law, Part, Row
 
 COMPONENTS = f"{ROTATIONAL}.Components"
 FIXED = f"node:{GROUND}"
 
-Lever: TypeAlias = tuple[str, OpenNumber]
+Lever: TypeAlias = tuple[str, ExpressionNumber]
 """A point, and what its angle has to be multiplied with to give gamma."""
 
 
@@ -28,14 +28,14 @@ def declared(element: Element, net: Net, kind: str, values: str = "", suffix: st
     return net.declare(f"{COMPONENTS}.{kind}", element.name + suffix, values, comment)
 
 
-def write_parts(element: Element, net: Net, words: ModelicaWords) -> None:
+def write_parts(element: Element, net: Net, words: ModelicaExpressions) -> None:
     """Springs, dampers and inertias on the row of each law, ideal gears or nothing but connections for constraints.
 
     A row of one node, or the difference of two, is acted on as it is. Any other row becomes the angle of a flange: an
     ideal planetary set has the weighted mean of two angles on its carrier.
     """
     writer = _PartWriter(element, net, words)
-    for part in element.parts(words.open):
+    for part in element.parts(words.symbolic):
         writer.write(part)
 
 
@@ -47,7 +47,7 @@ def has_counterpart(part: Part) -> bool:
 
 
 class _PartWriter:
-    def __init__(self, element: Element, net: Net, words: ModelicaWords) -> None:
+    def __init__(self, element: Element, net: Net, words: ModelicaExpressions) -> None:
         self.element, self.net, self.words = element, net, words
         self.points = {node: f"node:{node}" for node in element.internal_nodes}
         for name, node in reversed(element.ports.items()):
@@ -70,8 +70,8 @@ class _PartWriter:
         self.is_first = False
         return name
 
-    def _text(self, number: OpenNumber) -> str:
-        return self.words.expression(open_number(number).expression)
+    def _text(self, number: ExpressionNumber) -> str:
+        return self.words.expression(expression_number(number).expression)
 
     def _spring(self, law: Law) -> None:
         first, second, factor = self._ends(law.row)
@@ -82,17 +82,17 @@ class _PartWriter:
         self.net.points.join(first, f"{name}.flange_a")
         self.net.points.join(second, f"{name}.flange_b")
 
-    def _ends(self, row: Row) -> tuple[str, str, OpenNumber]:
+    def _ends(self, row: Row) -> tuple[str, str, ExpressionNumber]:
         """Two points whose difference, times a factor, is gamma."""
         nodes = list(row)
         if len(nodes) == 2 and row[nodes[0]] + row[nodes[1]] == 0:
-            return self.points[nodes[0]], self.points[nodes[1]], open_number(row[nodes[0]])
+            return self.points[nodes[0]], self.points[nodes[1]], expression_number(row[nodes[0]])
         point, factor = self._mean(row)
         return point, self.points.get(GROUND, FIXED), factor
 
     def _mean(self, row: Row) -> Lever:
         """A point that turns with gamma, but for a factor."""
-        levers = [(self.points[node], open_number(share)) for node, share in row.items()]
+        levers = [(self.points[node], expression_number(share)) for node, share in row.items()]
         return reduce(self._mean_of_two, levers)
 
     def _mean_of_two(self, one: Lever, other: Lever) -> Lever:
@@ -112,7 +112,7 @@ class _PartWriter:
             self._hold(self.points[last])
             return
         point, factor = self._mean({node: row[node] for node in some})
-        share = open_number(row[last])
+        share = expression_number(row[last])
         if factor + share == 0:
             self.net.points.join(point, self.points[last])
             return

@@ -18,8 +18,8 @@ from torsionnet.response.frequency_response import Channel
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.order_sums import is_sum_name
 
-FORM = "speed [rpm], order, amplitude [N*m]"
-UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
+EXPECTED_COLUMNS = "speed [rpm], order, amplitude [N*m]"
+QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
 _OF_OUTPUT = re.compile(r"(?P<name>.*) (?P<part>real|imag) (?P<unit>\[.*\])")
 _WRITTEN = ("excitation", "frequency [Hz]")
 """Columns of a file of ``torsionnet orders`` beside speed and order."""
@@ -51,9 +51,11 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         columns, numbers = read_order_table(Path(path))
         lines = measured_lines(columns, np.array(numbers))
     if not lines.speeds or lines.by_frequency:
-        raise UsageError(f"{Path(path).name} has no amplitudes by speed and order; expected {FORM}")
-    if UNITS[lines.quantity] != output.unit:
-        raise UsageError(f"{Path(path).name} is in {UNITS[lines.quantity]}, but {output.name} is in {output.unit}")
+        raise UsageError(f"{Path(path).name} has no amplitudes by speed and order; expected {EXPECTED_COLUMNS}")
+    if QUANTITY_UNITS[lines.quantity] != output.unit:
+        raise UsageError(
+            f"{Path(path).name} is in {QUANTITY_UNITS[lines.quantity]}, but {output.name} is in {output.unit}"
+        )
     groups = zip(lines.keys.tolist(), lines.speeds, lines.values, strict=True)
     return tuple(MeasuredOrder(order, speeds, np.abs(values)) for order, speeds, values in groups)
 

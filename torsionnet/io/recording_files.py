@@ -9,9 +9,9 @@ from pathlib import Path
 
 from torsionnet.core.errors import UsageError
 from torsionnet.io.formats.registry import format_of, reading
-from torsionnet.io.records.assembling import Wanted, recordings, with_given_clock
+from torsionnet.io.records.assembling import ReadOptions, recordings, with_given_clock
 from torsionnet.io.records.channel_choice import choose
-from torsionnet.io.records.pulsed import pulsed
+from torsionnet.io.records.encoder_recording import encoder_recording
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import Recording
 
@@ -66,8 +66,8 @@ def read_recording(
     >>> record.notes[0]
     '"time" was taken for the time stamps'
     """
-    wanted = Wanted(names, quantities or {}, units or {}, sampling_rate, pulses or {})
-    with contextlib.closing(_read(Path(path), wanted, None, dialect)) as found:
+    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, pulses or {})
+    with contextlib.closing(_read(Path(path), options, None, dialect)) as found:
         return next(found)
 
 
@@ -87,7 +87,7 @@ def iter_blocks(
     """
     if not seconds > 0:
         raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
-    return _read(Path(path), Wanted(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
+    return _read(Path(path), ReadOptions(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
 
 
 def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
@@ -98,14 +98,14 @@ def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
 
 
 def _read(
-    path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]
+    path: Path, options: ReadOptions, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:
     with _opened(path, dialect) as found:
-        source, wanted = with_given_clock(found, wanted)
-        if wanted.pulses:
-            yield pulsed(source, wanted, path.name)
+        source, options = with_given_clock(found, options)
+        if options.pulses:
+            yield encoder_recording(source, options, path.name)
         else:
-            yield from recordings(source, wanted, path.name, seconds)
+            yield from recordings(source, options, path.name, seconds)
 
 
 @contextlib.contextmanager
@@ -113,8 +113,8 @@ def _opened(path: Path, dialect: dict[str, str]) -> Iterator[Source]:
     with reading(path, "recording") as form:
         if dialect and (form.label != "text" or not dialect.keys() <= {"separator", "decimal"}):
             raise UsageError(f"{', '.join(dialect)} cannot be given for a {form.label} file")
-        assert form.opened is not None
-        with form.opened(path, **dialect) as source:
+        assert form.open_source is not None
+        with form.open_source(path, **dialect) as source:
             yield source
 
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias, TypeGuard
 from torsionnet.core.errors import UsageError
 from torsionnet.core.groups import Groups
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.part_words import unwritten
+from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.io.tors_elements import SHEAR_MODULUS
 from torsionnet.model.elements import GROUND, Action, Constraint, Element, Gear, Law, Part, Row, Shaft, Values
 
@@ -88,7 +88,7 @@ class _GraphWriter:
         for part in element.parts(self.value):
             is_written = self._part(element, part)
             if not is_written:
-                self.refused.append(unwritten(element, part))
+                self.refused.append(describe_element_part(element, part))
 
     def _part(self, element: Element, part: Part) -> bool:
         """Whether it can be written."""

@@ -66,11 +66,11 @@ class StudyCommand(Command):
     )
 
     def answer(self) -> Answer:
-        from torsionnet.io.formats.extras import require
+        from torsionnet.io.formats.extras import require_extra
         from torsionnet.study.loading_study import load_study
 
         if (self.variants_file or "").endswith(".parquet"):
-            require("parquet")
+            require_extra("parquet")
         study = load_study(self.file)
         print_faults(study.findings)
         answered = self._answered(study)

@@ -19,23 +19,35 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.plain_names import Names
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.fmu.c_source import header, model
+from torsionnet.io.fmu.c_source import header_source, model_source
 from torsionnet.io.fmu.common_description import FmuDescription
-from torsionnet.io.fmu.compiling import libraries
+from torsionnet.io.fmu.compiling import compile_libraries
 from torsionnet.io.fmu.dependencies import dependencies
 from torsionnet.io.fmu.traced_matrices import System, trace_system
 from torsionnet.io.fmu.variables import Variables, list_variables
 
-SOURCES = ("export.h", "dense.c", "exponential.c", "system.c", "stepping.c", "instance.c", "advancing.c", "services.c")
-OF_VERSION = {"2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"), "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c")}
+C_SOURCES = (
+    "export.h",
+    "dense.c",
+    "exponential.c",
+    "system.c",
+    "stepping.c",
+    "instance.c",
+    "advancing.c",
+    "services.c",
+)
+VERSION_SOURCES = {
+    "2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"),
+    "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c"),
+}
 """Version of the interface -> its types and functions in C."""
-LONGEST_NAME = 60
+LONGEST_IDENTIFIER = 60
 """Characters of a title that go into names of files."""
 
 
-PER_PERIOD = 50
+STEPS_PER_PERIOD = 50
 """Steps per period of the highest mode: inputs that run on in straight lines are then 0.8 % off at its frequency."""
-BAND = 1000.0
+HIGHEST_EXCITED = 1000.0
 """Hz beyond which modes do not count: what excites a drivetrain lies below."""
 
 
@@ -88,14 +100,14 @@ def write_fmu(
     system = trace_system(drivetrain)
     variables = list_variables(drivetrain, system)
     sources = _sources(version)
-    body = model(system, variables, drivetrain.title)
+    body = model_source(system, variables, drivetrain.title)
     chosen = suggested_step(drivetrain) if step is None else float(step)
-    identifier = Names().new(drivetrain.title[:LONGEST_NAME])
+    identifier = Names().new(drivetrain.title[:LONGEST_IDENTIFIER])
     subject = _subject(drivetrain, system, variables, identifier, chosen, token="")
     token = _token(_description(subject, version), body, *sources.values())
-    sources |= {"model.h": header(system, variables, token), "model.c": body}
+    sources |= {"model.h": header_source(system, variables, token), "model.c": body}
     with tempfile.TemporaryDirectory(prefix="torsionnet_") as folder:
-        made = libraries(sources, identifier, version, Path(folder))
+        made = compile_libraries(sources, identifier, version, Path(folder))
     subject = _subject(drivetrain, system, variables, identifier, chosen, token)
     files = {"modelDescription.xml": _description(subject, version), **made}
     files |= {f"sources/{name}": text.encode("ascii") for name, text in sources.items()}
@@ -110,18 +122,17 @@ def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> N
         raise UsageError(f'cannot write "{path}": give a file ending in .fmu')
     if step is not None and not (isinstance(step, int | float) and math.isfinite(step) and step > 0):
         raise UsageError(f"the communication step is a positive time in s, got {step}")
-    if version not in OF_VERSION:
-        raise UsageError(
-            f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
-        )
+    if version not in VERSION_SOURCES:
+        hint = did_you_mean(version, VERSION_SOURCES)
+        raise UsageError(f'there are FMUs of version {" and ".join(VERSION_SOURCES)}, not "{version}"{hint}')
 
 
 def _sources(version: str) -> dict[str, str]:
     """The part of the sources that is the same for all models."""
     folder = resources.files("torsionnet.io.fmu") / "c"
-    names = (*SOURCES, *OF_VERSION[version])
+    names = (*C_SOURCES, *VERSION_SOURCES[version])
     sources = {name: (folder / name).read_text(encoding="ascii") for name in names}
-    types, *functions = OF_VERSION[version]
+    types, *functions = VERSION_SOURCES[version]
     unit = (folder / "all.c").read_text(encoding="ascii").replace("@TYPES@", types)
     sources["all.c"] = unit.replace("@FUNCTIONS@", "\n".join(f'#include "{name}"' for name in functions))
     return sources
@@ -166,9 +177,9 @@ def suggested_step(drivetrain: Drivetrain) -> float:
     0.0002
     """
     frequencies = drivetrain.modes().natural_frequencies
-    highest = max((float(f) for f in frequencies if math.isfinite(f) and 0 < f <= BAND), default=0.0)
-    if any(f > BAND for f in frequencies):
-        highest = BAND
-    longest = 1 / (PER_PERIOD * (highest or 1.0))
+    highest = max((float(f) for f in frequencies if math.isfinite(f) and 0 < f <= HIGHEST_EXCITED), default=0.0)
+    if any(f > HIGHEST_EXCITED for f in frequencies):
+        highest = HIGHEST_EXCITED
+    longest = 1 / (STEPS_PER_PERIOD * (highest or 1.0))
     power = math.floor(math.log10(longest))
     return next(float(f"{digit}e{power}") for digit in (5, 2, 1) if digit * 10.0**power <= longest * (1 + 1e-9))

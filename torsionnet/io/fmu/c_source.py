@@ -54,7 +54,7 @@ static void tn_fill(const double *p, double *derived, tn_mechanics *m)
 """
 
 
-def header(system: System, variables: Variables, token: str) -> str:
+def header_source(system: System, variables: Variables, token: str) -> str:
     """``model.h``: sizes and token."""
     motion = system.motion
     return HEADER.format(
@@ -69,7 +69,7 @@ def header(system: System, variables: Variables, token: str) -> str:
     )
 
 
-def model(system: System, variables: Variables, title: str) -> str:
+def model_source(system: System, variables: Variables, title: str) -> str:
     """``model.c``: start values and matrices."""
     code = _Code(system, {name: number for number, name in enumerate(variables.open)})
     wanted = [*variables.derived.values(), *(v for entries in system.matrices.values() for _, _, v in entries)]

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from torsionnet.io.fmu.variables import FMI_UNITS, Variable, Variables
 
-ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
+ROLE_ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "time": {"causality": "independent", "variability": "continuous"},
     "input": {"causality": "input", "variability": "continuous"},
     "output": {"causality": "output", "variability": "continuous", "initial": "calculated"},
@@ -47,7 +47,7 @@ class FmuDescription:
     dependencies: Mapping[int, tuple[int, ...]]
 
 
-def described(
+def description_root(
     subject: FmuDescription,
     about: Mapping[str, str],
     kinds: Mapping[str, Mapping[str, str]],
@@ -60,7 +60,7 @@ def described(
         "generationTool": f"torsionnet {subject.version}",
         "variableNamingConvention": "flat",
     }
-    root = Element("fmiModelDescription", given({**about, **common}))
+    root = Element("fmiModelDescription", xml_attributes({**about, **common}))
     for kind, abilities in kinds.items():
         entry = SubElement(root, kind, {"modelIdentifier": subject.identifier, **abilities})
         for name in sources:
@@ -81,7 +81,7 @@ def _add_units(root: Element, variables: Variables) -> None:
         SubElement(unit, "BaseUnit", {base: str(power) for base, power in FMI_UNITS[name].items()})
 
 
-def given(attributes: Mapping[str, str]) -> dict[str, str]:
+def xml_attributes(attributes: Mapping[str, str]) -> dict[str, str]:
     """Attributes that say something, on one line and without characters that XML cannot hold."""
     return {name: _plain(text) for name, text in attributes.items() if text}
 
@@ -90,7 +90,7 @@ def _plain(text: str) -> str:
     return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
 
 
-def written(root: Element) -> bytes:
+def xml_document(root: Element) -> bytes:
     """The document as it stands in the archive."""
     indent(root)
     text = tostring(root, encoding="unicode")

@@ -11,13 +11,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from torsionnet.core.errors import MissingExtraError, TorsionnetError
-from torsionnet.io.fmu.platforms import PLATFORMS, Platform, for_all_macs, this_machine
-from torsionnet.io.formats.extras import needed
+from torsionnet.io.fmu.platforms import PLATFORMS, Platform, this_machine, universal_binary
+from torsionnet.io.formats.extras import import_extra
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
 """Without fused products what cancels does so alike on every machine."""
 COMPILERS = ("cc", "gcc", "clang")
-LONGEST = 600
+COMPILER_TIMEOUT = 600
 """Seconds a compiler may take."""
 
 
@@ -25,7 +25,7 @@ class CompilerError(TorsionnetError):
     """A C compiler refused, with what it said."""
 
 
-def libraries(sources: Mapping[str, str], identifier: str, version: str, folder: Path) -> dict[str, bytes]:
+def compile_libraries(sources: Mapping[str, str], identifier: str, version: str, folder: Path) -> dict[str, bytes]:
     """Path in the archive of an FMU -> shared library, made from ``sources`` in an empty ``folder``.
 
     Raises
@@ -46,7 +46,7 @@ def libraries(sources: Mapping[str, str], identifier: str, version: str, folder:
 def _commands() -> dict[Platform, list[str]]:
     """How to call a compiler for each platform that can be reached."""
     try:
-        needed("fmu")
+        import_extra("fmu")
     except MissingExtraError as error:
         compiler = _compiler()
         if compiler is None:
@@ -71,7 +71,7 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
     try:
         done = subprocess.run(
             call, cwd=folder, env=environment, capture_output=True, text=True, errors="replace",
-            timeout=LONGEST, check=False, stdin=subprocess.DEVNULL,
+            timeout=COMPILER_TIMEOUT, check=False, stdin=subprocess.DEVNULL,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise CompilerError(f"the C compiler {command[0]} cannot be run: {error}") from None
@@ -90,6 +90,6 @@ def _placed(made: Mapping[Platform, bytes], identifier: str, version: str) -> di
     return {
         path: next(iter(found.values()))
         if len(found) == 1
-        else for_all_macs({platform.name.split("-")[0]: library for platform, library in found.items()})
+        else universal_binary({platform.name.split("-")[0]: library for platform, library in found.items()})
         for path, found in together.items()
     }

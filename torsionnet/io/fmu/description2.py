@@ -5,12 +5,12 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from torsionnet.io.fmu.common_description import (
-    ATTRIBUTES,
+    ROLE_ATTRIBUTES,
     UNKNOWN_AT_START,
     FmuDescription,
-    described,
-    given,
-    written,
+    description_root,
+    xml_attributes,
+    xml_document,
 )
 from torsionnet.io.fmu.variables import Variable
 
@@ -22,15 +22,15 @@ KINDS = {"ModelExchange": STATES, "CoSimulation": STEPS | STATES}
 def describe(subject: FmuDescription) -> bytes:
     """The model description of a subject."""
     about = {"fmiVersion": "2.0", "modelName": subject.title, "guid": subject.token}
-    root = described(subject, about, KINDS, ["all.c"], _add_variable)
+    root = description_root(subject, about, KINDS, ["all.c"], _add_variable)
     root.set("numberOfEventIndicators", "0")
     _add_structure(root, subject)
-    return written(root)
+    return xml_document(root)
 
 
 def _add_variable(table: Element, variable: Variable) -> None:
     about = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.description}
-    entry = SubElement(table, "ScalarVariable", given({**about, **ATTRIBUTES[variable.role]}))
+    entry = SubElement(table, "ScalarVariable", xml_attributes({**about, **ROLE_ATTRIBUTES[variable.role]}))
     if variable.role == "flag":
         SubElement(entry, "Boolean", start="true")
         return
@@ -39,7 +39,7 @@ def _add_variable(table: Element, variable: Variable) -> None:
         "start": "" if variable.start is None else repr(variable.start),
         "derivative": "" if variable.of is None else _index(variable.of),
     }
-    SubElement(entry, "Real", given(numbers))
+    SubElement(entry, "Real", xml_attributes(numbers))
 
 
 def _add_structure(root: Element, subject: FmuDescription) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from torsionnet.io.fmu.common_description import (
-    ATTRIBUTES,
+    ROLE_ATTRIBUTES,
     UNKNOWN_AT_START,
     FmuDescription,
-    described,
-    given,
-    written,
+    description_root,
+    xml_attributes,
+    xml_document,
 )
 from torsionnet.io.fmu.variables import Variable
 
@@ -26,9 +26,9 @@ KINDS = {"ModelExchange": STATES, "CoSimulation": STATES | STEPS}
 def describe(subject: FmuDescription) -> bytes:
     """The model description of a subject."""
     about = {"fmiVersion": "3.0", "modelName": subject.title, "instantiationToken": subject.token}
-    root = described(subject, about, KINDS, [], _add_variable)
+    root = description_root(subject, about, KINDS, [], _add_variable)
     _add_structure(root, subject)
-    return written(root)
+    return xml_document(root)
 
 
 def _add_variable(table: Element, variable: Variable) -> None:
@@ -36,10 +36,10 @@ def _add_variable(table: Element, variable: Variable) -> None:
         "name": variable.name,
         "valueReference": str(variable.reference),
         "description": variable.description,
-        **ATTRIBUTES[variable.role],
+        **ROLE_ATTRIBUTES[variable.role],
     }
     if variable.role == "flag":
-        SubElement(table, "Boolean", given({**about, "start": "true"}))
+        SubElement(table, "Boolean", xml_attributes({**about, "start": "true"}))
         return
     numbers = {
         "unit": variable.unit,
@@ -47,7 +47,7 @@ def _add_variable(table: Element, variable: Variable) -> None:
         "derivative": "" if variable.of is None else str(variable.of),
         "intermediateUpdate": "true" if variable.role == "input" else "",
     }
-    SubElement(table, "Float64", given({**about, **numbers}))
+    SubElement(table, "Float64", xml_attributes({**about, **numbers}))
 
 
 def _add_structure(root: Element, subject: FmuDescription) -> None:
@@ -65,4 +65,4 @@ def describe_build(identifier: str) -> bytes:
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
     SubElement(SubElement(configuration, "SourceFileSet", language="C99"), "SourceFile", name="all.c")
-    return written(root)
+    return xml_document(root)

@@ -18,7 +18,7 @@ class Platform:
         Also the folder of FMI 3.0.
     target : str
         What Zig calls it.
-    old_folder : str
+    fmi2_folder : str
         The folder of FMI 2.0: it has one for all Macs, and none for Linux on ARM, where the new name has come into use.
     suffix : str
         Of a shared library.
@@ -26,12 +26,12 @@ class Platform:
 
     name: str
     target: str
-    old_folder: str
+    fmi2_folder: str
     suffix: str
 
     def folder(self, version: str) -> str:
         """Where its binaries are."""
-        return self.old_folder if version == "2.0" else self.name
+        return self.fmi2_folder if version == "2.0" else self.name
 
 
 PLATFORMS = (
@@ -59,7 +59,7 @@ _ALIGNMENT = 14
 _PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
 
 
-def for_all_macs(libraries: Mapping[str, bytes]) -> bytes:
+def universal_binary(libraries: Mapping[str, bytes]) -> bytes:
     """One library for several processors, by processor: a header, then each on pages of its own."""
     page = 1 << _ALIGNMENT
     header, body, start = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page

@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.fmu.motion import Motion, trace_motion
+from torsionnet.io.fmu.fmu_coordinates import Motion, trace_motion
 from torsionnet.io.fmu.traced_numbers import Traced
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
 from torsionnet.model.readings import balance, reading
 from torsionnet.solve.dynamic_stiffness.state_space import active_channels, state_space
 
-MOST = 400
+MOST_COORDINATES = 400
 """Coordinates up to which dense matrices are no burden on a host."""
 
 
@@ -107,8 +107,10 @@ def _refuse(drivetrain: Drivetrain) -> None:
             f"{', '.join(imposed)}: an FMU is driven by torques, not by imposed angles; leave out such inputs"
         )
     n = assembly.system.n_coordinates
-    if n > MOST:
-        raise UsageError(f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST}")
+    if n > MOST_COORDINATES:
+        raise UsageError(
+            f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST_COORDINATES}"
+        )
     state_space(drivetrain)
 
 

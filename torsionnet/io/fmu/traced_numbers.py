@@ -19,7 +19,7 @@ from torsionnet.core.number_range import limited
 from torsionnet.model.elimination import exact
 from torsionnet.solve.modes.modular import residue
 
-PRIME = 2**61 - 1
+CHECK_PRIME = 2**61 - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Traced:
     value : Fraction
         With the present values of the parameters.
     other : int
-        With the arbitrary ones, modulo ``PRIME``.
+        With the arbitrary ones, modulo ``CHECK_PRIME``.
     place : int or None
         Of the operation that makes it; None for a constant.
     """
@@ -65,7 +65,9 @@ class Traced:
             return self
         if self.place is not None and self.place == right.place:
             return self.tape.number(1)
-        return self.tape.operation("/", self, right, self.value / right.value, self.other * pow(right.other, -1, PRIME))
+        return self.tape.operation(
+            "/", self, right, self.value / right.value, self.other * pow(right.other, -1, CHECK_PRIME)
+        )
 
     def __neg__(self) -> Traced:
         if self.is_constant:
@@ -154,18 +156,18 @@ class NumberTape:
         if isinstance(value, Traced):
             return value
         written = exact(value)
-        return Traced(self, written, residue(written, PRIME))
+        return Traced(self, written, residue(written, CHECK_PRIME))
 
     def parameter(self, name: str, value: Any) -> Traced:
         """A parameter with its present value."""
-        return self._recorded(("parameter", name), exact(value), self._draw.randrange(1, PRIME))
+        return self._recorded(("parameter", name), exact(value), self._draw.randrange(1, CHECK_PRIME))
 
     def sqrt(self, argument: Any) -> Traced:
         argument = self.number(argument)
         root = exact(float(argument.value) ** 0.5)
         if argument.is_constant:
             return self.number(root)
-        return self._recorded(("sqrt", argument), root, self._draw.randrange(1, PRIME))
+        return self._recorded(("sqrt", argument), root, self._draw.randrange(1, CHECK_PRIME))
 
     @property
     def algebra(self) -> Algebra:
@@ -180,7 +182,7 @@ class NumberTape:
             return self.number(limited(value))
         if sign != "/" and _order(right) < _order(left):
             left, right = right, left
-        return self._recorded((sign, left, right), value, other % PRIME)
+        return self._recorded((sign, left, right), value, other % CHECK_PRIME)
 
     def _recorded(self, operation: tuple[Any, ...], value: Fraction, other: int) -> Traced:
         key = (operation[0], *(_order(part) if isinstance(part, Traced) else part for part in operation[1:]))

@@ -9,7 +9,7 @@ from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_matrices import System
 from torsionnet.io.fmu.traced_numbers import Traced
-from torsionnet.io.modelica_words import written_unit
+from torsionnet.io.modelica_syntax import export_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.parameters import dimensions
 from torsionnet.solve.dynamic_stiffness.state_space import active_channels
@@ -29,7 +29,7 @@ FMI_UNITS = {
     "s": {"s": 1},
 }
 """Units as FMI writes them, in its base units."""
-OF_DIMENSION = {
+DIMENSION_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
     "damping": "N.m.s/rad",
@@ -101,7 +101,7 @@ def _unnumbered(
     for name, source in channels.inputs.items():
         yield Variable(name, "input", "N.m", str(source), start=0.0)
     for name, sensor in channels.sensors.items():
-        yield Variable(name, "output", written_unit(UNITS[sensor.quantity]), str(sensor))
+        yield Variable(name, "output", export_unit(UNITS[sensor.quantity]), str(sensor))
     first = 1 + len(channels.inputs) + len(channels.sensors)
     for state in system.states:
         node = state[state.index("(") + 1 : -1]
@@ -124,7 +124,7 @@ def _unit(state: str) -> str:
 
 
 def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimension | None) -> Variable:
-    unit = next((unit for known, unit in OF_DIMENSION.items() if dimension == DIMENSIONS[known]), "")
+    unit = next((unit for known, unit in DIMENSION_UNITS.items() if dimension == DIMENSIONS[known]), "")
     definition = drivetrain.parameter_definitions[name]
     notes = {"derived": str(definition.value), "settled": SETTLED}
     text = "; ".join(part for part in (definition.description, notes.get(role, "")) if part)

@@ -5,7 +5,7 @@ becomes one sentence: :class:`ForeignFileError`. What is in a file comes as :cla
 attributes, whichever format it is in.
 """
 
-from torsionnet.io.foreign.content import Content, ForeignFileError, Stored
-from torsionnet.io.foreign.opening import opened
+from torsionnet.io.foreign.content import Content, ForeignFileError, StoredArray
+from torsionnet.io.foreign.opening import open_content
 
-__all__ = ["Content", "ForeignFileError", "Stored", "opened"]
+__all__ = ["Content", "ForeignFileError", "StoredArray", "open_content"]

@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import torsionnet.io.foreign.resource_limits as resource_limits
-from torsionnet.io.foreign.content import Content, ForeignFileError, samples
+from torsionnet.io.foreign.content import Content, ForeignFileError, count_samples
 
-LONGEST = 300
+LONGEST_MESSAGE = 300
 """Characters of what a library says."""
 _CLASS = re.compile(r"<class '(?:\w+\.)*(\w+)'>")
 Answers = Generator[dict[str, Any], dict[str, Any], None]
@@ -51,12 +51,12 @@ def main(folder: Path, questions: TextIO, answers: TextIO) -> None:
             cause = error.__cause__
             answer = {"full": (cause.errno if isinstance(cause, OSError) else None) or errno.EIO}
         except Exception as error:  # noqa: BLE001  (a library says of a damaged file what it likes)
-            answer = {"said": said(error)}
+            answer = {"error": error_line(error)}
         answers.write(json.dumps(answer) + "\n")
         answers.flush()
 
 
-def said(error: BaseException) -> str:
+def error_line(error: BaseException) -> str:
     """What an error says, in one line of characters that can be shown."""
     if isinstance(error, MemoryError):
         return "it asks for more memory than a file of its size may take; it is damaged"
@@ -64,15 +64,15 @@ def said(error: BaseException) -> str:
     if not isinstance(error, (ForeignFileError, OSError, ValueError, RuntimeError)) or " " not in words:
         words = f"it is damaged ({type(error).__name__}{': ' if words else ''}{words})"
     shown = "".join(letter if letter.isprintable() else "?" for letter in words)
-    return shown if len(shown) <= LONGEST else f"{shown[: LONGEST - 3]}..."
+    return shown if len(shown) <= LONGEST_MESSAGE else f"{shown[: LONGEST_MESSAGE - 3]}..."
 
 
 def _conversation(path: Path, form: str, folder: Path) -> Answers:
     module = importlib.import_module(f"torsionnet.io.foreign.{form}_content")
     module.load()
     resource_limits.confine(path)
-    with module.opened(path) as content:
-        resource_limits.check(resource_limits.SAMPLE * samples(content.arrays), path)
+    with module.open_content(path) as content:
+        resource_limits.check(resource_limits.BYTES_PER_SAMPLE * count_samples(content.arrays), path)
         question = yield _described(content)
         while True:
             for number, block in enumerate(content.blocks(question["read"], question["count"])):

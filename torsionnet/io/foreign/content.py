@@ -26,7 +26,7 @@ class ForeignFileError(Exception):
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoredArray:
     """An array of a file: samples by columns; ``value`` is that of a single number."""
 
     name: str
@@ -47,13 +47,13 @@ class Content:
     ``others`` are the names of what is neither numbers nor text.
     """
 
-    arrays: tuple[Stored, ...]
+    arrays: tuple[StoredArray, ...]
     blocks: Blocks
     attributes: Mapping[str, Plain] = field(default_factory=dict)
     others: tuple[str, ...] = ()
 
 
-def sliced(readers: Sequence[Slice], lengths: Sequence[int]) -> Blocks:
+def sliced_blocks(readers: Sequence[Slice], lengths: Sequence[int]) -> Blocks:
     """Blocks of arrays of which each can be read from one sample to another; they end with the shortest."""
 
     def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:
@@ -65,17 +65,17 @@ def sliced(readers: Sequence[Slice], lengths: Sequence[int]) -> Blocks:
     return blocks
 
 
-def in_memory(
+def memory_content(
     arrays: Sequence[tuple[str, NDArray[Any], Mapping[str, Plain]]],
     attributes: Mapping[str, Plain] | None = None,
     others: Sequence[str] = (),
 ) -> Content:
     """Content of arrays that the library has read already."""
     stored = tuple(
-        Stored(name, values.shape, given, float(values.real.ravel()[0]) if values.size == 1 else None)
+        StoredArray(name, values.shape, given, float(values.real.ravel()[0]) if values.size == 1 else None)
         for name, values, given in arrays
     )
-    blocks = sliced([_slice(values) for _, values, _ in arrays], [item.length for item in stored])
+    blocks = sliced_blocks([_slice(values) for _, values, _ in arrays], [item.length for item in stored])
     return Content(stored, blocks, attributes or {}, tuple(others))
 
 
@@ -83,10 +83,10 @@ def _slice(values: NDArray[Any]) -> Slice:
     return lambda first, last: values[first:last]
 
 
-def plain(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
+def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
     """Attributes that are text or a number; others say nothing that is needed here.
 
-    >>> plain({"unit": b"N*m", "count": 3, "table": [1, 2]})
+    >>> plain_attributes({"unit": b"N*m", "count": 3, "table": [1, 2]})
     {'unit': 'N*m', 'count': 3}
     """
     found: dict[str, Plain] = {}
@@ -107,6 +107,6 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def samples(arrays: Sequence[Stored]) -> int:
+def count_samples(arrays: Sequence[StoredArray]) -> int:
     """Numbers in all arrays together."""
     return sum(prod(item.shape) for item in arrays)

@@ -7,7 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign.content import UNIT_NAMES, Content, ForeignFileError, Plain, Slice, Stored, plain, sliced
+from torsionnet.io.foreign.content import (
+    UNIT_NAMES,
+    Content,
+    ForeignFileError,
+    Plain,
+    Slice,
+    StoredArray,
+    plain_attributes,
+    sliced_blocks,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +33,7 @@ def load() -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Content]:
+def open_content(path: Path) -> Iterator[Content]:
     """The datasets, rows and columns as they were meant."""
     import h5py
 
@@ -35,7 +44,7 @@ def opened(path: Path) -> Iterator[Content]:
         kept = [(name, item) for name, item in found if _is_channel(name, item)]
         arrays = [_stored(name, item, matlab) for name, item in kept]
         readers = [_reader(item, across=_is_across(item, matlab)) for _, item in kept]
-        yield Content(tuple(arrays), sliced(readers, [item.length for item in arrays]), _attributes(file))
+        yield Content(tuple(arrays), sliced_blocks(readers, [item.length for item in arrays]), _attributes(file))
 
 
 def _datasets(file: Any) -> list[tuple[str, Any]]:
@@ -71,7 +80,7 @@ def _attributes(item: Any) -> dict[str, Plain]:
     for name in item.attrs:
         with contextlib.suppress(TypeError):
             found[name] = item.attrs[name]
-    return plain(found)
+    return plain_attributes(found)
 
 
 def _is_channel(name: str, item: Any) -> bool:
@@ -84,12 +93,12 @@ def _is_across(item: Any, turned: bool) -> bool:
     return item.ndim == 2 and (turned or item.shape[0] == 1)
 
 
-def _stored(name: str, item: Any, turned: bool) -> Stored:
+def _stored(name: str, item: Any, turned: bool) -> StoredArray:
     rows, columns = (*item.shape, 1, 1)[:2]
     shape = (columns, rows) if _is_across(item, turned) else (rows, columns)
-    given = plain({key: item.attrs[key] for key in ATTRIBUTES if key in item.attrs})
+    given = plain_attributes({key: item.attrs[key] for key in ATTRIBUTES if key in item.attrs})
     value = float(item[()].ravel()[0]) if shape == (1, 1) else None
-    return Stored(name.replace("/", "."), shape, given, value)
+    return StoredArray(name.replace("/", "."), shape, given, value)
 
 
 def _reader(item: Any, *, across: bool) -> Slice:

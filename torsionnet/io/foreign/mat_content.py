@@ -14,18 +14,18 @@ from struct import Struct, error
 from typing import Any, BinaryIO
 
 import torsionnet.io.foreign.resource_limits as resource_limits
-from torsionnet.io.foreign.content import COMPLEX, ROW, Content, ForeignFileError, Plain, in_memory
+from torsionnet.io.foreign.content import COMPLEX, ROW, Content, ForeignFileError, Plain, memory_content
 
-MOST = 64
+MOST_STRUCTURES = 64
 """Entries of an array of structures that are looked into."""
 
 
-HEADER = 128
+HEADER_BYTES = 128
 COMPRESSED, MATRIX = 15, 14
-OBJECTS = frozenset({1, 2})
+ENTRY_CLASSES = frozenset({1, 2})
 """Classes cell and structure, of which every entry takes a tag of 8 bytes, and memory for a reference."""
-SPARSE = 5
-START = 4096
+SPARSE_CLASS = 5
+PREVIEW_BYTES = 4096
 """Bytes that are unpacked of a compressed variable, to see its size and dimensions."""
 V4_SIZES = (8, 4, 4, 2, 2, 1)
 _TOO_MUCH = "says that it holds more than there is; the file is damaged or ends early"
@@ -37,7 +37,7 @@ def load() -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Content]:
+def open_content(path: Path) -> Iterator[Content]:
     """All variables; a field of a structure is named ``structure.field``."""
     from scipy.io import loadmat
 
@@ -53,7 +53,7 @@ def opened(path: Path) -> Iterator[Content]:
         arrays += [(key, *_column(numbers)) for key, numbers in found if numbers.dtype.kind != "U"]
         texts |= {key: "".join(text.ravel()[:1]) for key, text in found if text.dtype.kind == "U"}
         others += [] if found else [name]
-    yield in_memory(arrays, texts, others)
+    yield memory_content(arrays, texts, others)
 
 
 def _column(values: Any) -> tuple[Any, dict[str, Plain]]:
@@ -65,7 +65,7 @@ def _column(values: Any) -> tuple[Any, dict[str, Plain]]:
 def _members(name: str, value: Any) -> Iterator[tuple[str, Any]]:
     kind = getattr(getattr(value, "dtype", None), "kind", "")
     if kind == "V" and value.dtype.names:
-        entries = value.ravel()[:MOST]
+        entries = value.ravel()[:MOST_STRUCTURES]
         for number, entry in enumerate(entries, 1):
             label = name if len(entries) == 1 else f"{name}{number}"
             for key in value.dtype.names:
@@ -78,9 +78,9 @@ def _check_claims(path: Path) -> None:
     """Refuse a file of which a variable claims more than the file holds, or more than a file may unpack to."""
     size = path.stat().st_size
     with path.open("rb") as file:
-        start = file.read(HEADER)
+        start = file.read(HEADER_BYTES)
         mark = start[126:128]
-        if len(start) < HEADER or 0 in start[:4]:
+        if len(start) < HEADER_BYTES or 0 in start[:4]:
             _check_v4(file, size)
             return
         if mark in (b"IM", b"MI"):
@@ -90,16 +90,16 @@ def _check_claims(path: Path) -> None:
 
 def _elements(file: BinaryIO, order: str, size: int) -> Iterator[int]:
     """Bytes of every variable when it is unpacked."""
-    pair, at, number = Struct(f"{order}II"), HEADER, 0
+    pair, at, number = Struct(f"{order}II"), HEADER_BYTES, 0
     while at + pair.size <= size:
         number += 1
         file.seek(at)
         kind, length = pair.unpack(file.read(pair.size))
         if length > size - at - pair.size:
             raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
-        start = file.read(min(length, START))
+        start = file.read(min(length, PREVIEW_BYTES))
         if kind == COMPRESSED:
-            start = zlib.decompressobj().decompress(start, START)
+            start = zlib.decompressobj().decompress(start, PREVIEW_BYTES)
             if len(start) < pair.size:
                 raise ForeignFileError(f"variable {number} cannot be unpacked; the file is damaged")
             kind, unpacked = pair.unpack(start[: pair.size])
@@ -120,7 +120,7 @@ def _check_dimensions(start: bytes, order: str, length: int, number: int) -> Non
     except error:
         return  # of something else; the library has its own words
     kind = flags & 0xFF
-    least = 0 if kind == SPARSE else 8 if kind in OBJECTS else 1
+    least = 0 if kind == SPARSE_CLASS else 8 if kind in ENTRY_CLASSES else 1
     if least * prod(dimensions) > length:
         raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import torsionnet.io.foreign.resource_limits as resource_limits
-from torsionnet.io.foreign.content import Content, Plain, in_memory
+from torsionnet.io.foreign.content import Content, Plain, memory_content
 
 
 def load() -> None:
@@ -17,14 +17,14 @@ def load() -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Content]:
+def open_content(path: Path) -> Iterator[Content]:
     """The channels of numbers, then the time stamps of the first; the comment is the file's."""
     import asammdf
     import numpy as np
 
     with asammdf.MDF(path) as file:
         claimed = sum(group.channel_group.cycles_nr * len(group.channels) for group in file.groups)
-        resource_limits.check(resource_limits.SAMPLE * claimed, path)
+        resource_limits.check(resource_limits.BYTES_PER_SAMPLE * claimed, path)
         signals = [signal for signal in file.iter_channels() if signal.samples.dtype.kind in "fiub"]
         arrays: list[tuple[str, Any, dict[str, Plain]]] = [
             (str(signal.name), np.asarray(signal.samples, dtype=float), {"unit": str(signal.unit or "")})
@@ -32,4 +32,4 @@ def opened(path: Path) -> Iterator[Content]:
         ]
         if signals:
             arrays.append(("time", np.asarray(signals[0].timestamps, dtype=float), {"unit": "s"}))
-        yield in_memory(arrays, {"comment": str(file.header.comment)})
+        yield memory_content(arrays, {"comment": str(file.header.comment)})

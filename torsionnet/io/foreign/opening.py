@@ -7,17 +7,17 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign.content import Content, Stored
-from torsionnet.io.foreign.process import Crashed, borrowed
+from torsionnet.io.foreign.content import Content, StoredArray
+from torsionnet.io.foreign.process import ReaderCrashError, borrow_process
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from torsionnet.io.foreign.process import Process
+    from torsionnet.io.foreign.process import ReaderProcess
 
 
 @contextlib.contextmanager
-def opened(path: Path, form: str) -> Iterator[Content]:
+def open_content(path: Path, form: str) -> Iterator[Content]:
     """Open a file; ``form`` is a module of this package.
 
     Raises
@@ -27,22 +27,22 @@ def opened(path: Path, form: str) -> Iterator[Content]:
     """
     question = {"open": str(path.absolute()), "form": form}
     with contextlib.ExitStack() as stack:
-        process = stack.enter_context(borrowed())
+        process = stack.enter_context(borrow_process())
         try:
             answer = process.ask(question)
-        except Crashed:
+        except ReaderCrashError:
             if not process.is_used:
                 raise
             # The file before this one may have left it damaged.
-            process = stack.enter_context(borrowed(fresh=True))
+            process = stack.enter_context(borrow_process(fresh=True))
             answer = process.ask(question)
         process.is_used = True
         yield _content(process, answer)
 
 
-def _content(process: Process, answer: dict[str, Any]) -> Content:
+def _content(process: ReaderProcess, answer: dict[str, Any]) -> Content:
     arrays = tuple(
-        Stored(item["name"], tuple(item["shape"]), item["attributes"], item["value"]) for item in answer["arrays"]
+        StoredArray(item["name"], tuple(item["shape"]), item["attributes"], item["value"]) for item in answer["arrays"]
     )
 
     def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import torsionnet.io.foreign.resource_limits as resource_limits
-from torsionnet.io.foreign.content import Blocks, Content, Plain, Stored, plain
+from torsionnet.io.foreign.content import Blocks, Content, Plain, StoredArray, plain_attributes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-BATCH = 1 << 16
-UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+BATCH_ROWS = 1 << 16
+SECONDS_PER_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def load() -> None:
@@ -23,19 +23,19 @@ def load() -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Content]:
+def open_content(path: Path) -> Iterator[Content]:
     """The columns with their metadata; times count from their first entry, which is their attribute ``zero``."""
     from pyarrow.parquet import ParquetFile
 
     with ParquetFile(path) as file:
         schema = file.schema_arrow
-        resource_limits.check(resource_limits.SAMPLE * file.metadata.num_rows * len(schema), path)
+        resource_limits.check(resource_limits.BYTES_PER_SAMPLE * file.metadata.num_rows * len(schema), path)
         columns = [schema.field(number) for number in range(len(schema))]
         columns = [column for column in columns if _is_numeric(column) or _is_time(column)]
         zeros = {column.name: _first(file, column.name) for column in columns if _is_time(column)}
-        arrays = [Stored(column.name, (file.metadata.num_rows,), _attributes(column, zeros)) for column in columns]
+        arrays = [StoredArray(column.name, (file.metadata.num_rows,), _attributes(column, zeros)) for column in columns]
         blocks = _blocks(file, columns, zeros)
-        yield Content(tuple(arrays), blocks, plain(_decoded(schema.metadata)))
+        yield Content(tuple(arrays), blocks, plain_attributes(_decoded(schema.metadata)))
 
 
 def _decoded(metadata: Any) -> dict[str, str]:
@@ -44,7 +44,7 @@ def _decoded(metadata: Any) -> dict[str, str]:
 
 def _attributes(column: Any, zeros: dict[str, Any]) -> dict[str, Plain]:
     zero = zeros.get(column.name)
-    return plain(_decoded(column.metadata)) | (
+    return plain_attributes(_decoded(column.metadata)) | (
         {"zero": "" if zero is None else str(zero)} if column.name in zeros else {}
     )
 
@@ -64,7 +64,7 @@ def _is_time(column: Any) -> bool:
 
 def _first(file: Any, name: str) -> Any:
     """The first entry of a column that has one, as pyarrow has it."""
-    for batch in file.iter_batches(batch_size=BATCH, columns=[name]):
+    for batch in file.iter_batches(batch_size=BATCH_ROWS, columns=[name]):
         known = batch.column(0).drop_null()
         if len(known):
             return known[0]
@@ -80,7 +80,7 @@ def _seconds(column: Any, zero: Any) -> NDArray[Any]:
     ticks = column.cast(whole).cast(pa.int64())
     start = 0 if zero is None else zero.cast(whole).as_py()
     counts = ticks.fill_null(start).to_numpy(zero_copy_only=False) - start
-    seconds = np.asarray(counts * UNITS[column.type.unit], dtype=float)
+    seconds = np.asarray(counts * SECONDS_PER_UNIT[column.type.unit], dtype=float)
     seconds[np.asarray(column.is_null().to_numpy(zero_copy_only=False), dtype=bool)] = np.nan
     return seconds
 
@@ -97,7 +97,9 @@ def _blocks(file: Any, columns: Sequence[Any], zeros: dict[str, Any]) -> Blocks:
         names = [columns[number].name for number in numbers]
         kept: list[list[NDArray[Any]]] = [[] for _ in names]
         have = 0
-        for batch in file.iter_batches(batch_size=min(count or BATCH, BATCH), columns=list(dict.fromkeys(names))):
+        for batch in file.iter_batches(
+            batch_size=min(count or BATCH_ROWS, BATCH_ROWS), columns=list(dict.fromkeys(names))
+        ):
             for store, name in zip(kept, names, strict=True):
                 store.append(values(batch.column(name), name))
             have += len(batch)

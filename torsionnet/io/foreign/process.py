@@ -17,23 +17,23 @@ from typing import Any
 from torsionnet.io.foreign.content import ForeignFileError
 
 PACKAGE = Path(__file__).parents[2]
-PATIENCE = 5.0
+END_TIMEOUT = 5.0
 """Seconds for a process to end when it is told to."""
-ENDLESS = -getattr(signal, "SIGPROF", 0) or None
+TIMEOUT_EXIT_CODE = -getattr(signal, "SIGPROF", 0) or None
 """How a process ends whose time is over, where there is such a limit."""
 DEBUG = "TORSIONNET_DEBUG"
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}
 
 
-class Crashed(ForeignFileError):  # noqa: N818
+class ReaderCrashError(ForeignFileError):
     """The process ended in the middle of an answer."""
 
 
-class _EndlessError(ForeignFileError):
+class _ReaderTimeoutError(ForeignFileError):
     """The process took longer than reading may take; once is enough."""
 
 
-class Process:
+class ReaderProcess:
     """One process and the folder through which its arrays come."""
 
     def __init__(self) -> None:
@@ -44,7 +44,7 @@ class Process:
                 "there is no Python program to start (sys.executable is empty), which such files are read with"
             )
         self.is_used = False
-        self.is_sound = True
+        self.is_responsive = True
         self.folder = Path(tempfile.mkdtemp(prefix="torsionnet-"))
         self._running = subprocess.Popen(
             # -P and the search path of this process: a file h5py.py in the working folder is not taken for the library.
@@ -58,7 +58,7 @@ class Process:
 
     @property
     def is_alive(self) -> bool:
-        return self.is_sound and self._running.poll() is None
+        return self.is_responsive and self._running.poll() is None
 
     def ask(self, question: dict[str, Any]) -> dict[str, Any]:
         """The answer to a question, whatever the file does to the library.
@@ -70,21 +70,21 @@ class Process:
         """
         assert self._running.stdin is not None
         assert self._running.stdout is not None
-        self.is_sound = False
+        self.is_responsive = False
         with contextlib.suppress(BrokenPipeError, OSError):
             self._running.stdin.write(json.dumps(question).encode("ascii") + b"\n")
             self._running.stdin.flush()
         line = self._running.stdout.readline()
         if not line.endswith(b"\n"):
             code = self._running.wait()
-            raise (_EndlessError if code == ENDLESS else Crashed)(_ending(code))
+            raise (_ReaderTimeoutError if code == TIMEOUT_EXIT_CODE else ReaderCrashError)(_ending(code))
         answer: dict[str, Any] = json.loads(line)
-        self.is_sound = True
+        self.is_responsive = True
         if "full" in answer:
             raise OSError(answer["full"], os.strerror(answer["full"]), str(self.folder))
-        if "said" in answer:
+        if "error" in answer:
             self.is_used = True
-            raise ForeignFileError(answer["said"])
+            raise ForeignFileError(answer["error"])
         return answer
 
     def end(self) -> None:
@@ -96,7 +96,7 @@ class Process:
         with contextlib.suppress(OSError):
             self._running.stdin.close()
         try:
-            self._running.wait(PATIENCE if self.is_sound else 0.2)
+            self._running.wait(END_TIMEOUT if self.is_responsive else 0.2)
         except subprocess.TimeoutExpired:
             self._running.kill()
             self._running.wait()
@@ -114,7 +114,7 @@ def search_path() -> str:
 def _ending(code: int) -> str:
     if code >= 0:
         return f"the library that reads it ended (exit code {code}); the file is damaged"
-    if code == ENDLESS:
+    if code == TIMEOUT_EXIT_CODE:
         return "the library that reads it did not come to an end; the file is damaged"
     with contextlib.suppress(ValueError):
         name = signal.Signals(-code).name
@@ -122,12 +122,12 @@ def _ending(code: int) -> str:
     return f"the library that reads it crashed (signal {-code}); the file is damaged"
 
 
-_idle: list[Process] = []
+_idle: list[ReaderProcess] = []
 _owner = os.getpid()
 
 
 @contextlib.contextmanager
-def borrowed(*, fresh: bool = False) -> Iterator[Process]:
+def borrow_process(*, fresh: bool = False) -> Iterator[ReaderProcess]:
     """A process for one file: the one that read the file before, unless that is still open, or a new one."""
     process = _taken(fresh=fresh)
     try:
@@ -142,7 +142,7 @@ def borrowed(*, fresh: bool = False) -> Iterator[Process]:
             process.end()
 
 
-def _taken(*, fresh: bool) -> Process:
+def _taken(*, fresh: bool) -> ReaderProcess:
     global _owner  # noqa: PLW0603
     if _owner != os.getpid():  # a fork: the processes belong to its parent
         _idle.clear()
@@ -153,7 +153,7 @@ def _taken(*, fresh: bool) -> Process:
             if process.is_alive:
                 return process
             process.end()
-    return Process()
+    return ReaderProcess()
 
 
 @atexit.register

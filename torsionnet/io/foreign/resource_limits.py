@@ -9,27 +9,27 @@ from pathlib import Path
 
 from torsionnet.io.foreign.content import ForeignFileError
 
-LEAST, TIMES = 256_000_000, 100
+LEAST_UNPACKED, UNPACKED_RATIO = 256_000_000, 100
 """A file unpacks to at most the greater of so many bytes and so many times its own size."""
-SPARE, COPIES = 1_000_000_000, 4
+SPARE_MEMORY, MEMORY_COPIES = 1_000_000_000, 4
 """Bytes of memory beside what unpacked samples may take several times over."""
-SECONDS, PACE = 1.4, 3e5
+LEAST_CPU_TIME, BYTES_PER_CPU_SECOND = 1.4, 3e5
 """Processor time that reading may take, and bytes of a file that take another second."""
-SAMPLE = 8
+BYTES_PER_SAMPLE = 8
 """Bytes: samples become floating-point numbers, whatever they are in the file."""
 
 
-def allowed(path: Path) -> int:
+def largest_unpacked(path: Path) -> int:
     """Bytes that a file may unpack to."""
-    return max(LEAST, TIMES * path.stat().st_size)
+    return max(LEAST_UNPACKED, UNPACKED_RATIO * path.stat().st_size)
 
 
 def check(size: float, path: Path, what: str = "the file") -> None:
     """Refuse what would unpack to more bytes than is allowed."""
-    if size > allowed(path):
+    if size > largest_unpacked(path):
         raise ForeignFileError(
             f"{what} would take {size / 1e6:.6g} MB when unpacked; "
-            f"a file of {path.stat().st_size / 1e3:.4g} kB may take {allowed(path) / 1e6:.4g} MB"
+            f"a file of {path.stat().st_size / 1e3:.4g} kB may take {largest_unpacked(path) / 1e6:.4g} MB"
         )
 
 
@@ -40,11 +40,13 @@ def confine(path: Path) -> None:
     import resource
 
     # SIGPROF ends the process; a limit to processor time would count in whole seconds, from the start of it.
-    signal.setitimer(signal.ITIMER_PROF, SECONDS + path.stat().st_size / PACE)
+    signal.setitimer(signal.ITIMER_PROF, LEAST_CPU_TIME + path.stat().st_size / BYTES_PER_CPU_SECOND)
     with contextlib.suppress(OSError, StopIteration, ValueError):
         lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
         data = next(int(line.split()[1]) for line in lines if line.startswith("VmData:"))
-        _lower(resource.RLIMIT_DATA, 1024 * data + SPARE + COPIES * (allowed(path) - LEAST))
+        _lower(
+            resource.RLIMIT_DATA, 1024 * data + SPARE_MEMORY + MEMORY_COPIES * (largest_unpacked(path) - LEAST_UNPACKED)
+        )
     _lower(resource.RLIMIT_CORE, 0)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign.content import Content, Slice, Stored, plain, sliced
+from torsionnet.io.foreign.content import Content, Slice, StoredArray, plain_attributes, sliced_blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,7 +19,7 @@ def load() -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Content]:
+def open_content(path: Path) -> Iterator[Content]:
     """The channels of numbers with their properties, and ``group`` where there are several groups."""
     import nptdms
     import numpy as np
@@ -29,15 +29,15 @@ def opened(path: Path) -> Iterator[Content]:
         items = [channel for group in groups for channel in group.channels()]
         items = [item for item in items if len(item) > 0 and np.dtype(item.dtype).kind in "fiub"]
         arrays = [
-            Stored(
+            StoredArray(
                 str(item.name),
                 (len(item),),
-                plain(item.properties) | ({"group": str(item.group_name)} if len(groups) > 1 else {}),
+                plain_attributes(item.properties) | ({"group": str(item.group_name)} if len(groups) > 1 else {}),
             )
             for item in items
         ]
-        blocks = sliced([_reader(item) for item in items], [item.length for item in arrays])
-        yield Content(tuple(arrays), blocks, plain(file.properties))
+        blocks = sliced_blocks([_reader(item) for item in items], [item.length for item in arrays])
+        yield Content(tuple(arrays), blocks, plain_attributes(file.properties))
 
 
 def _reader(item: Any) -> Slice:

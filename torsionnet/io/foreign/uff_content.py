@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, in_memory, plain
+from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, memory_content, plain_attributes
 
-FUNCTION = 58
+FUNCTION_DATASET = 58
 _MARK = re.compile(rb" {4}-1(?: {74})?[ \r]*(?:\n|$)")
 _LINES, _RATE, _NUMBERING = slice(1, 2), slice(3, 4), slice(6, 7)
 """Lines of a dataset 58 behind its type: the first and third of text, and the one with its sequence number."""
@@ -23,7 +23,7 @@ def load() -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Content]:
+def open_content(path: Path) -> Iterator[Content]:
     """Every dataset with its entries as attributes; only functions have values."""
     import numpy as np
     import pyuff
@@ -32,15 +32,15 @@ def opened(path: Path) -> Iterator[Content]:
     found = pyuff.UFF(str(path)).read_sets()
     arrays: list[tuple[str, Any, dict[str, Plain]]] = []
     for item in found if isinstance(found, list) else [found]:
-        is_function = item.get("type") == FUNCTION
+        is_function = item.get("type") == FUNCTION_DATASET
         values, axis = (np.asarray(item[key]) if is_function else np.empty(0) for key in ("data", "x"))
         name = str(item.get("id1") or "").strip()
         if is_function and len(values) != item.get("num_pts"):
             raise ForeignFileError(
                 f"{name} has {len(values)} values, its heading says {item.get('num_pts')}; the file is damaged"
             )
-        arrays += [(name, values, plain(item)), (name, axis, {})]
-    yield in_memory(arrays)
+        arrays += [(name, values, plain_attributes(item)), (name, axis, {})]
+    yield memory_content(arrays)
 
 
 def check_end(raw: bytes) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from torsionnet.core.errors import MissingExtraError
 from torsionnet.io.foreign import Content, opening
 
-PACKAGES = {
+EXTRA_PACKAGES = {
     "tdms": ("nptdms", "npTDMS", "TDMS"),
     "uff": ("pyuff", "pyuff", "UFF58"),
     "hdf5": ("h5py", "h5py", "HDF5 and MAT v7.3"),
@@ -22,7 +22,7 @@ PACKAGES = {
 """Extra: its module, the package it comes in, and the files it is for."""
 
 
-def needed(extra: str) -> Any:
+def import_extra(extra: str) -> Any:
     """The module of an extra.
 
     Raises
@@ -31,24 +31,24 @@ def needed(extra: str) -> Any:
         Where it is not installed; the message has the pip command.
     """
     try:
-        return importlib.import_module(PACKAGES[extra][0])
+        return importlib.import_module(EXTRA_PACKAGES[extra][0])
     except ImportError as error:
         raise _missing(extra) from error
 
 
-def require(extra: str) -> None:
+def require_extra(extra: str) -> None:
     """Raise :class:`MissingExtraError` where an extra is not installed, without importing it."""
-    if importlib.util.find_spec(PACKAGES[extra][0].partition(".")[0]) is None:
+    if importlib.util.find_spec(EXTRA_PACKAGES[extra][0].partition(".")[0]) is None:
         raise _missing(extra)
 
 
-def content_of(path: Path, form: str) -> AbstractContextManager[Content]:
+def open_foreign(path: Path, form: str) -> AbstractContextManager[Content]:
     """The arrays of a file, read in a process of their own; ``form`` is a module of :mod:`torsionnet.io.foreign`."""
-    if form in PACKAGES:
-        require(form)
-    return opening.opened(path, form)
+    if form in EXTRA_PACKAGES:
+        require_extra(form)
+    return opening.open_content(path, form)
 
 
 def _missing(extra: str) -> MissingExtraError:
-    _, package, files = PACKAGES[extra]
+    _, package, files = EXTRA_PACKAGES[extra]
     return MissingExtraError(f'{files} files need the package {package}: pip install "torsionnet[{extra}]"')

@@ -9,22 +9,22 @@ from dataclasses import replace
 from pathlib import Path
 
 from torsionnet.core.atomic import write_bytes
-from torsionnet.io.formats.extras import content_of, needed
+from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.recording_description import KEY, plain_keys, recording_json, saved_columns
 from torsionnet.io.records.source import Source
-from torsionnet.io.records.stored import KEY, plain_keys, saved_columns, stored
 from torsionnet.response.recording import Recording
 
-CHUNK = 65536
-RATES = ("sampling_rate", "fs", "sample_rate")
+CHUNK_LENGTH = 65536
+RATE_ATTRIBUTES = ("sampling_rate", "fs", "sample_rate")
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """An HDF5 file; units are taken from attributes of the datasets."""
-    with content_of(path, "hdf5") as content:
+    with open_foreign(path, "hdf5") as content:
         source = array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
-        rates = [float(content.attributes[name] or 0) for name in RATES if name in content.attributes]
+        rates = [float(content.attributes[name] or 0) for name in RATE_ATTRIBUTES if name in content.attributes]
         yield source if source.rate or not rates else replace(source, rate=rates[0])
 
 
@@ -32,17 +32,17 @@ def write(recording: Recording, path: Path) -> None:
     """An HDF5 file of one dataset for every signal, with unit and quantity as attributes."""
     keys = plain_keys(recording.names, r"[/.\0]")
     columns = saved_columns(recording, keys)
-    h5py = needed("hdf5")
+    h5py = import_extra("hdf5")
     # Made in memory: on a full disk the library crashes.
     image = io.BytesIO()
     with h5py.File(image, "w", track_order=True) as file:
-        file.attrs[KEY] = stored(recording, keys)
+        file.attrs[KEY] = recording_json(recording, keys)
         file.attrs["sampling_rate"], file.attrs["start"] = recording.sampling_rate, recording.start
         for column in columns:
             length = len(column.values)
-            chunks = (CHUNK,) if length > CHUNK else None
+            chunks = (CHUNK_LENGTH,) if length > CHUNK_LENGTH else None
             item = file.create_dataset(column.name, shape=column.values.shape, dtype="f8", chunks=chunks)
-            for first in range(0, length, 16 * CHUNK):
-                item[first : first + 16 * CHUNK] = column.values[first : first + 16 * CHUNK]
+            for first in range(0, length, 16 * CHUNK_LENGTH):
+                item[first : first + 16 * CHUNK_LENGTH] = column.values[first : first + 16 * CHUNK_LENGTH]
             item.attrs.update(column.attributes)
     write_bytes(path, image.getbuffer())

@@ -18,61 +18,61 @@ from torsionnet.core.errors import UsageError
 from torsionnet.io.foreign import Content
 from torsionnet.io.foreign.content import ROW
 from torsionnet.io.formats import hdf5
-from torsionnet.io.formats.extras import content_of
+from torsionnet.io.formats.extras import open_foreign
 from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.recording_description import KEY, TIME, plain_keys, recording_json, saved_columns
 from torsionnet.io.records.source import Source
-from torsionnet.io.records.stored import KEY, TIME, plain_keys, saved_columns, stored
-from torsionnet.io.responses import described
+from torsionnet.io.responses import response_description
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import Recording
 
 LONGEST_NAME = 63
-LARGEST = 2**31  # bytes of one variable
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
-FLAT = ("frequencies", "conditioning")
-HEADER = 116
+LARGEST_VARIABLE = 2**31  # bytes of one variable
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+VECTORS = ("frequencies", "conditioning")
+HEADER_TEXT_BYTES = 116
 """Bytes of free text at the beginning of a MAT v5 file, where scipy writes today's date."""
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """A MAT file; numeric variables, and fields of structures, are channels."""
     if _is_hdf5(path):
-        with hdf5.opened(path) as source:
+        with hdf5.open_source(path) as source:
             yield source
         return
-    with content_of(path, "mat") as content:
+    with open_foreign(path, "mat") as content:
         yield array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
 
 
 def _is_hdf5(path: Path) -> bool:
     with path.open("rb") as file:
-        start = file.read(len(SIGNATURE))
+        start = file.read(len(HDF5_SIGNATURE))
         file.seek(512)  # MATLAB puts its own header of 512 bytes first
-        return SIGNATURE in (start, file.read(len(SIGNATURE)))
+        return HDF5_SIGNATURE in (start, file.read(len(HDF5_SIGNATURE)))
 
 
 def write(recording: Recording, path: Path) -> None:
     """A MAT v5 file of one column for every signal, with a description of the recording."""
     keys = plain_keys(recording.names, "[^A-Za-z0-9_]|^(?=[^A-Za-z])", (TIME, KEY))
-    if any(len(key) > LONGEST_NAME for key in keys) or 8 * len(recording) >= LARGEST:
+    if any(len(key) > LONGEST_NAME for key in keys) or 8 * len(recording) >= LARGEST_VARIABLE:
         raise UsageError(
             "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file"
         )
     keys = [f"x{key}" if key.startswith("_") else key for key in keys]
     content = {column.name: column.values for column in saved_columns(recording, keys)}
-    write_bytes(path, mat_bytes({**content, KEY: stored(recording, keys)}))
+    write_bytes(path, mat_bytes({**content, KEY: recording_json(recording, keys)}))
 
 
 def read_response(path: Path) -> FrequencyResponse:
     """The response in a MAT file of :func:`write_response`."""
-    with content_of(path, "mat") as content:
+    with open_foreign(path, "mat") as content:
         names = [item.name for item in content.arrays]
-        described.check_members([*names, *content.attributes, *content.others], path, "file", "has nothing")
-        found = {name: _values(content, names.index(name)) for name in described.NUMBERS if name in names}
-        text = str(content.attributes.get(described.KEY, ""))
-    numbers = {name: values.ravel() if name in FLAT else _cubic(values) for name, values in found.items()}
-    return described.described(text, numbers | {"values": np.asarray(numbers["values"], dtype=complex)})
+        response_description.check_members([*names, *content.attributes, *content.others], path, "file", "has nothing")
+        found = {name: _values(content, names.index(name)) for name in response_description.NUMBERS if name in names}
+        text = str(content.attributes.get(response_description.KEY, ""))
+    numbers = {name: values.ravel() if name in VECTORS else _cubic(values) for name, values in found.items()}
+    return response_description.response_from(text, numbers | {"values": np.asarray(numbers["values"], dtype=complex)})
 
 
 def _values(content: Content, number: int) -> Any:
@@ -88,11 +88,11 @@ def _cubic(values: Any) -> Any:
 def write_response(response: FrequencyResponse, path: Path) -> None:
     """Numbers, and cell arrays of names and units."""
     sides = {"output": response.outputs, "input": response.inputs}
-    names = {f"{side}_names": cells(channel.name for channel in channels) for side, channels in sides.items()}
-    units = {f"{side}_units": cells(channel.unit for channel in channels) for side, channels in sides.items()}
+    names = {f"{side}_names": cell_array(channel.name for channel in channels) for side, channels in sides.items()}
+    units = {f"{side}_units": cell_array(channel.unit for channel in channels) for side, channels in sides.items()}
     values = np.asarray(response.values, dtype=complex)
-    content = {**described.arrays(response), "values": values, **names, **units, "title": response.title}
-    write_bytes(path, mat_bytes({**content, described.KEY: described.description(response)}))
+    content = {**response_description.arrays(response), "values": values, **names, **units, "title": response.title}
+    write_bytes(path, mat_bytes({**content, response_description.KEY: response_description.description(response)}))
 
 
 def mat_bytes(content: Mapping[str, Any]) -> memoryview:
@@ -103,11 +103,11 @@ def mat_bytes(content: Mapping[str, Any]) -> memoryview:
     write: Any = savemat  # takes a stream, whatever its types say
     write(buffer, dict(content), oned_as="column", long_field_names=True)
     image = buffer.getbuffer()
-    image[:HEADER] = b"MATLAB 5.0 MAT-file, torsionnet".ljust(HEADER)
+    image[:HEADER_TEXT_BYTES] = b"MATLAB 5.0 MAT-file, torsionnet".ljust(HEADER_TEXT_BYTES)
     return image
 
 
-def cells(texts: Iterable[str]) -> Any:
+def cell_array(texts: Iterable[str]) -> Any:
     """A row of texts as a cell array."""
     listed = list(texts)
     row = np.empty((1, len(listed)), dtype=object)

@@ -11,35 +11,36 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.atomic import replacing
-from torsionnet.io.formats.extras import content_of, needed
-from torsionnet.io.records.arrays import channel_of, word
+from torsionnet.io.formats.extras import import_extra, open_foreign
+from torsionnet.io.records.arrays import attribute_text, channel_of
+from torsionnet.io.records.recording_description import check_names, recording_json, with_description
 from torsionnet.io.records.source import Source
-from torsionnet.io.records.stored import checked_names, stored, with_stored
 from torsionnet.response.recording import Recording
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """An MDF file; the time stamps are those of the first channel."""
-    with content_of(path, "mdf") as content:
+    with open_foreign(path, "mdf") as content:
         text = html.unescape(str(content.attributes.get("comment", "")))  # it is wrapped in XML
         channels = [
-            channel_of(item, number, item.name, word(item, "unit")) for number, item in enumerate(content.arrays)
+            channel_of(item, number, item.name, attribute_text(item, "unit"))
+            for number, item in enumerate(content.arrays)
         ]
         source = Source(tuple(channels), content.blocks, title=path.stem)
         found = text[text.find("{") : text.rfind("}") + 1]
-        yield with_stored(source, found if '"sampling_rate"' in found else "")
+        yield with_description(source, found if '"sampling_rate"' in found else "")
 
 
 def write(recording: Recording, path: Path) -> None:
     """An MDF4 file of one channel for every signal."""
-    checked_names(recording, with_time=True)
-    asammdf: Any = needed("mdf")
+    check_names(recording, with_time=True)
+    asammdf: Any = import_extra("mdf")
     signals = [
         asammdf.Signal(samples=np.asarray(s.values), timestamps=recording.time, name=s.name, unit=s.unit)
         for s in recording
     ]
     with replacing(path) as temporary, asammdf.MDF(version="4.10") as file:
         file.append(signals, comment=recording.title)
-        file.header.comment = stored(recording, with_time=True)
+        file.header.comment = recording_json(recording, with_time=True)
         file.save(temporary, overwrite=True)

@@ -18,15 +18,15 @@ import numpy as np
 from torsionnet.core.atomic import replacing
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.foreign import ForeignFileError, resource_limits
-from torsionnet.io.foreign.content import Slice, Stored, sliced
+from torsionnet.io.foreign.content import Slice, StoredArray, sliced_blocks
 from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns
 from torsionnet.io.records.source import Source
-from torsionnet.io.records.stored import KEY, saved_columns, stored
-from torsionnet.io.responses import described
+from torsionnet.io.responses import response_description
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray, Recording
 
-ENDING = ".npy"
+ARRAY_ENDING = ".npy"
 
 
 class _Stream:
@@ -46,7 +46,7 @@ class _Stream:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """An NPZ file: every numeric array is a channel, or one for every column."""
     # An archive keeps its file open for as long as one of its members is.
     with zipfile.ZipFile(path) as archive, contextlib.ExitStack() as members:
@@ -54,50 +54,53 @@ def opened(path: Path) -> Iterator[Source]:
         text = str(_loaded(archive, KEY)) if KEY in headers else ""
         found = [_member(archive, name, header, members) for name, header in headers.items() if name != KEY]
         kept = [pair for pair in found if pair]
-        blocks = sliced([read for _, read in kept], [member.length for member, _ in kept])
+        blocks = sliced_blocks([read for _, read in kept], [member.length for member, _ in kept])
         yield array_source([member for member, _ in kept], blocks, text, path.stem)
 
 
 def _member(
     archive: zipfile.ZipFile, name: str, header: Header, members: contextlib.ExitStack
-) -> tuple[Stored, Slice] | None:
+) -> tuple[StoredArray, Slice] | None:
     if header.dtype.kind not in "fiub" or len(header.shape) > 2:
         return None
     if len(header.shape) == 1 and header.shape[0] != 1:
-        stream = _Stream(archive, f"{name}{ENDING}", header.dtype, header.offset)
+        stream = _Stream(archive, f"{name}{ARRAY_ENDING}", header.dtype, header.offset)
         members.callback(stream.file.close)
-        return Stored(name, header.shape), stream
+        return StoredArray(name, header.shape), stream
     values = _loaded(archive, name)
     columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values
     value = float(columns.ravel()[0]) if columns.size == 1 else None
-    return Stored(name, columns.shape, value=value), lambda first, last: columns[first:last]
+    return StoredArray(name, columns.shape, value=value), lambda first, last: columns[first:last]
 
 
 def write(recording: Recording, path: Path) -> None:
     """An NPZ file of one array for every signal, with a description of the recording."""
     arrays = {column.name: column.values for column in saved_columns(recording)}
-    _write({**arrays, KEY: stored(recording)}, path)
+    _write({**arrays, KEY: recording_json(recording)}, path)
 
 
 def read_response(path: Path) -> FrequencyResponse:
     """The response in an NPZ file of :func:`write_response`."""
     with zipfile.ZipFile(path) as archive:
         there = _checked_headers(archive, path)
-        described.check_members(there, path, "archive", "is empty")
-        numbers = {name: _loaded(archive, name) for name in described.NUMBERS if name in there}
-        return described.described(str(_loaded(archive, described.KEY)), numbers)
+        response_description.check_members(there, path, "archive", "is empty")
+        numbers = {name: _loaded(archive, name) for name in response_description.NUMBERS if name in there}
+        return response_description.response_from(str(_loaded(archive, response_description.KEY)), numbers)
 
 
 def write_response(response: FrequencyResponse, path: Path) -> None:
     """An archive of arrays; equal responses give equal bytes."""
-    _write({**described.arrays(response), described.KEY: described.description(response)}, path)
+    _write(
+        {**response_description.arrays(response), response_description.KEY: response_description.description(response)},
+        path,
+    )
 
 
 def _write(arrays: Mapping[str, Any], path: Path) -> None:
     # Not np.savez: it takes names as keyword arguments, of which "file" is one of its own.
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", allowZip64=True) as archive:
         for name, values in arrays.items():
-            with archive.open(f"{name}{ENDING}", "w", force_zip64=True) as member:  # dated 1980, not today
+            with archive.open(f"{name}{ARRAY_ENDING}", "w", force_zip64=True) as member:  # dated 1980, not today
                 np.lib.format.write_array(member, np.asanyarray(values), allow_pickle=False)
 
 
@@ -120,11 +123,11 @@ def _checked_headers(archive: zipfile.ZipFile, path: Path) -> dict[str, Header]:
     ForeignFileError
         Everything together would unpack to more than a file of its size may.
     """
-    entries = [entry for entry in archive.infolist() if entry.filename.endswith(ENDING)]
+    entries = [entry for entry in archive.infolist() if entry.filename.endswith(ARRAY_ENDING)]
     resource_limits.check(sum(entry.file_size for entry in entries), path)
     headers, faults = {}, []
     for entry in entries:
-        name = entry.filename.removesuffix(ENDING)
+        name = entry.filename.removesuffix(ARRAY_ENDING)
         if name in headers:
             faults.append(f"{name} is there twice")
         header = headers[name] = _header(archive, entry)
@@ -151,5 +154,5 @@ def _header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Header:
 
 def _loaded(archive: zipfile.ZipFile, name: str) -> Any:
     """A whole array, whose header was checked."""
-    with archive.open(f"{name}{ENDING}") as file:
+    with archive.open(f"{name}{ARRAY_ENDING}") as file:
         return np.load(file, allow_pickle=False)

@@ -10,47 +10,49 @@ import numpy as np
 
 from torsionnet.core.atomic import replacing
 from torsionnet.core.delimited.headings import split_heading
-from torsionnet.io.foreign import Stored
-from torsionnet.io.formats.extras import content_of, needed
+from torsionnet.io.foreign import StoredArray
+from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import channel_of
+from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
 from torsionnet.io.records.source import FileChannel, Source
-from torsionnet.io.records.stored import KEY, saved_columns, stored, with_stored
 from torsionnet.response.recording import Recording
 
-GROUP = 1 << 20
-ZERO = "zero"
+ROWS_PER_GROUP = 1 << 20
+ZERO_ATTRIBUTE = "zero"
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """A Parquet file; units are in the metadata of columns, or in their names in brackets. Times become seconds."""
-    with content_of(path, "parquet") as content:
+    with open_foreign(path, "parquet") as content:
         text = str(content.attributes.get(KEY, ""))
         channels = [_channel(item, number, plain=bool(text)) for number, item in enumerate(content.arrays)]
         source = Source(tuple(channels), content.blocks, title=path.stem, notes=_zero_notes(content.arrays))
-        yield with_stored(source, text)
+        yield with_description(source, text)
 
 
-def _channel(item: Stored, number: int, *, plain: bool) -> FileChannel:
+def _channel(item: StoredArray, number: int, *, plain: bool) -> FileChannel:
     name, unit = (item.name, "") if plain else split_heading(item.name)
-    unit = "s" if ZERO in item.attributes else str(item.attributes.get("unit", unit))
+    unit = "s" if ZERO_ATTRIBUTE in item.attributes else str(item.attributes.get("unit", unit))
     return channel_of(item, number, name, unit)
 
 
-def _zero_notes(items: Sequence[Stored]) -> tuple[str, ...]:
-    zeros = [(item.name, item.attributes.get(ZERO)) for item in items]
+def _zero_notes(items: Sequence[StoredArray]) -> tuple[str, ...]:
+    zeros = [(item.name, item.attributes.get(ZERO_ATTRIBUTE)) for item in items]
     return tuple(f"{name} counts from {zero}, its first entry" for name, zero in zeros if zero)
 
 
 def write(recording: Recording, path: Path) -> None:
     """A Parquet file of one column for every signal, with units as metadata."""
     columns = saved_columns(recording)
-    parquet = needed("parquet")
+    parquet = import_extra("parquet")
     import pyarrow as pa
 
     fields = [pa.field(column.name, pa.float64(), metadata=column.attributes) for column in columns]
-    schema = pa.schema(fields, metadata={KEY: stored(recording)})
+    schema = pa.schema(fields, metadata={KEY: recording_json(recording)})
     with replacing(path) as temporary, parquet.ParquetWriter(temporary, schema) as writer:
-        for first in range(0, len(recording), GROUP):
-            arrays = [pa.array(np.asarray(column.values[first : first + GROUP], dtype=float)) for column in columns]
+        for first in range(0, len(recording), ROWS_PER_GROUP):
+            arrays = [
+                pa.array(np.asarray(column.values[first : first + ROWS_PER_GROUP], dtype=float)) for column in columns
+            ]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))

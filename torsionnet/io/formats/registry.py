@@ -1,13 +1,13 @@
-"""Which functions read and write which file, by its ending.
+"""Table of the file formats of recordings and frequency responses: endings, and functions that read and write them.
 
-``opened(path)`` of a format is a context manager that gives a :class:`~torsionnet.io.records.source.Source` of a
+``open_source(path)`` of a format is a context manager that gives a :class:`~torsionnet.io.records.source.Source` of a
 record: channels with names and units as they stand in the file, and a reader of rows in blocks.
 ``write(recording, path)`` writes one, through :func:`torsionnet.core.atomic.replacing`. ``read_response(path)`` and
 ``write_response(response, path)`` are for frequency responses. ``npz.py`` is a short module to begin from,
-``text/record_text.py`` one for text; what is written carries ``stored(recording)`` and is read with ``with_stored``;
-``arrays.array_source`` makes a source of named arrays, ``headings.split_heading`` takes a unit off a name, and
-``extras.content_of`` asks a library in a process of its own. What is wrong with a file is a ValueError in words, with
-the line where there is one: :func:`reading` adds the name of the file.
+``text/record_text.py`` one for text; what is written carries ``recording_json(recording)`` and is read with
+``with_description``; ``arrays.array_source`` makes a source of named arrays, ``headings.split_heading`` takes a unit
+off a name, and ``extras.open_foreign`` asks a library in a process of its own. What is wrong with a file is a
+ValueError in words, with the line where there is one: :func:`reading` adds the name of the file.
 """
 
 from __future__ import annotations
@@ -36,25 +36,25 @@ class Format:
 
     label: str
     endings: tuple[str, ...]
-    opened: Callable[..., AbstractContextManager[Source]] | None = None
+    open_source: Callable[..., AbstractContextManager[Source]] | None = None
     write: Callable[[Recording, Path], None] | None = None
     read_response: Callable[[Path], FrequencyResponse] | None = None
     write_response: Callable[[FrequencyResponse, Path], None] | None = None
 
     def holds(self, what: Holding) -> bool:
-        return (self.opened if what == "recording" else self.read_response) is not None
+        return (self.open_source if what == "recording" else self.read_response) is not None
 
 
 FORMATS = (
-    Format("text", (".csv", ".txt", ".tsv", ".asc", ".dat", ".lvm"), record_text.opened, record_text.write),
+    Format("text", (".csv", ".txt", ".tsv", ".asc", ".dat", ".lvm"), record_text.open_source, record_text.write),
     Format("CSV", (".csv",), read_response=response_text.read, write_response=response_text.write),
-    Format("NPZ", (".npz",), npz.opened, npz.write, npz.read_response, npz.write_response),
-    Format("MAT", (".mat",), mat.opened, mat.write, mat.read_response, mat.write_response),
-    Format("TDMS", (".tdms",), tdms.opened, tdms.write),
-    Format("UFF58", (".uff", ".unv"), record_uff.opened, record_uff.write, response_uff.read, response_uff.write),
-    Format("HDF5", (".h5", ".hdf5", ".hdf"), hdf5.opened, hdf5.write),
-    Format("Parquet", (".parquet", ".pq"), parquet.opened, parquet.write),
-    Format("MDF", (".mf4", ".mdf"), mdf.opened, mdf.write),
+    Format("NPZ", (".npz",), npz.open_source, npz.write, npz.read_response, npz.write_response),
+    Format("MAT", (".mat",), mat.open_source, mat.write, mat.read_response, mat.write_response),
+    Format("TDMS", (".tdms",), tdms.open_source, tdms.write),
+    Format("UFF58", (".uff", ".unv"), record_uff.open_source, record_uff.write, response_uff.read, response_uff.write),
+    Format("HDF5", (".h5", ".hdf5", ".hdf"), hdf5.open_source, hdf5.write),
+    Format("Parquet", (".parquet", ".pq"), parquet.open_source, parquet.write),
+    Format("MDF", (".mf4", ".mdf"), mdf.open_source, mdf.write),
 )
 
 

@@ -7,21 +7,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from torsionnet.core.atomic import replacing
-from torsionnet.io.foreign import Stored
+from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import Plain
-from torsionnet.io.formats.extras import content_of, needed
-from torsionnet.io.records.arrays import channel_of, word
+from torsionnet.io.formats.extras import import_extra, open_foreign
+from torsionnet.io.records.arrays import attribute_text, channel_of
+from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
 from torsionnet.io.records.source import FileChannel, Source
-from torsionnet.io.records.stored import KEY, saved_columns, stored, with_stored
 from torsionnet.response.recording import Recording
 
-GROUP, PIECE, INCREMENT, OFFSET = "recording", 1 << 20, "wf_increment", "wf_start_offset"
+GROUP, INCREMENT, OFFSET = "recording", "wf_increment", "wf_start_offset"
+"""Name of the group written, and the waveform properties with the sampling interval and the start, both in s."""
+PIECE = 1 << 20
+"""Samples of a segment that is written: few enough to fit into memory, enough for npTDMS to be quick."""
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """A TDMS file; rate and start are those of the waveform properties."""
-    with content_of(path, "tdms") as content:
+    with open_foreign(path, "tdms") as content:
         channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
         waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
         rate = 1 / float(waves[0][INCREMENT] or 0) if waves else None
@@ -32,7 +35,7 @@ def opened(path: Path) -> Iterator[Source]:
             notes = (*notes, f"begins at {start:g} s, its wf_start_offset")
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
         text = str(content.attributes.get(KEY, ""))
-        yield with_stored(source, text) if text or not waves else source
+        yield with_description(source, text) if text or not waves else source
 
 
 def _notes(waves: Sequence[Mapping[str, Plain]], name: str, what: str) -> tuple[str, ...]:
@@ -44,17 +47,17 @@ def _notes(waves: Sequence[Mapping[str, Plain]], name: str, what: str) -> tuple[
     return (f"warning: channels have {what} between {listed} s; that of the first was taken for all",)
 
 
-def _channel(item: Stored, number: int) -> FileChannel:
-    group = word(item, "group")
-    unit = word(item, "unit_string", "NI_UnitDescription")
+def _channel(item: StoredArray, number: int) -> FileChannel:
+    group = attribute_text(item, "group")
+    unit = attribute_text(item, "unit_string", "NI_UnitDescription")
     return channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
 
 
 def write(recording: Recording, path: Path) -> None:
     """A TDMS file of one group, with waveform properties and units."""
     columns = saved_columns(recording)
-    nptdms = needed("tdms")
-    root = nptdms.RootObject({"name": recording.title or path.stem, KEY: stored(recording)})
+    nptdms = import_extra("tdms")
+    root = nptdms.RootObject({"name": recording.title or path.stem, KEY: recording_json(recording)})
     wave = {INCREMENT: 1 / recording.sampling_rate, OFFSET: recording.start}
     with replacing(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
         writer.write_segment([root, nptdms.GroupObject(GROUP)])

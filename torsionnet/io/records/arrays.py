@@ -6,16 +6,16 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from torsionnet.io.foreign import Stored
+from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import COMPLEX, UNIT_NAMES, Blocks
+from torsionnet.io.records.recording_description import with_description
 from torsionnet.io.records.source import FileChannel, Source, names_a_rate
-from torsionnet.io.records.stored import with_stored
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256  # more make a picture or a matrix of something else
 
 
-def array_source(arrays: Sequence[Stored], blocks: Blocks, stored: str, title: str) -> Source:
+def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, title: str) -> Source:
     """Source of named arrays: a number named ``fs`` or the like is the rate, other single numbers are passed over.
 
     ``blocks`` knows the arrays by their place in ``arrays``.
@@ -35,10 +35,10 @@ def array_source(arrays: Sequence[Stored], blocks: Blocks, stored: str, title: s
         else:
             for column in range(columns):
                 name = item.name if columns == 1 else f"{item.name}_{column + 1}"
-                channels.append(channel_of(item, len(channels), name, word(item, *UNIT_NAMES)))
+                channels.append(channel_of(item, len(channels), name, attribute_text(item, *UNIT_NAMES)))
                 places.append((number, column))
     source = Source(tuple(channels), _by_column(blocks, places), rate=rate, title=title, notes=tuple(notes))
-    return with_stored(source, stored)
+    return with_description(source, stored)
 
 
 def _by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
@@ -58,11 +58,11 @@ def _column(block: FloatArray, column: int) -> FloatArray:
     return np.asarray(block if block.ndim == 1 else block[:, column], dtype=float)
 
 
-def channel_of(item: Stored, number: int, name: str, unit: str) -> FileChannel:
+def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChannel:
     """A channel, of the quantity that the array has as an attribute."""
-    return FileChannel(name, number, unit, word(item, "quantity") or None, item.length)
+    return FileChannel(name, number, unit, attribute_text(item, "quantity") or None, item.length)
 
 
-def word(item: Stored, *names: str) -> str:
+def attribute_text(item: StoredArray, *names: str) -> str:
     """The first of these attributes that an array has, as text; empty where it has none."""
     return next((str(item.attributes[name]) for name in names if name in item.attributes), "")

@@ -16,18 +16,18 @@ from torsionnet.io.records.clock import (
     Clock,
     clock_of,
     coarse_clock,
-    doubt,
     interval_fault,
     is_coarse,
     rate_fault,
     time_faults,
+    time_unit_warnings,
 )
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ReadOptions:
     """What the caller says about a file."""
 
     names: Sequence[str] | Mapping[str, str] | None = None
@@ -37,36 +37,36 @@ class Wanted:
     pulses: Mapping[str, float] = field(default_factory=dict)
 
 
-def with_given_clock(source: Source, wanted: Wanted) -> tuple[Source, Wanted]:
+def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
     """The source with the unit of time that the caller gives a channel, which is the time then, and what is left."""
     every = {channel.name: channel for channel in (*source.channels, *([source.time] if source.time else []))}
-    for name, unit in wanted.units.items():
+    for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
         is_clock = channel is not None and (source.time is None or source.time.name == name)
-        if channel is not None and is_clock and is_time(channel) and name not in wanted.pulses:
+        if channel is not None and is_clock and is_time(channel) and name not in options.pulses:
             others = tuple(other for other in source.channels if other.name != name)
-            left = {other: word for other, word in wanted.units.items() if other != name}
-            return replace(source, channels=others, time=channel), replace(wanted, units=left)
-    return source, wanted
+            left = {other: word for other, word in options.units.items() if other != name}
+            return replace(source, channels=others, time=channel), replace(options, units=left)
+    return source, options
 
 
-def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None = None) -> Iterator[Recording]:
+def recordings(source: Source, options: ReadOptions, file: str, seconds: float | None = None) -> Iterator[Recording]:
     """Recordings of so many seconds one after the other, or one of everything; raises :class:`ModelError`."""
     stamps = source.time.name if source.time else ""
-    units = {name: unit for name, unit in wanted.units.items() if name != stamps}
-    choices, faults = choose(source, wanted.names, wanted.quantities, units)
-    if stamps in wanted.units:
-        text = f'{stamps} was taken for the time stamps, and "{wanted.units[stamps]}" is no unit of time'
+    units = {name: unit for name, unit in options.units.items() if name != stamps}
+    choices, faults = choose(source, options.names, options.quantities, units)
+    if stamps in options.units:
+        text = f'{stamps} was taken for the time stamps, and "{options.units[stamps]}" is no unit of time'
         faults.append(Fault(text))
-    faults += length_faults(source, choices) + _rate_faults(source, wanted)
+    faults += length_faults(source, choices) + _rate_faults(source, options)
     if faults:
         raise ModelError(faults, file)
-    rate, done, begin = wanted.sampling_rate or source.rate, 0, 0.0
+    rate, done, begin = options.sampling_rate or source.rate, 0, 0.0
     count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
     columns = [choice.channel.column for choice in choices]
     stamps_of = [source.time.column] if source.time else []
     for block in source.blocks([*columns, *stamps_of], count):
-        clock = _clock(source, wanted, block[len(columns) :], rate, done, file, begin)
+        clock = _clock(source, options, block[len(columns) :], rate, done, file, begin)
         rate, begin = rate or clock.rate, begin if done else clock.start
         yield _recording(source, choices, block, clock, file)
         done += len(block[0])
@@ -74,11 +74,11 @@ def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None 
         raise ModelError([Fault("there are no samples in the file")], file)
 
 
-def _rate_faults(source: Source, wanted: Wanted) -> list[Fault]:
-    if source.time is None and not wanted.sampling_rate and source.rate and not is_rate(source.rate):
+def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:
+    if source.time is None and not options.sampling_rate and source.rate and not is_rate(source.rate):
         text = f"the file says a sampling rate of {source.rate:g} Hz, at which nothing is sampled"
         return [Fault(f"{text}; give sampling_rate= in Hz")]
-    if source.time is not None or wanted.sampling_rate or source.rate:
+    if source.time is not None or options.sampling_rate or source.rate:
         return []
     return [Fault("nothing in the file tells the sampling rate; give sampling_rate= in Hz")]
 
@@ -96,7 +96,13 @@ def _seconds(source: Source) -> float:
 
 
 def _clock(
-    source: Source, wanted: Wanted, stamps: Sequence[FloatArray], rate: float | None, done: int, file: str, begin: float
+    source: Source,
+    options: ReadOptions,
+    stamps: Sequence[FloatArray],
+    rate: float | None,
+    done: int,
+    file: str,
+    begin: float,
 ) -> Clock:
     """The clock of a block before which so many samples were read, from the time ``begin`` on."""
     if not stamps:
@@ -104,22 +110,22 @@ def _clock(
         return Clock(rate, source.start + done / rate)
     with np.errstate(over="ignore"):
         times = stamps[0] * _seconds(source)
-    if wanted.sampling_rate and is_coarse(times):
-        start = begin + done / wanted.sampling_rate if done else float(times[0])
-        found = coarse_clock(times, wanted.sampling_rate, start)
+    if options.sampling_rate and is_coarse(times):
+        start = begin + done / options.sampling_rate if done else float(times[0])
+        found = coarse_clock(times, options.sampling_rate, start)
         if isinstance(found, Fault):
             raise ModelError([found], file)
         source.discovered.append("warning: the time stamps are coarser than the sampling: the rate given was taken")
         return found
-    faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
-    if not faults and not wanted.sampling_rate:
+    faults = time_faults(times, source, done) or rate_fault(times, options.sampling_rate)
+    if not faults and not options.sampling_rate:
         faults = interval_fault(times, source)
     if not faults and rate is None and len(times) == 1:
         faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
     if faults:
         raise ModelError(faults, file)
     if not source.stamped:
-        source.discovered.extend(() if done else doubt(times, source))
+        source.discovered.extend(() if done else time_unit_warnings(times, source))
     return clock_of(times, rate, stamped=source.stamped)
 
 

@@ -11,16 +11,16 @@ from torsionnet.core.errors import Fault
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
-UNIFORM = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
-SAME_RATE = 1e-3
-SAME_STEP = 5e-3
+UNIFORM_TOLERANCE = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
+SAME_RATE_TOLERANCE = 1e-3
+SAME_INTERVAL_TOLERANCE = 5e-3
 """Of an interval that may have been written with few digits."""
-FEWEST_EQUAL, EQUAL = 3, 0.01
+FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE = 3, 0.01
 """So many stamps equal to the one before, and such a share of all, are no slip of the recorder."""
-LATEST = 1e15
+LATEST_TIME = 1e15
 """Seconds; thirty million years, in whatever unit a clock counted."""
 
-DOUBTFUL, SLOW, LONG = 20.0, 200.0, 3600.0
+UNUSUAL_RATE, USUAL_RATE, UNUSUAL_LENGTH = 20.0, 200.0, 3600.0
 """Hz below which nobody samples a torsional vibration, and nobody for so many s; milliseconds look like that."""
 
 
@@ -39,7 +39,7 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
     column = source.time.name
     broken = np.flatnonzero(~np.isfinite(stamps))
     texts = {int(row): f"sample {first + row + 1} has no time stamp in {column}" for row in broken[:MOST_FAULTS]}
-    beyond = np.flatnonzero(np.abs(stamps) > LATEST)
+    beyond = np.flatnonzero(np.abs(stamps) > LATEST_TIME)
     texts |= {int(row): f"{column} has the time {stamps[row]:g} s, beyond all time" for row in beyond[:1]}
     if texts:
         return [_fault(text, source, first + row) for row, text in texts.items()]
@@ -54,7 +54,9 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
 def is_coarse(stamps: FloatArray) -> bool:
     """Whether stamps do not fall and many are equal: written in coarser steps than samples were taken."""
     steps = np.diff(stamps)
-    return bool(np.all(steps >= 0) and np.count_nonzero(steps == 0) >= max(FEWEST_EQUAL, EQUAL * len(steps)))
+    return bool(
+        np.all(steps >= 0) and np.count_nonzero(steps == 0) >= max(FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE * len(steps))
+    )
 
 
 def _coarse_text(stamps: FloatArray, column: str) -> str:
@@ -68,7 +70,7 @@ def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault
     """The clock of coarse stamps between which a rate is given, or why the two do not agree."""
     steps = np.diff(stamps)
     off = stamps - np.arange(len(stamps)) / rate
-    if np.ptp(off) <= (1 + UNIFORM) * float(steps.max()):
+    if np.ptp(off) <= (1 + UNIFORM_TOLERANCE) * float(steps.max()):
         return Clock(rate, begin)
     return Fault(f"the time stamps are not those of samples at {rate:g} Hz, which sampling_rate= gives")
 
@@ -88,9 +90,9 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -
         return Clock(rate or 1.0, float(stamps[0]) if len(stamps) else 0.0)
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
     even = stamps[0] + np.arange(len(stamps)) / mean
-    if stamped or float(np.max(np.abs(stamps - even))) * mean > UNIFORM:
+    if stamped or float(np.max(np.abs(stamps - even))) * mean > UNIFORM_TOLERANCE:
         return Clock(rate or mean, float(stamps[0]), np.asarray(stamps))
-    return Clock(rate if rate and abs(rate / mean - 1) < SAME_RATE else _rounded(mean), float(stamps[0]))
+    return Clock(rate if rate and abs(rate / mean - 1) < SAME_RATE_TOLERANCE else _rounded(mean), float(stamps[0]))
 
 
 def _rounded(rate: float) -> float:
@@ -99,13 +101,13 @@ def _rounded(rate: float) -> float:
     return plain if abs(plain / rate - 1) < 1e-9 else rate
 
 
-def doubt(stamps: FloatArray, source: Source) -> tuple[str, ...]:
+def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
     """A warning where stamps without a unit make a record slower, or longer, than those of test benches are."""
     if source.time is None or source.time.unit or len(stamps) < 2:
         return ()
     span = float(stamps[-1] - stamps[0])
     rate = (len(stamps) - 1) / span
-    if rate >= SLOW or (rate >= DOUBTFUL and span <= LONG):
+    if rate >= USUAL_RATE or (rate >= UNUSUAL_RATE and span <= UNUSUAL_LENGTH):
         return ()
     name = source.time.name
     text = f"warning: {name} has no unit and was taken for s: sampled at {rate:.3g} Hz for {span:.6g} s"
@@ -117,7 +119,7 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
     if given is None or len(stamps) < 2:
         return []
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
-    if abs(given / mean - 1) < SAME_RATE:
+    if abs(given / mean - 1) < SAME_RATE_TOLERANCE:
         return []
     return [Fault(f"the time stamps say {mean:.6g} Hz, sampling_rate={given:g} was given; leave it out to use them")]
 
@@ -128,7 +130,7 @@ def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
     if stated is None or source.time is None or len(stamps) < 2:
         return []
     span, count = float(stamps[-1] - stamps[0]), len(stamps) - 1
-    if abs(span - count * stated.seconds) <= max(SAME_STEP * span, stated.seconds / 2):
+    if abs(span - count * stated.seconds) <= max(SAME_INTERVAL_TOLERANCE * span, stated.seconds / 2):
         return []
     text = f"{stated.name} says {stated.seconds:g} s between samples, {source.time.name} goes in steps of "
     text += f"{span / count:.6g} s; correct the wrong one, or give sampling_rate= in Hz if {source.time.name} is right"

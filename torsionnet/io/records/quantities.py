@@ -23,12 +23,12 @@ def quantity_of(unit: str) -> str:
         dimension = parse_unit(plain_unit(unit)).dimension
     except UnitError:
         return ""
-    quantity = of_dimension(dimension)
+    quantity = quantity_of_dimension(dimension)
     # A bare number or per cent has the dimension of an angle, and so have many other things.
     return quantity if quantity != "angle" or _ANGULAR.search(unit) else ""
 
 
-def of_dimension(dimension: Dimension) -> str:
+def quantity_of_dimension(dimension: Dimension) -> str:
     """The quantity of a dimension; empty where there is none."""
     return next((quantity for quantity, name in _DIMENSIONS.items() if dimension == DIMENSIONS[name]), "")
 

@@ -59,7 +59,7 @@ class Source:
     place: Callable[[int], Position | None] = lambda _row: None
     stated: StatedInterval | None = None
 
-    def with_time_found(self) -> Source:
+    def with_time_channel(self) -> Source:
         """With the channel of time stamps, known by its name or unit, set apart from the others."""
         for channel in self.channels:
             if is_time(channel):

@@ -13,15 +13,15 @@ from torsionnet.io.formats.text.labview_lines import (
     COMMENT,
     END,
     FIRST_LINE,
-    OF_SEGMENTS,
+    SEGMENT_KEYS,
     SPECIAL,
     SPECIAL_END,
     X_VALUE,
     HeadedLines,
-    refused,
+    line_error,
 )
 
-LATEST = 1e15
+LARGEST_NUMBER = 1e15
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -81,18 +81,18 @@ def next_segment(lines: HeadedLines, file: str, dialect: Dialect, *, is_first: b
             whole = True
         elif key == X_VALUE:
             if whole and ends < 2:
-                raise refused(_no_end(ends), file, lines.number, line)
+                raise line_error(_no_end(ends), file, lines.number, line)
             return _segment(file, dialect, entries, _Entry(lines.number, [key, *cells], line))
-        elif key in OF_SEGMENTS and whole and not ends:
-            raise refused(_no_end(0), file, lines.number, line)
+        elif key in SEGMENT_KEYS and whole and not ends:
+            raise line_error(_no_end(0), file, lines.number, line)
         elif dialect.is_data(line):
-            raise refused(f"numbers begin without a row of names above them that begins with {X_VALUE}", file,
+            raise line_error(f"numbers begin without a row of names above them that begins with {X_VALUE}", file,
                            lines.number, line)  # fmt: skip
         elif key:
             entries[key] = _Entry(lines.number, cells, line)
     if is_first or entries:
         text = f"the file ends within its header: no row of names follows that begins with {X_VALUE}"
-        raise refused(text, file, max(lines.number, 1))
+        raise line_error(text, file, max(lines.number, 1))
     return None
 
 
@@ -168,7 +168,7 @@ def _numbers(
     for at, cell in enumerate(entry.cells if entry else (), 1):
         assert entry is not None
         value = float(cell.replace(",", ".")) if _NUMBER.fullmatch(cell) else float("nan")
-        if abs(value) <= LATEST:
+        if abs(value) <= LARGEST_NUMBER:
             found.append((at, value))
         elif cell:
             faults.append(

@@ -11,10 +11,10 @@ from torsionnet.core.errors import Fault, ModelError, Position
 
 FIRST_LINE, END, X_VALUE, COMMENT = "LabVIEW Measurement", "***End_of_Header***", "X_Value", "Comment"
 SPECIAL, SPECIAL_END = "***Start_Special***", "***End_Special***"
-OF_SEGMENTS = frozenset({"Channels", "Samples", "Y_Unit_Label", "Y_Dimension", "X_Dimension", "X0", "Delta_X"})
+SEGMENT_KEYS = frozenset({"Channels", "Samples", "Y_Unit_Label", "Y_Dimension", "X_Dimension", "X0", "Delta_X"})
 """What the header of a segment has for every channel, besides Date and Time."""
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
-_KEYS = OF_SEGMENTS | {"Date", "Time", X_VALUE}
+_KEYS = SEGMENT_KEYS | {"Date", "Time", X_VALUE}
 
 
 @dataclass
@@ -72,16 +72,18 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
     number, word = said.get("Separator", (1, ""))
     known = SEPARATORS.get(word.casefold())
     if word and known is None and separator is None:
-        raise refused(f'Separator is "{word}"; expected Tab, Comma or Semicolon', file, number)
+        raise line_error(f'Separator is "{word}"; expected Tab, Comma or Semicolon', file, number)
     sign = decimal or said.get("Decimal_Separator", (0, "."))[1] or ","
     if sign not in (".", ","):
-        raise refused(f'Decimal_Separator is "{sign}"; expected . or ,', file, said["Decimal_Separator"][0])
+        raise line_error(f'Decimal_Separator is "{sign}"; expected . or ,', file, said["Decimal_Separator"][0])
     chosen = separator or known or between
     if chosen == sign:
-        raise refused("cells are separated by the decimal sign: Separator and Decimal_Separator are one", file, number)
+        raise line_error(
+            "cells are separated by the decimal sign: Separator and Decimal_Separator are one", file, number
+        )
     return Dialect(chosen, sign)
 
 
-def refused(text: str, file: str, line: int, source: str = "", column: int = 1) -> ModelError:
+def line_error(text: str, file: str, line: int, source: str = "", column: int = 1) -> ModelError:
     position = Position(file, line, column, column + 1, source.rstrip()[:200].replace("\t", " "))
     return ModelError([Fault(text, position=position)], file)

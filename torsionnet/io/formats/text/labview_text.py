@@ -11,15 +11,15 @@ import numpy as np
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
 from torsionnet.io.formats.text.labview_header import Segment, next_segment
 from torsionnet.io.formats.text.labview_lines import COMMENT, X_VALUE, HeadedLines, dialect_of
-from torsionnet.io.formats.text.lengths import check_lengths, count_empty
 from torsionnet.io.records.source import FileChannel, Source, StatedInterval
 from torsionnet.response.recording import FloatArray
 
-CONTINUES = 0.1
+LARGEST_SEGMENT_GAP = 0.1
 """Of a sampling interval: so far may the beginning of a segment be from the end of the one before."""
-DAY = 86_400.0
+SECONDS_PER_DAY = 86_400.0
 
 
 def labview_source(
@@ -160,13 +160,13 @@ def _follows(first: Segment, segment: Segment, done: int) -> bool:
     """Whether a segment begins where so many samples end, by X0 or, where all have the same X0, by the time of day."""
     if first.interval is None:
         return True
-    span, near = done * first.interval, CONTINUES * first.interval
+    span, near = done * first.interval, LARGEST_SEGMENT_GAP * first.interval
     if abs(segment.start - first.start - span) <= near:
         return True
     if segment.start != first.start or first.clock is None or segment.clock is None:
         return False
     passed = segment.clock - first.clock
-    return abs((passed - span + DAY / 2) % DAY - DAY / 2) <= near
+    return abs((passed - span + SECONDS_PER_DAY / 2) % SECONDS_PER_DAY - SECONDS_PER_DAY / 2) <= near
 
 
 def _joined(pieces: Sequence[Sequence[FloatArray]]) -> list[FloatArray]:

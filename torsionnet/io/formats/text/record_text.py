@@ -14,31 +14,38 @@ from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.delimited.stamp_forms import stamp_columns
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
+from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.labview_lines import is_labview
 from torsionnet.io.formats.text.labview_text import labview_source
-from torsionnet.io.formats.text.lengths import check_lengths, count_empty
-from torsionnet.io.formats.text.writing import description_in, write_columns
+from torsionnet.io.records.recording_description import (
+    KEY,
+    TIME,
+    check_names,
+    plain_keys,
+    recording_json,
+    with_description,
+)
 from torsionnet.io.records.source import FileChannel, Source, is_time
-from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.response.recording import FloatArray, Recording
 
-SAMPLE = 400
-READ_ONLY = ".lvm"
+SNIFFED_LINES = 400
+READ_ONLY_ENDING = ".lvm"
 
 
 @contextlib.contextmanager
-def opened(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
+def open_source(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
     """A text file; ``separator`` and ``decimal`` are found out, or said by a header, where they are not given."""
     encoding = encoding_of(path)
     with path.open(encoding=encoding, newline=None) as file:
-        lines = list(islice(file, SAMPLE))
+        lines = list(islice(file, SNIFFED_LINES))
         if is_labview(lines):
             yield labview_source(file, path.name, path.stem, lines, separator, decimal)
             return
         comments = [line for line in lines if line.startswith(("#", "%"))]
         skipped = next((at for at, line in enumerate(lines) if not line.startswith(("#", "%")) and line.strip()), 0)
         body = lines[skipped:]
-        dialect = sniffed(body if len(body) < SAMPLE - skipped else body[:-1], separator, decimal, stamps=True)
+        dialect = sniffed(body if len(body) < SNIFFED_LINES - skipped else body[:-1], separator, decimal, stamps=True)
         first = data_start(dialect, body)
         if first == len(body):
             raise ModelError([_no_data(path, lines)], path.name)
@@ -51,11 +58,11 @@ def opened(path: Path, separator: str | None = None, decimal: str | None = None)
         described = description_in(comments, KEY)
         source = _source(path, file, dialect, heading, skipped + first, lines, stamped, own=described is not None)
         notes = _notes(dialect, encoding, first - heading.lines, heading)
-        yield with_stored(source, described) if described is not None else _with_notes(source, notes)
+        yield with_description(source, described) if described is not None else _with_notes(source, notes)
 
 
 def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
-    found = source.with_time_found()
+    found = source.with_time_channel()
     source.discovered[:0] = notes
     return found
 
@@ -156,11 +163,11 @@ def _with_clock(
 
 def write(recording: Recording, path: Path) -> None:
     """A CSV file: a description of the recording, headings with units, a column of time, all digits."""
-    if path.suffix.lower() == READ_ONLY:
-        text = f'"{path.name}": {READ_ONLY} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv'
-        raise UsageError(text)
-    checked_names(recording)
+    if path.suffix.lower() == READ_ONLY_ENDING:
+        words = f"{READ_ONLY_ENDING} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv"
+        raise UsageError(f'"{path.name}": {words}')
+    check_names(recording)
     keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
     units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
     columns = [recording.time, *(signal.values for signal in recording)]
-    write_columns(path, KEY, stored(recording, keys, with_time=True), [f"{TIME} [s]", *units], columns)
+    write_columns(path, KEY, recording_json(recording, keys, with_time=True), [f"{TIME} [s]", *units], columns)

@@ -7,15 +7,15 @@ import re
 from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, ModelError, Position, did_you_mean
-from torsionnet.io.responses.matrix import UNKNOWN
+from torsionnet.io.responses.response_matrix import UNKNOWN_UNIT
 from torsionnet.response.conventions import ANGLES, FREQUENCIES, Conventions
 
 UNITS = ("rad", "rad/s", "rad/s^2", "N*m", "Pa")
 _UNIT = re.compile(r"(?P<what>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
 _TORQUE = re.compile(r"\bN[.·-]?m\b")
-LIKE = (UNKNOWN, "-")
+LIKE_UNITS = (UNKNOWN_UNIT, "-")
 """What stands for the unit of a ratio of like signals."""
-KNOWN = "rad/(N*m), deg/(N*m), (N*m)/rad, N*m/(N*m), 1"
+KNOWN_UNITS = "rad/(N*m), deg/(N*m), (N*m)/rad, N*m/(N*m), 1"
 _KINDS = (
     ("magnitude", re.compile(r"\|(?P<pair>.+)\|")),
     ("phase", re.compile(r"phase (?P<pair>.+)")),
@@ -33,8 +33,8 @@ class ColumnHeading:
     kind: str
     unit: str = ""
     pair: tuple[str, str] | None = None
-    above: str = UNKNOWN
-    below: str = UNKNOWN
+    above: str = UNKNOWN_UNIT
+    below: str = UNKNOWN_UNIT
     scale: float = 1.0
 
 
@@ -121,9 +121,9 @@ def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
 def _split(unit: str, label: str) -> tuple[str, str, float]:
     """SI units above and below the bar, and the factor from SI to the values."""
     if not unit:
-        raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN}")
-    if unit in LIKE:
-        return UNKNOWN, UNKNOWN, 1.0
+        raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN_UNITS}")
+    if unit in LIKE_UNITS:
+        return UNKNOWN_UNIT, UNKNOWN_UNIT, 1.0
     unit = _TORQUE.sub("N*m", unit)
     for above in UNITS:
         for below in UNITS:
@@ -134,4 +134,4 @@ def _split(unit: str, label: str) -> tuple[str, str, float]:
                     ways |= {f"{top}/{shown[1]}" for top in (shown[0], f"({shown[0]})")}
                 if unit in ways:
                     return above, below, written.scale(above) / written.scale(below)
-    raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {KNOWN}')
+    raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {KNOWN_UNITS}')

@@ -14,10 +14,16 @@ import numpy as np
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.response_headings import ColumnHeading, headings
-from torsionnet.io.formats.text.writing import description_in, write_columns
-from torsionnet.io.responses.described import KEY, described, description, limit_in, words
-from torsionnet.io.responses.matrix import Matrix, Single, resolve_units
+from torsionnet.io.responses.response_description import (
+    KEY,
+    description,
+    parse_description,
+    response_from,
+    usable_limit_in,
+)
+from torsionnet.io.responses.response_matrix import ResponseMatrix, SingleResponse, resolve_units
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.conventions import FREQUENCIES
 from torsionnet.response.estimation import estimation_in
@@ -114,7 +120,7 @@ def _no_number(cell: str) -> str:
 
 def _own(text: str, kinds: list[str], numbers: FloatArray) -> FrequencyResponse:
     found = {kind: numbers[:, [at for at, other in enumerate(kinds) if other == kind]] for kind in dict.fromkeys(kinds)}
-    said = words(text)
+    said = parse_description(text)
     shape = (len(numbers), len(said["outputs"]), len(said["inputs"]))
     values = np.empty(shape, dtype=complex)
     values.real, values.imag = found["re"].reshape(shape), found["im"].reshape(shape)
@@ -123,13 +129,13 @@ def _own(text: str, kinds: list[str], numbers: FloatArray) -> FrequencyResponse:
         whole["coherence"] = found["coherence"].reshape(shape)
     if "conditioning" in found:
         whole["conditioning"] = found["conditioning"][:, 0]
-    return described(text, whole)
+    return response_from(text, whole)
 
 
 def _foreign(
     columns: Sequence[ColumnHeading], numbers: Sequence[FloatArray], comments: Sequence[str], path: Path
 ) -> FrequencyResponse:
-    matrix = Matrix(numbers[0] / FREQUENCIES[columns[0].unit])
+    matrix = ResponseMatrix(numbers[0] / FREQUENCIES[columns[0].unit])
     parts: dict[tuple[str, str], dict[str, tuple[ColumnHeading, FloatArray]]] = {}
     for at, column in enumerate(columns):
         if column.pair is not None:
@@ -137,18 +143,20 @@ def _foreign(
     for pair, found in parts.items():
         matrix.pairs[pair] = _single(found)
     notes = resolve_units(matrix.pairs)
-    kept = [comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and limit_in([comment]) is None]
+    kept = [
+        comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and usable_limit_in([comment]) is None
+    ]
     conditioning = [numbers[at] for at, column in enumerate(columns) if column.kind == "conditioning"]
     more = {
         "conditioning": conditioning[0] if conditioning else None,
-        "usable_up_to": limit_in(comments),
+        "usable_up_to": usable_limit_in(comments),
         "estimation": estimation_in(comments),
         "has_phase": not any("phase" not in found and "re" not in found for found in parts.values()),
     }
     return matrix.response(path.name, comments[0] if comments else path.stem, (*kept, *notes), **more)
 
 
-def _single(found: dict[str, tuple[ColumnHeading, FloatArray]]) -> Single:
+def _single(found: dict[str, tuple[ColumnHeading, FloatArray]]) -> SingleResponse:
     if "re" in found:
         heading, real = found["re"]
         values = np.empty(len(real), dtype=complex)
@@ -161,4 +169,4 @@ def _single(found: dict[str, tuple[ColumnHeading, FloatArray]]) -> Single:
     coherence = found["coherence"][1] if "coherence" in found else None
     with np.errstate(invalid="ignore"):
         scaled = np.asarray(values / heading.scale, dtype=complex)
-    return Single(scaled, heading.above, heading.below, coherence)
+    return SingleResponse(scaled, heading.above, heading.below, coherence)

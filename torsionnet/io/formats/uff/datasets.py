@@ -8,21 +8,21 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import replacing
-from torsionnet.io.formats.extras import needed
+from torsionnet.io.formats.extras import import_extra
 
-FUNCTION = 58
+FUNCTION_DATASET = 58
 GENERAL_FUNCTION, TIME_RESPONSE, FRF, TRANSMISSIBILITY, COHERENCE = 0, 1, 4, 5, 6
 """Record 6, field 1."""
-ROTATION = 4
+ROTATION_ABOUT_X = 4
 """Record 6, fields 7 and 10: rotation about +X; negative about -X, 5 and 6 about Y and Z."""
 TRANSLATIONS = frozenset({1, 2, 3})
-WIDTH = 80
+ID_LINE_WIDTH = 80
 """Characters of an ID line."""
-BETWEEN = " / "
+PAIR_SEPARATOR = " / "
 
-TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13, "Pa": 2}
+DATA_TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13, "Pa": 2}
 """Records 9 and 10, field 1: displacement, velocity, acceleration, excitation force, of a rotation."""
-UNITS = {code: unit for unit, code in TYPES.items()} | {9: "N*m"}
+UNITS = {code: unit for unit, code in DATA_TYPES.items()} | {9: "N*m"}
 """The SI unit behind a code where the file gives no label; 9 is a reaction."""
 _EMPTY = ("", "NONE")
 _UNUSED = {
@@ -32,10 +32,10 @@ _UNUSED = {
 } | {"z_axis_value": 0.0, "orddenom_axis_units_lab": "NONE", "z_axis_axis_units_lab": "NONE"}
 
 
-def function(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
+def function_dataset(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
     """A binary function in double precision, with its five lines of text."""
-    texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 1)}
-    return {**_UNUSED, "type": FUNCTION, "binary": 1, "load_case_id": 0, **texts, **entries}
+    texts = {f"id{at}": " ".join(line.split())[:ID_LINE_WIDTH] or "NONE" for at, line in enumerate(lines, 1)}
+    return {**_UNUSED, "type": FUNCTION_DATASET, "binary": 1, "load_case_id": 0, **texts, **entries}
 
 
 def text_in(entries: Mapping[str, Any], key: str) -> str:
@@ -46,7 +46,7 @@ def text_in(entries: Mapping[str, Any], key: str) -> str:
 
 def write_sets(sets: Iterable[Mapping[str, Any]], path: Path) -> None:
     """Write datasets one behind the other, whole or not at all."""
-    pyuff = needed("uff")
+    pyuff = import_extra("uff")
     with replacing(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset

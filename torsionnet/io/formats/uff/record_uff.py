@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.io.foreign import Stored
-from torsionnet.io.formats.extras import content_of
-from torsionnet.io.formats.uff.datasets import FUNCTION, TIME_RESPONSE, function, text_in, write_sets
+from torsionnet.io.foreign import StoredArray
+from torsionnet.io.formats.extras import open_foreign
+from torsionnet.io.formats.uff.datasets import FUNCTION_DATASET, TIME_RESPONSE, function_dataset, text_in, write_sets
 from torsionnet.io.records.clock import clock_of
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import Recording, Signal
@@ -21,9 +21,9 @@ TIME_AXIS, GENERAL = 17, 1
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[Source]:
+def open_source(path: Path) -> Iterator[Source]:
     """A universal file; every time response in it is a channel, named by its first line."""
-    with content_of(path, "uff") as content:
+    with open_foreign(path, "uff") as content:
         numbers = [at for at, item in enumerate(content.arrays[::2]) if _is_time_response(item)]
         if not numbers:
             yield Source((), content.blocks)
@@ -40,11 +40,11 @@ def opened(path: Path) -> Iterator[Source]:
         yield source if clock.times is None else replace(source, time=stamp, stamped=True)
 
 
-def _is_time_response(item: Stored) -> bool:
-    return item.attributes.get("type") == FUNCTION and item.attributes.get("func_type") == TIME_RESPONSE
+def _is_time_response(item: StoredArray) -> bool:
+    return item.attributes.get("type") == FUNCTION_DATASET and item.attributes.get("func_type") == TIME_RESPONSE
 
 
-def _channel(item: Stored, number: int) -> FileChannel:
+def _channel(item: StoredArray, number: int) -> FileChannel:
     place = [item.attributes.get(key, "") for key in ("rsp_ent_name", "rsp_node", "rsp_dir")]
     name = text_in(item.attributes, "id1") or "{}{}:{}".format(*place)
     return FileChannel(name, number, text_in(item.attributes, "ordinate_axis_units_lab"), length=item.length)
@@ -66,7 +66,7 @@ def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any
     lines = [signal.name, signal.quantity, f"sampling rate {recording.sampling_rate!r} Hz", recording.title,
              next(iter(recording.notes), "")]  # fmt: skip
     even = recording.times is None
-    return function(
+    return function_dataset(
         lines, func_type=TIME_RESPONSE, rsp_node=number, rsp_dir=0, ref_node=0, ref_dir=0,
         ver_num=len(recording.signals) - number, rsp_ent_name="NONE", ref_ent_name="NONE",
         data=np.asarray(signal.values), x=recording.time, abscissa_spacing=int(even),

@@ -12,19 +12,19 @@ from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.formats.uff.datasets import (
-    BETWEEN,
     COHERENCE,
     FRF,
-    FUNCTION,
+    FUNCTION_DATASET,
     GENERAL_FUNCTION,
+    PAIR_SEPARATOR,
     TRANSLATIONS,
     TRANSMISSIBILITY,
     UNITS,
     text_in,
 )
-from torsionnet.io.records.quantities import factor_to_si, of_dimension
-from torsionnet.io.responses.described import limit_in
-from torsionnet.io.responses.matrix import Matrix, Single
+from torsionnet.io.records.quantities import factor_to_si, quantity_of_dimension
+from torsionnet.io.responses.response_description import usable_limit_in
+from torsionnet.io.responses.response_matrix import ResponseMatrix, SingleResponse
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.recording import QUANTITY_UNITS
@@ -32,15 +32,15 @@ from torsionnet.response.recording import QUANTITY_UNITS
 _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
-def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
+def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     """One response of all transfer functions; ModelError lists what does not fit, by the number of the dataset."""
-    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION]
+    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION_DATASET]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
         text = "there is no frequency response (dataset 58 with function type 4) in the file"
         raise ModelError([Fault(text)], path.name)
     first = functions[0][1]
-    matrix, faults = Matrix(np.asarray(first["x"], dtype=float)), []
+    matrix, faults = ResponseMatrix(np.asarray(first["x"], dtype=float)), []
     for number, item in functions:
         faults += _add(matrix, number, item)
     faults += [
@@ -53,13 +53,13 @@ def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     conditioning = [np.asarray(item["data"], dtype=float) for item in general if text_in(item, "id1") == "conditioning"]
     more = {
         "conditioning": conditioning[0] if conditioning else None,
-        "usable_up_to": limit_in([text_in(first, "id3")]),
+        "usable_up_to": usable_limit_in([text_in(first, "id3")]),
         "estimation": estimation_in(notes),
     }
     return matrix.response(path.name, text_in(first, "id2") or path.stem, notes, **more)
 
 
-def _add(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
+def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Fault]:
     pair = _pair(item)
     label = f"dataset {number} ({pair[0]} over {pair[1]})"
     values = np.asarray(item["data"], dtype=complex)
@@ -74,11 +74,13 @@ def _add(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
     except UnitError as error:
         return [Fault(f"{label}: {error}")]
     factor = up / down
-    matrix.pairs[pair] = Single(np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below)
+    matrix.pairs[pair] = SingleResponse(
+        np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below
+    )
     return []
 
 
-def _cohere(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
+def _cohere(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Fault]:
     pair, values = _pair(item), np.real(np.asarray(item["data"]))
     if pair not in matrix.pairs or len(values) != len(matrix.frequencies):
         return [
@@ -90,7 +92,7 @@ def _cohere(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
 
 def _pair(item: dict[str, Any]) -> tuple[str, str]:
     """Names as written here in the first line, or else entity, node and direction."""
-    output, between, driven = text_in(item, "id1").partition(BETWEEN)
+    output, between, driven = text_in(item, "id1").partition(PAIR_SEPARATOR)
     return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
 
 
@@ -111,7 +113,7 @@ def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
             )
         return UNITS[code], 1.0
     stress = UNITS.get(int(item.get(f"{axis}_spec_data_type") or 0)) == "Pa"
-    quantity = "stress" if stress else of_dimension(parse_unit(plain_unit(label)).dimension)
+    quantity = "stress" if stress else quantity_of_dimension(parse_unit(plain_unit(label)).dimension)
     if quantity:
         return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
     raise UnitError(f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque')

@@ -14,26 +14,26 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import UsageError
-from torsionnet.io.formats.extras import content_of, require
+from torsionnet.io.formats.extras import open_foreign, require_extra
 from torsionnet.io.formats.uff.datasets import (
-    BETWEEN,
     COHERENCE,
+    DATA_TYPES,
     FRF,
-    FUNCTION,
+    FUNCTION_DATASET,
     GENERAL_FUNCTION,
-    ROTATION,
-    TYPES,
-    WIDTH,
-    function,
+    ID_LINE_WIDTH,
+    PAIR_SEPARATOR,
+    ROTATION_ABOUT_X,
+    function_dataset,
     write_sets,
 )
-from torsionnet.io.formats.uff.response_reading import collected
+from torsionnet.io.formats.uff.response_reading import response_of_datasets
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, limit_line
 
-ENTITY, LABEL = 10, 20
-FREQUENCY = 18
+ENTITY_WIDTH, LABEL_WIDTH = 10, 20
+FREQUENCY_AXIS = 18
 _SI = {
     "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
     "temp_offset": 273.15,
@@ -42,18 +42,18 @@ _SI = {
 
 def read(path: Path) -> FrequencyResponse:
     """All transfer functions of a universal file as one response."""
-    with content_of(path, "uff") as content:
+    with open_foreign(path, "uff") as content:
         sets: list[dict[str, Any]] = [dict(item.attributes) for item in content.arrays[::2]]
         for number, item in enumerate(sets):
-            if item.get("type") == FUNCTION:
+            if item.get("type") == FUNCTION_DATASET:
                 data, axis = (next(content.blocks([2 * number + at], 0), [np.empty(0)])[0] for at in (0, 1))
                 item |= {"data": data, "x": axis}
-    return collected(sets, path)
+    return response_of_datasets(sets, path)
 
 
 def write(response: FrequencyResponse, path: Path) -> None:
     """Binary datasets 58 in double precision."""
-    require("uff")
+    require_extra("uff")
     if len(response.frequencies) < 2:
         raise UsageError("a universal file takes responses at two frequencies or more; write an .npz or .csv file")
     if not response.has_phase:
@@ -87,8 +87,8 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
     common, numbers = _common(response), _numbers(response)
     for o, out in enumerate(response.outputs):
         for i, into in enumerate(response.inputs):
-            place = {"id1": _first_line(out, into), "rsp_node": numbers[out.name], "rsp_dir": ROTATION,
-                     "ref_node": numbers[into.name], "ref_dir": ROTATION,
+            place = {"id1": _first_line(out, into), "rsp_node": numbers[out.name], "rsp_dir": ROTATION_ABOUT_X,
+                     "ref_node": numbers[into.name], "ref_dir": ROTATION_ABOUT_X,
                      "rsp_ent_name": _entity(out), "ref_ent_name": _entity(into)}  # fmt: skip
             yield {**common, **place, "func_type": FRF, "data": _complex(response.values[:, o, i]),
                    **_side("ordinate", out), **_side("orddenom", into)}  # fmt: skip
@@ -105,9 +105,9 @@ def _common(response: FrequencyResponse) -> dict[str, Any]:
     notes = sorted(response.notes, key=lambda note: estimation_in([note]) is None)
     lines = ("", response.title, limit_line(response), *notes[:2], "", "")[:5]
     frequencies = np.asarray(response.frequencies, dtype=float)
-    return function(
+    return function_dataset(
         lines, x=frequencies, abscissa_spacing=int(_is_even(frequencies)), abscissa_min=float(frequencies[0]),
-        abscissa_inc=float(frequencies[1] - frequencies[0]), abscissa_spec_data_type=FREQUENCY,
+        abscissa_inc=float(frequencies[1] - frequencies[0]), abscissa_spec_data_type=FREQUENCY_AXIS,
         abscissa_axis_units_lab="Hz", ordinate_axis_units_lab="NONE",
     )  # fmt: skip
 
@@ -119,8 +119,8 @@ def _is_even(frequencies: FloatArray) -> bool:
 
 
 def _first_line(output: Channel, input: Channel) -> str:
-    text = f"{output.name}{BETWEEN}{input.name}"
-    if len(text) > WIDTH or text.count(BETWEEN) > 1 or not text.isascii():
+    text = f"{output.name}{PAIR_SEPARATOR}{input.name}"
+    if len(text) > ID_LINE_WIDTH or text.count(PAIR_SEPARATOR) > 1 or not text.isascii():
         raise UsageError(
             f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them"
         )
@@ -128,14 +128,14 @@ def _first_line(output: Channel, input: Channel) -> str:
 
 
 def _entity(channel: Channel) -> str:
-    fits = len(channel.name) <= ENTITY and " " not in channel.name
+    fits = len(channel.name) <= ENTITY_WIDTH and " " not in channel.name
     return channel.name if fits else "NONE"
 
 
 def _side(axis: str, channel: Channel) -> dict[str, Any]:
     return {
-        f"{axis}_spec_data_type": TYPES.get(channel.unit, 0),
-        f"{axis}_axis_units_lab": channel.unit[:LABEL] or "NONE",
+        f"{axis}_spec_data_type": DATA_TYPES.get(channel.unit, 0),
+        f"{axis}_axis_units_lab": channel.unit[:LABEL_WIDTH] or "NONE",
     }
 
 

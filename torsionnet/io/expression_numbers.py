@@ -14,13 +14,13 @@ from torsionnet.model.elements import Values
 
 
 @dataclass(frozen=True, eq=False)
-class OpenNumber:
+class ExpressionNumber:
     """A number with its expression; it compares by its present value.
 
     Elements run on such numbers as they do on fractions.
 
     >>> import torsionnet as tn
-    >>> (law,) = tn.Spring("s", nodes=("a", "b"), stiffness="2*k").parts(open_values({"k": Fraction(5)}))
+    >>> (law,) = tn.Spring("s", nodes=("a", "b"), stiffness="2*k").parts(expression_values({"k": Fraction(5)}))
     >>> law.stiffness.value, str(law.stiffness.expression)
     (Fraction(10, 1), '2*k')
     """
@@ -28,58 +28,58 @@ class OpenNumber:
     value: Fraction | float
     expression: Expression
 
-    def __add__(self, right: Any) -> OpenNumber:
-        other = open_number(right)
+    def __add__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
         if other.is_constantly(0):
             return self
         return other if self.is_constantly(0) else self._with("+", other, self.value + other.value)
 
-    def __sub__(self, right: Any) -> OpenNumber:
-        other = open_number(right)
+    def __sub__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
         if self.is_constantly(0):
             return -other
         return self if other.is_constantly(0) else self._with("-", other, self.value - other.value)
 
-    def __mul__(self, right: Any) -> OpenNumber:
-        other = open_number(right)
+    def __mul__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
         for factor, rest in ((self, other), (other, self)):
             if factor.is_constantly(0) or rest.is_constantly(1):
                 return factor
         return self._with("*", other, self.value * other.value)
 
-    def __truediv__(self, right: Any) -> OpenNumber:
-        other = open_number(right)
+    def __truediv__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
         return self if other.is_constantly(1) else self._with("/", other, self.value / other.value)
 
-    def __pow__(self, power: int) -> OpenNumber:
-        return self if power == 1 else self._with("**", open_number(power), self.value**power)
+    def __pow__(self, power: int) -> ExpressionNumber:
+        return self if power == 1 else self._with("**", expression_number(power), self.value**power)
 
-    def __neg__(self) -> OpenNumber:
+    def __neg__(self) -> ExpressionNumber:
         match self.expression:
             case Compound("negative", (inner,)):
                 return _made(-self.value, inner)
         return _made(-self.value, Compound("negative", (self.expression,)))
 
-    def __radd__(self, left: Any) -> OpenNumber:
-        return open_number(left) + self
+    def __radd__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) + self
 
-    def __rsub__(self, left: Any) -> OpenNumber:
-        return open_number(left) - self
+    def __rsub__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) - self
 
-    def __rmul__(self, left: Any) -> OpenNumber:
-        return open_number(left) * self
+    def __rmul__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) * self
 
-    def __rtruediv__(self, left: Any) -> OpenNumber:
-        return open_number(left) / self
+    def __rtruediv__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) / self
 
     def __eq__(self, right: object) -> bool:
-        return self.value == open_number(right).value
+        return self.value == expression_number(right).value
 
     def __lt__(self, right: Any) -> bool:
-        return bool(self.value < open_number(right).value)
+        return bool(self.value < expression_number(right).value)
 
     def __gt__(self, right: Any) -> bool:
-        return bool(self.value > open_number(right).value)
+        return bool(self.value > expression_number(right).value)
 
     def __hash__(self) -> int:
         return hash(self.value)
@@ -91,27 +91,27 @@ class OpenNumber:
         """Whether it is a number that no parameter can change."""
         return isinstance(self.expression, Number) and self.value == number
 
-    def _with(self, sign: str, right: OpenNumber, value: Fraction | float) -> OpenNumber:
+    def _with(self, sign: str, right: ExpressionNumber, value: Fraction | float) -> ExpressionNumber:
         return _made(value, Compound(sign, (self.expression, right.expression)))
 
 
-def open_number(value: Any) -> OpenNumber:
+def expression_number(value: Any) -> ExpressionNumber:
     """A plain number as one without parameters."""
-    return value if isinstance(value, OpenNumber) else OpenNumber(value, Number(value))
+    return value if isinstance(value, ExpressionNumber) else ExpressionNumber(value, Number(value))
 
 
-def open_values(parameters: Mapping[str, Any]) -> Values:
+def expression_values(parameters: Mapping[str, Any]) -> Values:
     """What turns the scalars of elements into numbers that stay open in these parameters."""
-    named = {name: OpenNumber(value, Name(name)) for name, value in parameters.items()}
-    return Values(named, Algebra(open_number, _square_root, OpenNumber(pi, Compound("pi"))))
+    named = {name: ExpressionNumber(value, Name(name)) for name, value in parameters.items()}
+    return Values(named, Algebra(expression_number, _square_root, ExpressionNumber(pi, Compound("pi"))))
 
 
-def _square_root(number: OpenNumber) -> OpenNumber:
+def _square_root(number: ExpressionNumber) -> ExpressionNumber:
     return _made(exact_sqrt(number.value), Compound("sqrt", (number.expression,)))
 
 
-def _made(value: Fraction | float, expression: Expression) -> OpenNumber:
+def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
     """A result; what depends on no parameter and is exact needs no expression."""
     value = limited(value)
     is_plain = isinstance(value, Fraction | int) and not expression.names
-    return OpenNumber(value, Number(value) if is_plain else expression)
+    return ExpressionNumber(value, Number(value) if is_plain else expression)

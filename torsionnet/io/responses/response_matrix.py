@@ -12,12 +12,12 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
-UNKNOWN = "1"
+UNKNOWN_UNIT = "1"
 """Unit of a channel of which the file only says that it is that of its partner."""
 
 
 @dataclass
-class Single:
+class SingleResponse:
     """One output over one input; its values are in SI."""
 
     values: ComplexArray
@@ -27,11 +27,11 @@ class Single:
 
 
 @dataclass
-class Matrix:
+class ResponseMatrix:
     """Transfer functions by (output, input), in the order in which they were found."""
 
     frequencies: FloatArray
-    pairs: dict[tuple[str, str], Single] = field(default_factory=dict)
+    pairs: dict[tuple[str, str], SingleResponse] = field(default_factory=dict)
 
     def response(self, file: str, title: str, notes: tuple[str, ...] = (), **more: Any) -> FrequencyResponse:
         """The matrix; ModelError names what is missing, or has two units."""
@@ -57,7 +57,7 @@ class Matrix:
             **more,
         )
 
-    def _stacked(self, outputs: list[str], inputs: list[str], of: Callable[[Single], Any]) -> Any:
+    def _stacked(self, outputs: list[str], inputs: list[str], of: Callable[[SingleResponse], Any]) -> Any:
         table = [[of(self.pairs[o, i]) for i in inputs] for o in outputs]
         return np.ascontiguousarray(np.moveaxis(np.array(table), 2, 0))
 
@@ -72,19 +72,19 @@ class Matrix:
         return stacked
 
 
-def resolve_units(pairs: Mapping[tuple[str, str], Single]) -> list[str]:
+def resolve_units(pairs: Mapping[tuple[str, str], SingleResponse]) -> list[str]:
     """Give channels that share an unknown unit the one other pairs tell; what stays unknown is returned as notes."""
     changed = True
     while changed:
         changed = False
         known = [
-            {pair[0]: s.output_unit for pair, s in pairs.items() if s.output_unit != UNKNOWN},
-            {pair[1]: s.input_unit for pair, s in pairs.items() if s.input_unit != UNKNOWN},
+            {pair[0]: s.output_unit for pair, s in pairs.items() if s.output_unit != UNKNOWN_UNIT},
+            {pair[1]: s.input_unit for pair, s in pairs.items() if s.input_unit != UNKNOWN_UNIT},
         ]
         for (output, driven), single in pairs.items():
             unit = known[0].get(output) or known[1].get(driven)
-            if single.output_unit == UNKNOWN and unit:
+            if single.output_unit == UNKNOWN_UNIT and unit:
                 single.output_unit = single.input_unit = unit
                 changed = True
-    open_pairs = [f"{o}/{i}" for (o, i), single in pairs.items() if single.output_unit == UNKNOWN]
+    open_pairs = [f"{o}/{i}" for (o, i), single in pairs.items() if single.output_unit == UNKNOWN_UNIT]
     return [f"{pair}: a ratio of like signals; the file does not tell their unit" for pair in open_pairs]

@@ -17,7 +17,7 @@ KEY = "torsionnet_recording"
 TIME = "time"
 
 
-def stored(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
+def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
     """JSON text of names, quantities, rate, start, title and notes; ``keys`` name the values in the file."""
     signals = [
         {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes)}
@@ -46,7 +46,7 @@ class SavedColumn:
 
 def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> list[SavedColumn]:
     """One column for every signal, and one of time stamps where there are any; no two of one name."""
-    checked_names(recording)
+    check_names(recording)
     columns = [
         SavedColumn(key, signal.values, {"unit": signal.unit, "quantity": signal.quantity})
         for key, signal in zip(keys or recording.names, recording, strict=True)
@@ -54,7 +54,7 @@ def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> li
     return columns if recording.times is None else [*columns, SavedColumn(TIME, recording.times, {"unit": "s"})]
 
 
-def with_stored(source: Source, text: str) -> Source:
+def with_description(source: Source, text: str) -> Source:
     """The source with what ``text`` says about it, or with its time found where it says nothing.
 
     Raises
@@ -63,7 +63,7 @@ def with_stored(source: Source, text: str) -> Source:
         The two do not fit.
     """
     if not text:
-        return source.with_time_found()
+        return source.with_time_channel()
     try:
         data = json.loads(text)
         channels = tuple(_channel(source, entry) for entry in data["signals"])
@@ -95,7 +95,7 @@ def _named(source: Source, key: str) -> FileChannel:
     raise ValueError(f"channel {key}, which its description names, is not in the file")
 
 
-def checked_names(recording: Recording, *, with_time: bool = False) -> None:
+def check_names(recording: Recording, *, with_time: bool = False) -> None:
     """Raise where two channels of a file would have one name."""
     names = [*recording.names, *([TIME] if with_time or recording.times is not None else [])]
     twice = sorted({name for name in names if names.count(name) > 1})

@@ -9,7 +9,7 @@ from pathlib import Path
 from torsionnet.core.atomic import replacing
 from torsionnet.response.recording import FloatArray
 
-PIECE = 20_000
+ROWS_PER_PIECE = 20_000
 """Rows that are made into text at a time."""
 
 
@@ -29,6 +29,6 @@ def write_columns(
     """A line of description, one of headings, and the columns beside each other, all digits."""
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
         file.write(f"# {key}: {description}\n{','.join(headings)}\n")
-        for first in range(0, len(columns[0]), PIECE):
-            rows = zip(*(column[first : first + PIECE].tolist() for column in columns), strict=True)
+        for first in range(0, len(columns[0]), ROWS_PER_PIECE):
+            rows = zip(*(column[first : first + ROWS_PER_PIECE].tolist() for column in columns), strict=True)
             file.writelines(",".join(map(repr, row)) + "\n" for row in rows)

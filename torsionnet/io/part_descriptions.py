@@ -7,24 +7,24 @@ from typing import Any
 from torsionnet.model.elements import Action, Element, Law, Part
 
 
-def unwritten(element: Element, part: Part) -> str:
+def describe_element_part(element: Element, part: Part) -> str:
     """An element and the part of it that cannot be written.
 
     >>> import torsionnet as tn
     >>> from torsionnet.model.elements import Values
     >>> stage = tn.Gear("stage", nodes=("a", "b"), ratio=3, stiffness=100)
-    >>> unwritten(stage, stage.parts(Values({}))[0])
+    >>> describe_element_part(stage, stage.parts(Values({}))[0])
     'stage (gear), stiffness on a - 3*b'
     """
-    return f"{element.name} ({element.kind}), {part_words(part)}"
+    return f"{element.name} ({element.kind}), {describe_part(part)}"
 
 
-def part_words(part: Part) -> str:
+def describe_part(part: Part) -> str:
     """What acts, and on which weighted sum of angles."""
     if isinstance(part, Action):
-        return f"torque on {row_words(part.row)} that follows {row_words(part.sensed)}"
+        return f"torque on {row_text(part.row)} that follows {row_text(part.sensed)}"
     if not isinstance(part, Law):
-        return f"constraint {row_words(part.row)} = 0"
+        return f"constraint {row_text(part.row)} = 0"
     found = {
         "inertia": part.inertia != 0,
         "damping": part.damping != 0,
@@ -33,13 +33,13 @@ def part_words(part: Part) -> str:
         "table over frequency": part.table is not None,
     }
     names = [name for name, is_there in found.items() if is_there]
-    return f"{' and '.join(names)} on {row_words(part.row)}"
+    return f"{' and '.join(names)} on {row_text(part.row)}"
 
 
-def row_words(row: dict[str, Any]) -> str:
+def row_text(row: dict[str, Any]) -> str:
     """A weighted sum of angles by the names of the nodes; ``0`` for none.
 
-    >>> row_words({"a": 1, "b": -2.5})
+    >>> row_text({"a": 1, "b": -2.5})
     'a - 2.5*b'
     """
     text = ""

@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, SolveError, UsageError, unknown_name
 from torsionnet.core.units import parse_unit
-from torsionnet.io.records.assembling import Wanted, recordings
+from torsionnet.io.records.assembling import ReadOptions, recordings
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.bandlimited import Rotation
@@ -18,12 +18,12 @@ from torsionnet.signals.encoder import angle_from_counts, rotation_of
 from torsionnet.signals.pulse_train import is_stamped, pulse_times
 from torsionnet.signals.sample_counts import even_times
 
-LEAST_PACE = 1.0
+LEAST_PULSE_RATE = 1.0
 """Pulses a second, below which their times are hardly in s."""
 
 
 @dataclass(frozen=True, eq=False)
-class Turning:
+class EncoderRotation:
     """What the pulses of a channel say.
 
     ``times`` are those of the pulses kept, s.
@@ -42,7 +42,7 @@ class Turning:
         return Signal(self.name, "angle", angle, self.notes)
 
 
-def pulsed(source: Source, wanted: Wanted, file: str) -> Recording:
+def encoder_recording(source: Source, options: ReadOptions, file: str) -> Recording:
     """The recording, with an angle of every channel of pulses, cut to where all of them turn.
 
     Raises
@@ -51,72 +51,74 @@ def pulsed(source: Source, wanted: Wanted, file: str) -> Recording:
         Names that the file lacks, or pulses that cannot be read.
     """
     every = {channel.name: channel for channel in (*source.channels, *([source.time] if source.time else []))}
-    faults = [unknown_name("channel", name, every, ("channels",)) for name in wanted.pulses if name not in every]
+    faults = [unknown_name("channel", name, every, ("channels",)) for name in options.pulses if name not in every]
     faults += [
         Fault(f"the steps per revolution must be a positive number, got {steps:g}", ("channels", name))
-        for name, steps in wanted.pulses.items()
+        for name, steps in options.pulses.items()
         if not steps > 0
     ]
     if faults:
         raise ModelError(faults, file)
-    turning = [_turning(source, every[name], wanted, file) for name in wanted.pulses if _is_asked(name, wanted.names)]
-    return _together(_others(source, wanted, file), turning, wanted, file)
+    turning = [
+        _turning(source, every[name], options, file) for name in options.pulses if _is_asked(name, options.names)
+    ]
+    return _together(_others(source, options, file), turning, options, file)
 
 
 def _is_asked(name: str, names: Sequence[str] | Mapping[str, str] | None) -> bool:
     return names is None or name in names
 
 
-def _others(source: Source, wanted: Wanted, file: str) -> Recording | None:
+def _others(source: Source, options: ReadOptions, file: str) -> Recording | None:
     """The recording of the other channels, if there are any."""
-    names = wanted.names
+    names = options.names
     if isinstance(names, Mapping):
-        names = {name: new for name, new in names.items() if name not in wanted.pulses}
+        names = {name: new for name, new in names.items() if name not in options.pulses}
     elif names is not None:
-        names = [name for name in names if name not in wanted.pulses]
-    channels = tuple(channel for channel in source.channels if channel.name not in wanted.pulses)
+        names = [name for name in names if name not in options.pulses]
+    channels = tuple(channel for channel in source.channels if channel.name not in options.pulses)
     if not channels or (names is not None and not names):
         return None
-    rest = replace(source, channels=channels, time=_clock(source, wanted))
+    rest = replace(source, channels=channels, time=_clock(source, options))
     units, quantities = (
-        {name: word for name, word in given.items() if name not in wanted.pulses}
-        for given in (wanted.units, wanted.quantities)
+        {name: word for name, word in given.items() if name not in options.pulses}
+        for given in (options.units, options.quantities)
     )
-    return next(recordings(rest, Wanted(names, quantities, units, wanted.sampling_rate), file))
+    return next(recordings(rest, ReadOptions(names, quantities, units, options.sampling_rate), file))
 
 
-def _clock(source: Source, wanted: Wanted) -> FileChannel | None:
+def _clock(source: Source, options: ReadOptions) -> FileChannel | None:
     """The channel of time stamps, unless its stamps are those of pulses."""
-    return None if source.time is None or source.time.name in wanted.pulses else source.time
+    return None if source.time is None or source.time.name in options.pulses else source.time
 
 
-def _turning(source: Source, channel: FileChannel, wanted: Wanted, file: str) -> Turning:
-    steps = float(wanted.pulses[channel.name])
+def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: str) -> EncoderRotation:
+    steps = float(options.pulses[channel.name])
     raw = next(source.blocks([channel.column], 0))[0]
     raw = raw[np.isfinite(raw)]
-    stamped, unit = is_stamped(raw), wanted.units.get(channel.name, channel.unit)
+    stamped, unit = is_stamped(raw), options.units.get(channel.name, channel.unit)
     try:
         if stamped:
             stamps = raw * (float(parse_unit(plain_unit(unit)).factor) if unit else 1.0)
         else:
             alone = replace(channel, unit="", quantity="", notes=())
-            rest = replace(source, channels=(alone,), time=_clock(source, wanted))
-            train = next(recordings(rest, Wanted(sampling_rate=wanted.sampling_rate), file))
+            rest = replace(source, channels=(alone,), time=_clock(source, options))
+            train = next(recordings(rest, ReadOptions(sampling_rate=options.sampling_rate), file))
             stamps = pulse_times(train.signals[0].values, train.time)
         times, rotation, remarks = rotation_of(stamps, steps)
     except (UsageError, SolveError) as error:
         raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
-    slow = len(stamps) < LEAST_PACE * (stamps[-1] - stamps[0])
+    slow = len(stamps) < LEAST_PULSE_RATE * (stamps[-1] - stamps[0])
     if stamped and not unit and slow:
         told = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
         remarks = (*remarks, f"{told}; if they are in ms, or count ticks, give their unit")
     kind = "time stamps of pulses" if stamped else "a pulse train"
-    name = wanted.names[channel.name] if isinstance(wanted.names, Mapping) else channel.name
+    name = options.names[channel.name] if isinstance(options.names, Mapping) else channel.name
     notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks)
-    return Turning(name, steps, times, rotation, notes)
+    return EncoderRotation(name, steps, times, rotation, notes)
 
 
-def _even(first: float, last: float, rate: float, turning: Sequence[Turning], file: str) -> FloatArray:
+def _even(first: float, last: float, rate: float, turning: Sequence[EncoderRotation], file: str) -> FloatArray:
     """Times at which all turn, s."""
     place, most = ("channels", turning[0].name), max(len(one.times) for one in turning)
     if last < first:
@@ -128,13 +130,15 @@ def _even(first: float, last: float, rate: float, turning: Sequence[Turning], fi
         raise ModelError([Fault(str(error), place)], file) from None
 
 
-def _together(record: Recording | None, turning: Sequence[Turning], wanted: Wanted, file: str) -> Recording:
+def _together(
+    record: Recording | None, turning: Sequence[EncoderRotation], options: ReadOptions, file: str
+) -> Recording:
     if not turning:
         assert record is not None
         return record
     first, last = max(one.times[0] for one in turning), min(one.times[-1] for one in turning)
     if record is None:
-        rate = wanted.sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in turning)
+        rate = options.sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in turning)
         record = Recording((), rate, float(first), title=file)
         times = _even(float(first), float(last), rate, turning, file)
     else:

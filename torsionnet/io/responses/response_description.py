@@ -48,7 +48,7 @@ def check_members(there: Collection[str], path: Path, whole: str, nothing: str) 
         raise ModelError([Fault(text)], path.name)
 
 
-def words(text: str) -> dict[str, Any]:
+def parse_description(text: str) -> dict[str, Any]:
     """A description taken apart: what a response is made of but for its numbers; ``ValueError`` where it is damaged."""
     try:
         data = json.loads(text)
@@ -68,9 +68,9 @@ def words(text: str) -> dict[str, Any]:
         ) from error
 
 
-def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
+def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
     """The response made of a description and numbers; ``ValueError`` where the two do not fit each other."""
-    said = words(text)
+    said = parse_description(text)
     sizes = (len(numbers["frequencies"]), len(said["outputs"]), len(said["inputs"]))
     shapes = {"frequencies": sizes[:1], "values": sizes, "coherence": sizes, "conditioning": sizes[:1]}
     for name, values in numbers.items():
@@ -79,10 +79,10 @@ def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
     return FrequencyResponse(**said, **numbers)
 
 
-def limit_in(lines: Iterable[str]) -> float | None:
+def usable_limit_in(lines: Iterable[str]) -> float | None:
     """What the line about it says, for files that hold nothing but lines of text.
 
-    >>> limit_in(["a title", "usable up to 16.8 Hz"])
+    >>> usable_limit_in(["a title", "usable up to 16.8 Hz"])
     16.8
     """
     found = [match[1] for line in lines if (match := _LIMIT.fullmatch(line))]

@@ -9,7 +9,7 @@ from typing import Any
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.expressions import Expression, Name
 from torsionnet.core.units import DIMENSIONS, Dimension
-from torsionnet.io.open_numbers import open_values
+from torsionnet.io.expression_numbers import expression_values
 from torsionnet.model.element_base.element import viscous
 from torsionnet.model.elements import Element, Values
 
@@ -24,7 +24,7 @@ integer min max sum product fill zeros ones ndims size vector matrix transpose c
 """
 KEYWORDS = frozenset(_RESERVED.split())
 """Names that no component gets."""
-UNITS = {
+MODELICA_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
     "torque": "N.m",
@@ -56,13 +56,13 @@ _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 _INTEGER = re.compile(r"(?<![\w.])\d+(?![\w.])")
 
 
-class ModelicaWords:
+class ModelicaExpressions:
     """Expressions of a model with its parameters under the names they have in Modelica."""
 
     def __init__(self, names: Mapping[str, str], values: Mapping[str, Any]) -> None:
         self.names: Mapping[str, str] = names
         self.values: Values = Values(values)
-        self.open: Values = open_values(values)
+        self.symbolic: Values = expression_values(values)
 
     def expression(self, value: Expression) -> str:
         """An expression in SI; equal to the model's for any values of the parameters."""
@@ -89,14 +89,14 @@ def factor(text: str) -> str:
     return text if re.fullmatch(r"[\w.]+", text) else f"({text})"
 
 
-def kinds_in_use(elements: Iterable[Element], known: Mapping[str, Dimension | None]) -> dict[str, str]:
+def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension | None]) -> dict[str, str]:
     """What a parameter is in the entry of an element that it is the value of, or a term of one dimension with it."""
     found: dict[str, str] = {}
     for element in elements:
         for _, _, expression, kind in element.expressions():
             for name in expression.names:
                 alone = isinstance(expression, Name) and known.get(name) is None
-                if alone or (kind in UNITS and known.get(name) == DIMENSIONS[kind]):
+                if alone or (kind in MODELICA_UNITS and known.get(name) == DIMENSIONS[kind]):
                     found.setdefault(name, kind)
     return found
 
@@ -110,11 +110,11 @@ def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
     ('N.m', 'N.m/rad')
     """
     if kind is not None:
-        return UNITS.get(kind, "")
+        return MODELICA_UNITS.get(kind, "")
     if dimension in _ALIKE:
         kind = _ALIKE[dimension][not re.search("rad|deg", written)]
-        return UNITS[kind]
-    return next((unit for name, unit in UNITS.items() if dimension == DIMENSIONS[name]), "")
+        return MODELICA_UNITS[kind]
+    return next((unit for name, unit in MODELICA_UNITS.items() if dimension == DIMENSIONS[name]), "")
 
 
 def quoted(text: str) -> str:
@@ -123,10 +123,10 @@ def quoted(text: str) -> str:
     return f'"{plain}"'
 
 
-def written_unit(unit: str) -> str:
+def export_unit(unit: str) -> str:
     """An SI unit as Modelica and FMI write it.
 
-    >>> written_unit("N*m"), written_unit("rad/s^2")
+    >>> export_unit("N*m"), export_unit("rad/s^2")
     ('N.m', 'rad/s2')
     """
     return unit.replace("*", ".").replace("^", "")

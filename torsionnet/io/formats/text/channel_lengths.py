@@ -8,7 +8,7 @@ from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.records.source import FileChannel
 
-EMPTY = " empty cells are NaN"
+EMPTY_CELLS_NOTE = " empty cells are NaN"
 
 
 def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
@@ -23,4 +23,7 @@ def count_empty(rows: NumberRows, columns: Sequence[int], discovered: list[str])
     """Note how many cells were empty so far, instead of what was noted before."""
     empty = int(rows.empty[list(columns)].sum())
     if empty:
-        discovered[:] = [*(note for note in discovered if not note.endswith(EMPTY)), f"{empty}{EMPTY}"]
+        discovered[:] = [
+            *(note for note in discovered if not note.endswith(EMPTY_CELLS_NOTE)),
+            f"{empty}{EMPTY_CELLS_NOTE}",
+        ]
