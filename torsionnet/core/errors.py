@@ -207,7 +207,7 @@ def _letters(text: str) -> int:
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """Text that asks ``; did you mean "x"?`` with the nearest candidate, or the empty string.
+    """Question whether the nearest candidate was meant, ``; did you mean "x"?``, or the empty string.
 
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
@@ -216,7 +216,7 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
 
 
 def meant_or(name: str, candidates: Iterable[str], rest: str) -> str:
-    """Text that asks ``; did you mean "x"?`` with the nearest candidate, if there is any, followed by ``rest``.
+    """Question whether the nearest candidate was meant, if there is any, followed by ``rest``.
 
     >>> meant_or("gerbox", ["gearbox"], "known: gearbox"), meant_or("x", ["gearbox"], "known: gearbox")
     ('; did you mean "gearbox"? known: gearbox', '; known: gearbox')

@@ -9,7 +9,7 @@ T = TypeVar("T", bound=Hashable)
 
 
 class Groups(Generic[T]):
-    """Connected groups of names; a name that was never joined is alone.
+    """Connected groups of names (union-find); a name that was never joined is alone.
 
     ``home`` has the group of every name mentioned; in it, those of the first of a join stand before the others.
 

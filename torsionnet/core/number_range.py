@@ -12,7 +12,7 @@ range of floats."""
 
 
 def is_beyond_range(value: Any) -> bool:
-    """Whether a value is too small or too large for anything in a drivetrain; 0 is not.
+    """Whether a value is too small or too large for anything in a drivetrain; 0 is allowed.
 
     >>> is_beyond_range(1e300), is_beyond_range(0.0)
     (True, False)

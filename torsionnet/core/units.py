@@ -41,7 +41,9 @@ Real = Fraction | float
 RPM = 60 / (2 * math.pi)
 """Speed of 1 rad/s in r/min."""
 _MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 330, 10
-_SAFE_LENGTH = 40  # so few digits, and a unit so short, stay far inside the range of a float
+_SAFE_LENGTH = 40
+"""Characters of a quantity up to which its value is far inside the range of floats, with so few digits and so short a
+unit."""
 
 
 class UnitError(TorsionnetError, ValueError):

@@ -31,7 +31,7 @@ def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
 
 
 def unfit_load(external: ExternalTorques) -> list[Fault]:
-    """A load that does not turn with the drivetrain, has no rated speed, leaves its table or is contradicted."""
+    """Faults of a load that does not turn with the drivetrain, has no rated speed or table row, or is contradicted."""
     definition = external.definition
     if definition.load is None:
         return []

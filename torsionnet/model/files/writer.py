@@ -55,7 +55,7 @@ def _text(data: Mapping[str, Any]) -> str:
 
 
 def _lines(key: str, value: Any, levels: int, indent: str) -> Iterator[str]:
-    """Lines of ``key: value`` with as many levels of block style as wanted, flow style below."""
+    """Lines of an entry of a model file, with as many levels of block style as wanted, flow style below."""
     if not levels or not isinstance(value, Mapping) or not value:
         yield f"{indent}{written(key)}: {_flow(value)}"
         return

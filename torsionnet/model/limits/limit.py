@@ -115,7 +115,7 @@ class Limit(Declared):
         return [one for line in known for one in self.judged(line, name, evidence)]
 
     def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        """Verdict on a line, sometimes none."""
+        """Verdicts on a line; none where the rule does not apply to the line."""
         if line.why_not:
             yield replace(self.open(name, evidence, line.criterion, line.why_not), absent=line.absent)
         else:

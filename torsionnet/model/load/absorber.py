@@ -20,7 +20,7 @@ STEEPEST = 10
 
 
 class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
-    """Entry of a table ``{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}``; stored as pairs in rad/s and N m, by rising speed."""
+    """Entry of a table of torque over speed: ``{300 rpm: 30 kN*m}``, stored as pairs in rad/s and N m, sorted."""
 
     @property
     def absent(self) -> tuple[tuple[float, float], ...]:

@@ -165,10 +165,7 @@ class ExternalTorques:
 
 
 def mean_torques(external: ExternalTorques) -> dict[str, float]:
-    """Mean external torque in N m by node at the operating point; empty where the load is cut off.
-
-    None where the load is cut off.
-    """
+    """Mean external torque in N m by node at the operating point; empty where the load is cut off."""
     try:
         return external.at_operating_point
     except CutOffError:
