@@ -69,7 +69,7 @@ def answers_as_text(study: Study, folder: Path | None = None, workers: Workers |
 
 def slow_and_shared() -> None:
     """Every evaluation takes a while, so that it can be killed, and all that can be shared is."""
-    shared_blocks.BEGIN = shared_blocks.WORTH = 0.0
+    shared_blocks.LEAST_SHARED_SECONDS = shared_blocks.LEAST_CALL_SECONDS = 0.0
     rows = Evaluator.rows
 
     def slowly(self: Evaluator, *asked: Any) -> Any:
@@ -81,7 +81,7 @@ def slow_and_shared() -> None:
 
 def small_chunks() -> None:
     """Chunks of so few variants that there are many."""
-    workload.POINTS, workload.AT_LEAST = 1, CHUNK
+    workload.CHUNK_POINTS, workload.LEAST_CHUNK_SIZE = 1, CHUNK
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -39,8 +39,8 @@ def few():
 
 @pytest.fixture
 def all_shared(monkeypatch):
-    monkeypatch.setattr(shared_blocks, "BEGIN", 0.0)
-    monkeypatch.setattr(shared_blocks, "WORTH", 0.0)
+    monkeypatch.setattr(shared_blocks, "LEAST_SHARED_SECONDS", 0.0)
+    monkeypatch.setattr(shared_blocks, "LEAST_CALL_SECONDS", 0.0)
 
 
 def logs(folder):
@@ -161,7 +161,7 @@ class TestSameResult:
         assert not any(tmp_path.iterdir())
 
     def test_a_folder_that_is_full(self, few, tmp_path, monkeypatch):
-        monkeypatch.setattr(evaluation_memory, "LARGEST", 10_000)
+        monkeypatch.setattr(evaluation_memory, "MOST_LOG_BYTES", 10_000)
         assert answers_as_text(study_of_answers(FEW), tmp_path / "study") == few
         assert 10_000 <= kept_bytes(tmp_path / "study") < 20_000  # one block of 500 beyond it at most
         assert answers_as_text(study_of_answers(FEW), tmp_path / "study") == few

@@ -21,8 +21,8 @@ from torsionnet.study.run.workload import Workload
 
 @pytest.fixture
 def many_chunks(monkeypatch):
-    monkeypatch.setattr(workload, "POINTS", workload.POINTS)
-    monkeypatch.setattr(workload, "AT_LEAST", workload.AT_LEAST)
+    monkeypatch.setattr(workload, "CHUNK_POINTS", workload.CHUNK_POINTS)
+    monkeypatch.setattr(workload, "LEAST_CHUNK_SIZE", workload.LEAST_CHUNK_SIZE)
     small_chunks()
 
 

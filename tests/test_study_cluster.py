@@ -480,8 +480,8 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
         yield local
 
     monkeypatch.setattr("torsionnet.study.run.cluster.connecting.connected", these)
-    monkeypatch.setattr(shared_blocks, "BEGIN", 0.0)
-    monkeypatch.setattr(shared_blocks, "WORTH", 0.0)
+    monkeypatch.setattr(shared_blocks, "LEAST_SHARED_SECONDS", 0.0)
+    monkeypatch.setattr(shared_blocks, "LEAST_CALL_SECONDS", 0.0)
     study = study_of_answers(("shares", "worst"))
     alone = answers_as_text(study)
     assert answers_as_text(study, study_folder, Workers(cluster="local:2")) == alone

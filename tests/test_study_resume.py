@@ -17,7 +17,7 @@ from study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_ses
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.run import calculating, folder_lock, study_record, workload
 from torsionnet.study.run.folder_lock import LOCK, locked
-from torsionnet.study.run.process_pool import DEATHS, ProcessExecutor
+from torsionnet.study.run.process_pool import MOST_DEATHS, ProcessExecutor
 from torsionnet.study.run.run_chunks import run_study
 
 CHUNKS = 2 * VARIANTS // CHUNK
@@ -25,18 +25,18 @@ CHUNKS = 2 * VARIANTS // CHUNK
 
 @pytest.fixture(autouse=True)
 def many_chunks(monkeypatch):
-    monkeypatch.setattr(workload, "POINTS", 1)
-    monkeypatch.setattr(workload, "AT_LEAST", CHUNK)
+    monkeypatch.setattr(workload, "CHUNK_POINTS", 1)
+    monkeypatch.setattr(workload, "LEAST_CHUNK_SIZE", CHUNK)
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The folder of a study that nothing has disturbed."""
     folder = tmp_path_factory.mktemp("whole") / "study"
-    kept = workload.POINTS, workload.AT_LEAST
-    workload.POINTS, workload.AT_LEAST = 1, CHUNK
+    kept = workload.CHUNK_POINTS, workload.LEAST_CHUNK_SIZE
+    workload.CHUNK_POINTS, workload.LEAST_CHUNK_SIZE = 1, CHUNK
     run_study(small_study(), folder)
-    workload.POINTS, workload.AT_LEAST = kept
+    workload.CHUNK_POINTS, workload.LEAST_CHUNK_SIZE = kept
     assert len(contents(folder)) == CHUNKS + 1
     return folder
 
@@ -260,7 +260,7 @@ class TestKilled:
 
     @pytest.mark.slow
     def test_a_chunk_that_kills_whoever_does_it(self):
-        with pytest.raises(SolveError, match=f"{DEATHS} processes died while chunk 7"):
+        with pytest.raises(SolveError, match=f"{MOST_DEATHS} processes died while chunk 7"):
             list(ProcessExecutor(1).map(deadly, [7]))
 
 

@@ -81,8 +81,8 @@ def found(one, name, result):
 
 @pytest.fixture(autouse=True)
 def many_chunks(monkeypatch):
-    monkeypatch.setattr(workload, "POINTS", 1)
-    monkeypatch.setattr(workload, "AT_LEAST", CHUNK)
+    monkeypatch.setattr(workload, "CHUNK_POINTS", 1)
+    monkeypatch.setattr(workload, "LEAST_CHUNK_SIZE", CHUNK)
 
 
 @pytest.fixture
@@ -339,7 +339,7 @@ class TestPart:
 
     def test_lines_are_written_in_pieces_that_do_not_show(self, part, tmp_path, monkeypatch):
         part.to_csv(tmp_path / "at_once.csv")
-        monkeypatch.setattr(study_result, "AT_ONCE", 7)
+        monkeypatch.setattr(study_result, "CSV_BLOCK_LINES", 7)
         part.to_csv(tmp_path / "in_pieces.csv")
         assert (tmp_path / "in_pieces.csv").read_bytes() == (tmp_path / "at_once.csv").read_bytes()
 

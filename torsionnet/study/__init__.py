@@ -1,4 +1,4 @@
-"""Studies: how a drivetrain behaves over tolerances, conditions and choices of its parameters."""
+"""Studies of a drivetrain over tolerances, operating conditions and choices of its parameters."""
 
 from torsionnet.core.lazy import offered
 

@@ -67,6 +67,6 @@ def wrong_units(
 
 
 def _said(same: Sequence[tuple[str, Fault]], count: int) -> Fault:
-    """One fault for all configurations that have it; it names them where others have not."""
+    """Merge the faults of several configurations into one that names them where others have not."""
     names, fault = [name for name, _ in same if name], same[0][1]
     return fault if len(same) == count or not names else replace(fault, configuration=", ".join(names))

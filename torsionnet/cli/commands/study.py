@@ -89,7 +89,7 @@ class StudyCommand(Command):
     def _answered(self, study: Study) -> AnsweredStudy:
         from torsionnet.cli.progress import stages
         from torsionnet.study.run.answering import answer_study
-        from torsionnet.study.run.run_chunks import LONGEST
+        from torsionnet.study.run.run_chunks import LONGEST_SECONDS
         from torsionnet.study.run.workers import Workers
 
         workers = Workers(
@@ -107,7 +107,7 @@ class StudyCommand(Command):
                     progress=lambda done, total: show("calculating", done, total),
                     answering=lambda name, done, total: show(name, done, total, _counted(name, done)),
                     announce=_announce,
-                    longest=float("inf") if self.anyway else LONGEST * workers.processes,
+                    longest=float("inf") if self.anyway else LONGEST_SECONDS * workers.processes,
                 )
             except KeyboardInterrupt:
                 message("note", _kept(self._place))

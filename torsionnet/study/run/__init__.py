@@ -1,1 +1,1 @@
-"""How a study is calculated: in chunks of fixed size, by whoever has time, each kept as soon as it is done."""
+"""Calculation of a study in chunks of fixed size, by one process, several or a cluster, each chunk kept when done."""

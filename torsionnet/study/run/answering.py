@@ -1,4 +1,4 @@
-"""A study and its answers, from where they stand."""
+"""Calculation of a study and its answers, resumed from what is in its folder."""
 
 from __future__ import annotations
 
@@ -29,36 +29,36 @@ from torsionnet.study.study_result import StudyResult
 
 @dataclass(frozen=True, eq=False)
 class RunningStudy(Study):
-    """A study whose evaluators leave their work to a desk."""
+    """Study whose evaluators leave the calculation of blocks to a :class:`BlockDesk`."""
 
     desk: BlockDesk | None = None
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
-        """As that of the study, calculated by the desk."""
+        """Evaluator of the study that uses the block calculator."""
         return replace(super().evaluator(configuration, names, method), desk=self.desk)
 
 
 def running(study: Study, desk: BlockDesk) -> RunningStudy:
-    """The same study, with a desk."""
+    """Copy of a study whose evaluators use a block calculator."""
     return RunningStudy(**{one.name: getattr(study, one.name) for one in fields(study)}, desk=desk)
 
 
 Answering = Callable[[str, int, int | None], None]
-"""Called with the name of an answer, the variants it has calculated, and how many it will if that is known."""
+"""Callback with the name of an answer, the number of variants calculated, and that of all, None if not known."""
 
 
 @dataclass(frozen=True, eq=False)
 class AnsweredStudy:
-    """What a study came to.
+    """Result of a study, with its answers.
 
     Attributes
     ----------
     result : StudyResult or None
-        Of its own variants; None where answers alone choose some.
+        Result of the study's own variants; None where only answers choose variants.
     conclusions : mapping
-        By the name of the answer.
+        Name of an answer -> its conclusion.
     unanswered : mapping
-        Why an answer could not be found, by its name; the others do not depend on it.
+        Name of an answer that failed -> its error.
     """
 
     result: StudyResult | None
@@ -74,9 +74,9 @@ def answer_study(
     progress: run_chunks.Progress = lambda _done, _all: None,
     answering: Answering = lambda _name, _done, _all: None,
     announce: Callable[[Workload], None] = lambda _: None,
-    longest: float = run_chunks.LONGEST,
+    longest: float = run_chunks.LONGEST_SECONDS,
 ) -> AnsweredStudy:
-    """Calculate the variants of a study and what is concluded from them.
+    """Calculate the variants of a study and its answers.
 
     What is in the folder is not calculated again, be it variants of the study or those that answers have chosen. The
     result is the same, to the last bit, whoever calculates and however often it was broken off.
@@ -85,9 +85,9 @@ def answer_study(
     ----------
     study : Study
     folder : path, optional
-        Where everything is kept as soon as it is done; without one, nothing is.
+        Folder that keeps results as soon as they are done; without one, nothing is kept.
     workers : Workers, optional
-        Who calculates; default: this process.
+        Processes or cluster that calculate; default: this process.
     progress, announce, longest
         As for :func:`torsionnet.study.run_study`.
     answering : callable, optional
@@ -130,7 +130,7 @@ def answer_study(
 def asked_in(
     study: Study, folder: Path | None, executor: Executor | None = None
 ) -> Iterator[tuple[RunningStudy, SharedBlocks]]:
-    """The study as its answers ask it, and the desk that calculates for them or reads back what is in the folder."""
+    """Study with a block calculator for its answers that reads back what is in the folder, and that calculator."""
     with _memory(study, folder) as memory:
         desk = SharedBlocks(executor or SerialExecutor(), memory)
         yield running(study, desk), desk
@@ -138,7 +138,7 @@ def asked_in(
 
 @contextmanager
 def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | None]:
-    """What answers have asked before; nobody else writes to it meanwhile."""
+    """Open the stored evaluations of the answers, locked against other runs; None without a folder."""
     if folder is None or all(one.of_variants for one in study.answers.values()):
         yield None
         return
@@ -170,7 +170,7 @@ def _answered(
 
 
 def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:
-    """From the variants of a block to all that an answer has calculated so far."""
+    """Callback for the variants of each block that reports the sum calculated for an answer so far."""
     done = 0
 
     def told(count: int) -> None:

@@ -1,4 +1,4 @@
-"""A chunk of a study, calculated."""
+"""Calculation of one chunk of a study."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from torsionnet.study.study import Study
 
 @dataclass
 class JoinedBlocks:
-    """Blocks of variants in their order, put together.
+    """Values and statistics of the blocks of a chunk, joined in their order.
 
     Attributes
     ----------
     every : int
-        Of every so many variants the values are kept; of all where it is 1, and then parameters are not.
+        Every how many-th variant keeps its values; with 1 all do, and parameters are not kept.
     limits : mapping
-        By quantity; variants beyond them are counted.
+        Quantity -> limit by which variants are counted.
     """
 
     every: int
@@ -54,7 +54,7 @@ class JoinedBlocks:
     remarks: Counter[str] = field(default_factory=Counter)
 
     def add(self, start: int, block: VariantBlock, names: tuple[str, ...]) -> None:
-        """The next variants, of which the first is number ``start``."""
+        """Add the next block of variants, the first of which is number ``start``."""
         self.impossible += int(block.impossible.sum())
         chosen = kept_indices(start, start + len(block), self.every)
         for name in names:
@@ -76,7 +76,7 @@ class JoinedBlocks:
             remark(self.remarks, text, count)
 
     def whole(self) -> ChunkValues:
-        """All of them."""
+        """Values and statistics of all blocks added."""
         return ChunkValues(
             _joined(self.numbers),
             self.moments,
@@ -97,27 +97,27 @@ def _joined(parts: Mapping[str, list[FloatArray]]) -> dict[str, FloatArray]:
     return {name: np.concatenate(each) for name, each in parts.items()}
 
 
-AT_ONCE = 500
-"""Variants of a chunk that are solved together; how a chunk is cut changes no value."""
+BLOCK_SIZE = 500
+"""Number of variants of a chunk solved together: larger blocks take more memory; it changes no value."""
 
 
 def chunk_file(folder: Path, number: int) -> Path:
-    """Where the values of a chunk are kept."""
+    """Path of the file with the values of a chunk."""
     return folder / "chunks" / f"{number:08d}.npz"
 
 
 @dataclass(frozen=True, eq=False)
 class ChunkWork:
-    """Calculates chunks and keeps them in a folder; it goes to other processes as the study alone.
+    """Function that calculates a chunk by its number and keeps it in a folder; other processes receive the study alone.
 
     Attributes
     ----------
     study : Study
     chunks : Chunks
     every : int
-        Of every so many variants the values are kept beside their sums; of all where it is 1.
+        Every how many-th variant keeps its values beside the statistics; 1: all.
     folder : Path or None
-        None: the values themselves are the result.
+        Folder of the study; None: the values themselves are returned.
     """
 
     study: Study
@@ -134,7 +134,7 @@ class ChunkWork:
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
 
     def __call__(self, number: int) -> ChunkValues | None:
-        """The values of a chunk; None where they are in the folder."""
+        """Calculate a chunk and return its values; None where they were written to the folder."""
         found = self.calculated(self.chunks[number])
         if self.folder is None:
             return found
@@ -142,20 +142,20 @@ class ChunkWork:
         return None
 
     def calculated(self, chunk: Chunk) -> ChunkValues:
-        """All quantities of the variants of a chunk."""
+        """Values and statistics of all quantities of the variants of a chunk."""
         if chunk.case not in self._cases:
             evaluator = self.study.evaluator(self.study.configurations[chunk.case])
             self._cases[chunk.case] = evaluator, self.study.space.at(evaluator.model)
         evaluator, space = self._cases[chunk.case]
         values = space.values(chunk.start, chunk.stop)
         parts = JoinedBlocks(self.every, counted_limits(self.study, self.every))
-        for start in range(0, len(chunk), AT_ONCE):
-            block = evaluator.block({name: column[start : start + AT_ONCE] for name, column in values.items()})
+        for start in range(0, len(chunk), BLOCK_SIZE):
+            block = evaluator.block({name: column[start : start + BLOCK_SIZE] for name, column in values.items()})
             parts.add(chunk.start + start, block, tuple(self.study.quantities))
         return parts.whole()
 
 
 @lru_cache(maxsize=2)
 def _unpacked(packed: bytes) -> ChunkWork:
-    """The work in another process, which knows its plans from one chunk to the next."""
+    """Chunk work unpacked in another process, cached so that its plans serve for the next chunk."""
     return ChunkWork(*pickle.loads(packed))  # noqa: S301  (packed by the process that asks)

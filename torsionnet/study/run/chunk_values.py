@@ -1,4 +1,4 @@
-"""What a chunk of variants came to: values that are kept, sums, histograms, counts beyond limits; as bytes and back."""
+"""Results of a chunk of variants (kept values, moments, histograms, bits of limits) and their file format."""
 
 from __future__ import annotations
 
@@ -17,33 +17,35 @@ from torsionnet.study.reductions.limit_counts import LimitBits
 from torsionnet.study.reductions.moments import Moments
 
 PARTS = ("count", "mean", "squares", "smallest", "largest", "smallest_at", "largest_at")
-CHECKSUM = hashlib.sha256().digest_size
+"""Names of the arrays of moments in a file."""
+CHECKSUM_BYTES = hashlib.sha256().digest_size
+"""Length of the SHA-256 checksum behind the end of a file."""
 
 
 class DamagedChunk(Exception):  # noqa: N818  (it is no fault of anybody: the chunk is done again)
-    """Bytes that are not the whole chunk that is looked for."""
+    """Bytes of a chunk file that are incomplete, changed or of another chunk."""
 
 
 @dataclass(frozen=True, eq=False)
 class ChunkValues:
-    """Of a chunk of n variants.
+    """Results of a chunk of n variants.
 
     Attributes
     ----------
     values : mapping
-        Quantity that is a number -> values of the variants that are kept, all n or fewer; NaN where one has none.
+        Quantity that is a number -> values of the kept variants, all n or fewer; NaN where a variant has none.
     moments, histograms : mappings
-        By quantity.
+        Quantity -> moments, histogram.
     impossible : int
-        Variants that no drivetrain can be.
+        Number of variants whose values the model refuses.
     remarks : mapping
-        What was warned of -> how often.
+        Text of a warning -> how often.
     extremes : mapping
         Quantity of several points -> (n, 2), its smallest and largest value over them, of the variants that are kept.
     parameters : mapping
         Parameter -> (n,) values, where only a part of the variants is kept; else empty.
     beyond : LimitBits or None
-        Which variants are beyond the limits; where all values are kept, None.
+        Variants beyond the limits; None where all values are kept.
     """
 
     values: Mapping[str, FloatArray]
@@ -56,7 +58,7 @@ class ChunkValues:
     beyond: LimitBits | None = None
 
     def to_bytes(self, number: int) -> bytes:
-        """The same bytes for the same values of chunk ``number``: a file of numpy, and a checksum behind its end."""
+        """Content of the file of chunk ``number``: an npz archive and its checksum; equal values give equal bytes."""
         arrays: dict[str, NDArray[np.generic]] = {}
         for place, name in enumerate(self.moments):
             if name in self.values:
@@ -85,14 +87,14 @@ class ChunkValues:
 
     @classmethod
     def from_bytes(cls, data: bytes, number: int) -> ChunkValues:
-        """What :meth:`to_bytes` has made.
+        """Read the results of chunk ``number`` from the content of its file.
 
         Raises
         ------
         DamagedChunk
             Something is missing or changed, or it is another chunk.
         """
-        whole, checksum = data[:-CHECKSUM], data[-CHECKSUM:]
+        whole, checksum = data[:-CHECKSUM_BYTES], data[-CHECKSUM_BYTES:]
         if hashlib.sha256(whole).digest() != checksum:
             raise DamagedChunk
         with np.load(io.BytesIO(whole), allow_pickle=False) as arrays:

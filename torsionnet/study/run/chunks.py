@@ -1,4 +1,4 @@
-"""The variants of a study in parts of a fixed size, whoever calculates them."""
+"""Division of the variants of a study into chunks of fixed size."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.study import Study
 
 KEPT_VALUES = 10_000_000
-"""Values up to which those of all variants are kept; of more variants a part, with at most so many values."""
+"""Largest number of values that are kept, 80 MB; of more variants a part with at most so many values is kept."""
 
 
 def kept_every(study: Study) -> int:
-    """1 where the values of all variants of a study are kept, else the m with which every m-th is.
+    """Number m with which every m-th variant of a study keeps its values; 1 where all do.
 
-    It has no factor in common with the number of values on any axis, nor with two: of a grid every tenth variant could
+    m has no factor in common with the number of values on any axis, nor with two: of a grid every tenth variant could
     have one and the same value of a parameter, and every other point of a Sobol sequence lies in the same half.
     """
     if study.count * len(study.quantities) <= KEPT_VALUES:
@@ -31,7 +31,7 @@ def kept_every(study: Study) -> int:
 
 
 def counted_limits(study: Study, every: int) -> dict[str, QuantityLimit]:
-    """Limits that variants are counted by as they are calculated, always in the same order; none where all are kept."""
+    """Limits by which variants are counted while they are calculated, sorted by name; none where all are kept."""
     return {} if every == 1 else dict(sorted(study.limits.items()))
 
 
@@ -50,15 +50,15 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Chunks:
-    """All chunks of a study by number, those of the first case first.
+    """Chunks of a study by number, those of the first case first.
 
     Attributes
     ----------
     cases : int
     count : int
-        Variants in each case.
+        Number of variants in each case.
     size : int
-        Variants in a chunk; the last one of a case may have fewer.
+        Number of variants in a chunk; the last one of a case may have fewer.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class Chunks:
 
     @property
     def each(self) -> int:
-        """Chunks of a case."""
+        """Number of chunks of a case."""
         return ceil(self.count / self.size)
 
     @property
@@ -88,7 +88,7 @@ class Chunks:
         return Chunk(number, case, start, min(start + self.size, self.count))
 
     def side_by_side(self) -> Iterator[range]:
-        """Numbers of all chunks, those of the same variants in all cases together.
+        """Numbers of the chunks with the same variants in all cases, a range for each such group.
 
         >>> [list(numbers) for numbers in Chunks(cases=2, count=250, size=100).side_by_side()]
         [[0, 3], [1, 4], [2, 5]]

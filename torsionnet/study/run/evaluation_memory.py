@@ -1,4 +1,4 @@
-"""What evaluations of the answers of a study came to, in its folder: a search that was broken off is read back."""
+"""Stored evaluations of the answers of a study in its folder, from which an interrupted search goes on."""
 
 from __future__ import annotations
 
@@ -18,14 +18,18 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 
 HEAD = Struct("<4sI32s")
+"""Head of a record: mark, length of the data, key."""
 MARK = b"tnev"
-CHECKSUM = hashlib.sha256().digest_size
+"""First bytes of every record."""
+CHECKSUM_BYTES = hashlib.sha256().digest_size
+"""Length of the SHA-256 checksum behind a record."""
 ENDING = ".log"
+"""Ending of the names of logs."""
 
 
 @dataclass(frozen=True)
 class LogPlace:
-    """Where a record stands: the name of the file, its first byte, and how many there are."""
+    """Place of a record: name of the file, first byte, number of bytes."""
 
     file: str
     start: int
@@ -34,7 +38,7 @@ class LogPlace:
 
 @dataclass(eq=False)
 class EvaluationLog:
-    """Records of this process in a folder, in a file of its own that is made with the first of them.
+    """Log of the records that this process writes into a folder, a file of its own made with the first of them.
 
     Records are key and data, with their length before and a checksum behind. Nothing is ever changed: a process that is
     killed leaves at most the beginning of a record at the end.
@@ -46,7 +50,7 @@ class EvaluationLog:
     _file: BinaryIO | None = None
 
     def append(self, key: bytes, data: bytes, *, shared: bool = False) -> LogPlace:
-        """Hand a record to the system, which writes it even if this process is killed.
+        """Write a record and return its place; the system completes the write even if this process is killed.
 
         A ``shared`` record can be read on other machines as soon as this returns.
         """
@@ -64,7 +68,7 @@ class EvaluationLog:
         return LogPlace(Path(stream.name).name, start, len(record))
 
     def close(self) -> None:
-        """The next record opens the file again."""
+        """Close the file; the next record opens it again."""
         if self._file is not None:
             self._file.close()
             self._file = None
@@ -80,18 +84,18 @@ class EvaluationLog:
 
 
 def records(file: Path) -> Iterator[tuple[bytes, LogPlace]]:
-    """Keys of the records of a file, up to the first that is not whole."""
+    """Keys and places of the records of a file, up to the first incomplete one."""
     with file.open("rb") as stream:
         start = 0
         while found := _record(stream):
             key, data = found
-            length = HEAD.size + len(data) + CHECKSUM
+            length = HEAD.size + len(data) + CHECKSUM_BYTES
             yield key, LogPlace(file.name, start, length)
             start += length
 
 
 def record_at(folder: Path, place: LogPlace) -> tuple[bytes, bytes] | None:
-    """Key and data of a record; None if it is not there any more, or was damaged."""
+    """Key and data of the record at a place; None if it is missing or damaged."""
     try:
         with (folder / place.file).open("rb") as stream:
             stream.seek(place.start)
@@ -107,29 +111,29 @@ def _record(stream: BinaryIO) -> tuple[bytes, bytes] | None:
     mark, length, key = HEAD.unpack(head)
     if mark != MARK or length > os.fstat(stream.fileno()).st_size:
         return None
-    rest = stream.read(length + CHECKSUM)
+    rest = stream.read(length + CHECKSUM_BYTES)
     data, checksum = rest[:length], rest[length:]
     return (key, data) if hashlib.sha256(head + data).digest() == checksum else None
 
 
 ANSWERS = "answers"
-"""The folder in that of the study."""
-LARGEST = 2**30
-"""Bytes that are kept; what comes after is calculated again by the next run."""
+"""Name of the folder of logs in that of the study."""
+MOST_LOG_BYTES = 2**30
+"""Most bytes of all logs, a bound on the disk space; evaluations beyond are calculated again by the next run."""
 
 
 @dataclass(eq=False)
 class EvaluationMemory:
-    """Arrays by key, in the logs of all processes that ever wrote into a folder.
+    """Store of arrays by key, read from the logs of all processes that ever wrote into a folder.
 
     Attributes
     ----------
     folder : Path
-        Of the logs.
+        Folder of the logs.
     log : EvaluationLog
-        Of this process.
+        Log of this process.
     size : int
-        Bytes of all records.
+        Number of bytes of all records.
     """
 
     folder: Path
@@ -139,7 +143,7 @@ class EvaluationMemory:
 
     @classmethod
     def of(cls, study_folder: Path) -> EvaluationMemory:
-        """All that is there now."""
+        """Store with all records in the folder of a study."""
         folder = study_folder / ANSWERS
         memory = cls(folder, EvaluationLog(folder))
         for file in sorted(folder.glob(f"*{ENDING}")):
@@ -149,15 +153,15 @@ class EvaluationMemory:
 
     @property
     def is_full(self) -> bool:
-        return self.size >= LARGEST
+        return self.size >= MOST_LOG_BYTES
 
     def get(self, key: bytes) -> FloatArray | None:
-        """The numbers (n,) of a key; None where it is not known, or damaged."""
+        """Numbers (n,) stored under a key; None where it is unknown or damaged."""
         place = self._places.get(key)
         return None if place is None else self.at(place, key)
 
     def at(self, place: LogPlace, key: bytes) -> FloatArray | None:
-        """Numbers (n,) that another process has just written, or this one before."""
+        """Numbers (n,) of the record of a key at a place, which may be of another process; None where it is damaged."""
         found = record_at(self.folder, place)
         if found is None or found[0] != key:
             self._places.pop(key, None)
@@ -166,7 +170,7 @@ class EvaluationMemory:
         return np.frombuffer(found[1]).copy()
 
     def put(self, key: bytes, values: FloatArray) -> None:
-        """Keep an array, unless there is too much already."""
+        """Store an array under a key, unless the store is full."""
         if not self.is_full:
             self._know(key, self.log.append(key, array_bytes(values)))
 
@@ -177,5 +181,5 @@ class EvaluationMemory:
 
 
 def array_bytes(values: FloatArray) -> bytes:
-    """Of double numbers, row after row."""
+    """Bytes of an array as double numbers, row after row."""
     return np.ascontiguousarray(values, dtype=np.float64).tobytes()

@@ -1,4 +1,4 @@
-"""Who calculates the chunks of a study, and the blocks of its answers."""
+"""Protocol of executors, which call a function for the chunks of a study or the blocks of its answers."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ T = TypeVar("T")
 
 
 class Executor(Protocol):
-    """Does work on parts: numbers of chunks, or whatever else says what is to be done."""
+    """Calls a function for every part: the number of a chunk, or a block of variants."""
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Every part with its result, in the order in which they are done; all of it can be pickled."""
+        """Pairs of part and result, in the order in which they are done; function and parts can be pickled."""
         ...
 
 
 @dataclass(frozen=True)
 class SerialExecutor:
-    """One part after the other, in this process.
+    """Executor that does one part after the other in this process.
 
     Examples
     --------
@@ -29,13 +29,13 @@ class SerialExecutor:
     """
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Part and result, in the order of the parts."""
+        """Pairs of part and result, in the order of the parts."""
         for part in parts:
             yield part, work(part)
 
 
 def named(part: object) -> str:
-    """A part as messages call it.
+    """Words for a part in messages.
 
     >>> named(7)
     'chunk 7'

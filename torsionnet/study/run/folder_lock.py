@@ -1,4 +1,4 @@
-"""One run at a time in a folder: a file that names the process, which counts for nothing once that has died."""
+"""Lock of a study folder against a second run: a file with the number of the process, void once that has ended."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 
 LOCK = "running.json"
-NOT_ALLOWED = 5
-"""Error of Windows: the process is there, and somebody else's."""
+"""Name of the lock file."""
+ERROR_ACCESS_DENIED = 5
+"""Error of the Windows API for a process that exists but belongs to another user."""
 
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder.
+    """Lock a folder against other runs.
 
     Raises
     ------
     UsageError
-        Another run is at it.
+        Another run uses the folder.
     """
     file, own = folder / LOCK, {"host": platform.node(), "process": os.getpid(), "began": _began(os.getpid())}
     _take(file, {**own, "word": uuid.uuid4().hex})
@@ -37,7 +38,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _take(file: Path, own: dict[str, Any]) -> None:
-    """Write the file whole under another name and link it into place, which fails where there is one."""
+    """Write the lock file under another name and link it into place, which fails where there is one."""
     beside = file.with_name(f".{own['word']}")
     beside.write_text(json.dumps(own))
     try:
@@ -48,13 +49,13 @@ def _take(file: Path, own: dict[str, Any]) -> None:
                 _remove_if_dead(file)
             else:
                 return
-        raise UsageError(f"another run is at {file.parent}")
+        raise UsageError(f"another run uses {file.parent}; wait for it, or end it")
     finally:
         beside.unlink()
 
 
 def _put(beside: Path, file: Path) -> None:
-    """Give a file its second name, or, where file systems have no such names, write it anew if there is none."""
+    """Link a file to its final name, or, on file systems without links, write it there if there is none."""
     try:
         os.link(beside, file)
     except FileExistsError:
@@ -74,7 +75,7 @@ def _remove_if_dead(file: Path) -> None:
         host, process, began = platform.node(), 0, None
     if host != platform.node():
         raise UsageError(
-            f"a run on {host} (process {process}) is at {file.parent}; if it is not running any more, remove {file}"
+            f"a run on {host} (process {process}) uses {file.parent}; if it is not running any more, remove {file}"
         )
     if process and _is_alive(process, began):
         raise UsageError(f"process {process} is running this study in {file.parent}; {_remedy(file, began)}")
@@ -85,7 +86,7 @@ def _remove_if_dead(file: Path) -> None:
 
 
 def _remedy(file: Path, began: str | None) -> str:
-    """Where nothing tells a process from a later one of its number, it may be something else."""
+    """Advice on a running process; without its start time the number may be that of another program."""
     return "wait for it, or end it" if began else f"wait for it, end it, or, if it is another program, remove {file}"
 
 
@@ -97,7 +98,7 @@ def _is_alive(process: int, began: str | None) -> bool:
         kernel = getattr(ctypes, "WinDLL")("kernel32", use_last_error=True)  # noqa: B009
         handle = kernel.OpenProcess(0x1000, False, process)
         if not handle:
-            return bool(getattr(ctypes, "get_last_error")() == NOT_ALLOWED)  # noqa: B009
+            return bool(getattr(ctypes, "get_last_error")() == ERROR_ACCESS_DENIED)  # noqa: B009
         kernel.CloseHandle(handle)
         return True
     try:
@@ -110,7 +111,7 @@ def _is_alive(process: int, began: str | None) -> bool:
 
 
 def _began(process: int) -> str | None:
-    """When a process was started, which tells it from a later one of the same number; None where that is not told."""
+    """Start time of a process, which differs from that of a later one with its number; None where it is unknown."""
     try:
         state, started = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0:20:19]
     except (OSError, ValueError):

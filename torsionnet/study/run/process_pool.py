@@ -1,4 +1,4 @@
-"""Chunks on processes of this machine, of which one may die."""
+"""Executor on several processes of this machine, any of which may die."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from torsionnet.study.run.executor import named
 S = TypeVar("S")
 T = TypeVar("T")
 
-AHEAD = 2
+QUEUED_PER_WORKER = 2
 """Chunks that wait for each worker: enough that none is idle, few enough to be ended soon."""
-DEATHS = 3
-"""Of processes that had a chunk in hand, after which it is not tried again."""
+MOST_DEATHS = 3
+"""Number of processes that died with the same chunk after which the study stops; a single death may be chance."""
 ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
-"""The C library keeps the memory of one chunk for the next."""
+"""Environment variables of the workers with which the C library keeps the memory of one chunk for the next."""
 
 
 def _begin() -> None:
@@ -40,7 +40,7 @@ def _begin() -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits; a process that is started meanwhile never hears of it, not even while it still imports."""
+    """Block Ctrl-C; a process that is started meanwhile never receives it, not even while it still imports."""
     if os.name == "nt":
         yield
         return
@@ -53,7 +53,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _end_with_parent() -> None:
-    """A process that was killed ends none of those it has started."""
+    """End this process when its parent has ended, as a killed parent ends none of its processes."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
@@ -73,7 +73,7 @@ def _call(packed: bytes, part: Any) -> Any:
 
 @dataclass(eq=False)
 class ProcessExecutor:
-    """Parts on ``workers`` processes; those that a dying process had in hand are done again.
+    """Executor on ``workers`` processes; parts of a process that died are done again.
 
     Within ``with`` the processes stay from one call of :meth:`map` to the next.
     """
@@ -91,7 +91,7 @@ class ProcessExecutor:
         self._end()
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Part and result, as they are done.
+        """Pairs of part and result, in the order in which they are done.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class ProcessExecutor:
                 waiting: dict[Future[T], S] = {}
                 try:
                     while True:
-                        room = AHEAD * self.workers - len(waiting)
+                        room = QUEUED_PER_WORKER * self.workers - len(waiting)
                         again += islice(left, max(0, room - len(again)))
                         for part in again[:room]:
                             waiting[self._submitted(packed, part)] = part
@@ -129,7 +129,7 @@ class ProcessExecutor:
 
     def _give_up(self, deaths: Counter[S]) -> None:
         part, count = deaths.most_common(1)[0] if deaths else (0, 0)
-        if count >= DEATHS:
+        if count >= MOST_DEATHS:
             raise SolveError(
                 f"{count} processes died while {named(part)} was in hand; see whether memory was short, and try with "
                 "fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read it "
@@ -137,7 +137,7 @@ class ProcessExecutor:
             )
 
     def _submitted(self, packed: bytes, part: S) -> Future[Any]:
-        """A task, for which another process may be started: afresh, on every system alike."""
+        """Submit a part to the pool, which starts its processes by spawning on every system alike."""
         if self._pool is None:
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_begin)
@@ -152,7 +152,7 @@ class ProcessExecutor:
 
 @contextmanager
 def _surroundings() -> Iterator[None]:
-    """What processes that are started here inherit."""
+    """Set the environment variables of the workers while processes are started."""
     kept = {name: os.environ.get(name) for name in ENVIRONMENT}
     os.environ.update(ENVIRONMENT)
     try:

@@ -1,4 +1,4 @@
-"""All chunks of a study put together in their order."""
+"""Merging of all chunks of a study into its result."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from torsionnet.study.study_result import StudyResult
 def reduced(
     study: Study, chunks: Chunks, chunk: Callable[[int], ChunkValues], every: int = 1, folder: Path | None = None
 ) -> StudyResult:
-    """All chunks put together, those of the same variants in all configurations after each other.
+    """Result of a study from all its chunks.
 
-    Each configuration's own are put together in their order, whatever the order in which they were done.
+    Chunks are merged in the order of their numbers, whatever the order in which they were done.
     """
     names = study.configurations
     wholes = [_Joined(sharing=len(names)) for _ in names]

@@ -1,4 +1,4 @@
-"""A study, calculated from where it stands."""
+"""Calculation of all variants of a study, resumed from the chunks in its folder."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SAMPLING = "sampling: {count: 1000}"
 
 
 def no_variants(space: Space) -> str:
-    """What to give a study that has none.
+    """Message for a study without variants: the entries that it needs.
 
     Examples
     --------
@@ -47,11 +47,11 @@ def no_variants(space: Space) -> str:
     return f"{', '.join(drawn)} {has} not drawn: give {SAMPLING}, or {like} of values like {', '.join(space.grid)}"
 
 
-LONGEST = 7 * 86400.0
-"""Seconds on one core beyond which a study has to be asked for with that limit."""
+LONGEST_SECONDS = 7 * 86400.0
+"""Longest calculation on one core that runs without being asked for; a longer one is usually an error in a range."""
 
 Progress = Callable[[int, int], None]
-"""Called with the number of chunks done and that of all."""
+"""Callback with the number of chunks done and that of all."""
 
 
 def run_study(
@@ -61,7 +61,7 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress = lambda _done, _all: None,
     announce: Callable[[Workload], None] = lambda _: None,
-    longest: float = LONGEST,
+    longest: float = LONGEST_SECONDS,
 ) -> StudyResult:
     """Calculate all variants of a study that are not in the folder yet.
 
@@ -71,15 +71,15 @@ def run_study(
     ----------
     study : Study
     folder : path, optional
-        Where chunks are kept as soon as they are done; without one, in memory.
+        Folder that keeps chunks as soon as they are done; without one, they are in memory.
     executor : Executor, optional
-        Who calculates; default: this process.
+        Calls the calculation for every chunk; default: in this process.
     progress : callable, optional
         Called with the number of chunks done and that of all.
     announce : callable, optional
-        Called with how much work it is, which is measured before it begins.
+        Called with the amount of work, measured before the calculation begins.
     longest : float
-        Seconds of calculation on one core that are not too many.
+        Most seconds of calculation on one core.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def run_study(
 
 
 def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]:
-    """A chunk from the folder; one that was damaged after it was written is calculated again."""
+    """Function that reads a chunk from the folder, and calculates one again that was damaged."""
 
     def chunk(number: int) -> ChunkValues:
         found = place.chunk(number)
@@ -132,7 +132,7 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
 
 
 def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:
-    """Only chunks that were done before their turn wait: all histograms of a large study are too much to hold."""
+    """Result of a study without a folder; only chunks done before their turn are held, as all would not fit."""
     waiting: dict[int, ChunkValues] = {}
     done = enumerate(executor.map(work, chain.from_iterable(work.chunks.side_by_side())), start=1)
 

@@ -1,4 +1,4 @@
-"""Blocks of variants that answers ask for: read back, calculated here, or shared among workers where it is worth it."""
+"""Calculation of the blocks of variants of answers: read back from the folder, in this process, or by workers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.study.run.executor import Executor
 
 @dataclass(frozen=True, eq=False)
 class AskedBlock:
-    """Variants ``values`` that stand at ``place`` of what is asked together; ``key`` tells them from all others."""
+    """Block of variants: its place among the blocks requested together, values of the parameters, and key."""
 
     place: int
     values: Values
@@ -38,14 +38,14 @@ class AskedBlock:
 
 @dataclass(frozen=True, eq=False)
 class BlockWork:
-    """Calculates quantities ``names`` of blocks; another process writes them to a log, where they are kept.
+    """Function that calculates quantities ``names`` of a block; in another process it writes them to a log.
 
     Attributes
     ----------
     evaluator : Evaluator
     names : tuple of str
     logs : Path or None
-        Folder of logs; None: the values themselves are handed back.
+        Folder of logs; None: the values themselves are returned.
     """
 
     evaluator: Evaluator
@@ -65,17 +65,17 @@ class BlockWork:
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
 
     def __call__(self, block: AskedBlock) -> FloatArray | LogPlace:
-        """Rows of the block, or where another process has written them."""
+        """Quantities of the block (n, n_points of all), or the place of the record where they were written."""
         rows = self.evaluator.rows(block.values, self.names)
         return rows if self._log is None else self._log.append(block.key, array_bytes(rows), shared=True)
 
     def block(self, place: int, values: Values) -> AskedBlock:
-        """Variants to be calculated."""
+        """Block of these variants with its key."""
         return AskedBlock(place, values, key_of(self.evaluator, ("rows", *self.names), values))
 
 
 def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, FloatArray]) -> bytes:
-    """Digest of all that an evaluation depends on beside the record of the folder."""
+    """Key of an evaluation: digest of all it depends on beside the record of the folder."""
     asked = [evaluator.configuration, evaluator.method, evaluator.names, what, [*values]]
     digest = hashlib.sha256(json.dumps(asked).encode())
     for column in values.values():
@@ -85,35 +85,35 @@ def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, Flo
 
 @lru_cache(maxsize=16)
 def _unpacked(packed: bytes) -> BlockWork:
-    """The work in another process, which knows its plans from one block to the next."""
+    """Block work unpacked in another process, cached so that its plans serve for the next block."""
     evaluator, names, logs = pickle.loads(packed)  # noqa: S301  (packed by the process that asks)
     return BlockWork(evaluator, names, logs, None if logs is None else _own_log(logs))
 
 
 @lru_cache(maxsize=16)
 def _own_log(folder: Path) -> EvaluationLog:
-    """One for all that this process does in a folder."""
+    """Log of this process in a folder, the same one at every call."""
     return EvaluationLog(folder)
 
 
-BEGIN = 2.0
-"""Seconds of work from which on others are asked: less than it takes them to start is done here."""
-WORTH = 0.05
-"""Seconds of one call that are worth handing out, which takes milliseconds where workers run already."""
-TRIED = 2
-"""Blocks of a kind that are calculated here, to see how long they take; the first one prepares what all need."""
+LEAST_SHARED_SECONDS = 2.0
+"""Seconds of work of an answer from which on workers are used; less is done before their processes have started."""
+LEAST_CALL_SECONDS = 0.05
+"""Seconds of one call from which on its blocks go to workers; handing them out takes milliseconds."""
+TIMED_BLOCKS = 2
+"""Number of blocks calculated here to measure their time; the first one prepares plans that the next ones use."""
 
 
 @dataclass(eq=False)
 class SharedBlocks:
-    """A desk for evaluators; who calculates changes no value.
+    """Block calculator of evaluators that shares the work among workers, which changes no value.
 
     Attributes
     ----------
     executor : Executor
-        Who calculates where there is much to do.
+        Calculates blocks where there are many.
     memory : EvaluationMemory or None
-        What is known and kept.
+        Stored evaluations.
     told : callable
         Called with a number of variants as soon as they are done.
     """
@@ -126,7 +126,7 @@ class SharedBlocks:
     _seconds: float = 0.0
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
-        """Quantities ``names`` of every block."""
+        """Quantities ``names`` (n, n_points of all) of every block."""
         work = self._work(evaluator, names)
         found: dict[int, FloatArray] = {}
         left: deque[AskedBlock] = deque()
@@ -146,7 +146,7 @@ class SharedBlocks:
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Numbers (n,) that ``work`` comes to, or came to before."""
+        """Numbers (n,) that ``work`` returns, or returned before under the same key."""
         if self.memory is None:
             return work()
         key = key_of(evaluator, (what,), {name: np.array([value]) for name, value in values.items()})
@@ -157,7 +157,7 @@ class SharedBlocks:
         return found
 
     def _work(self, evaluator: Evaluator, names: tuple[str, ...]) -> BlockWork:
-        """The same for evaluators that are alike, with all that it has prepared."""
+        """Block work of an evaluator, the same one for evaluators with equal configuration, names and method."""
         logs = None if self.memory is None or self.memory.is_full else self.memory.folder
         key = (evaluator.configuration, evaluator.names, evaluator.method, names, logs)
         return self._works.setdefault(key, BlockWork(evaluator, names, logs))
@@ -181,7 +181,12 @@ class SharedBlocks:
 
     def _is_worth_sharing(self, pace: _Pace, left: Sequence[AskedBlock]) -> bool:
         expected = pace.seconds * sum(map(len, left))
-        return len(left) > 1 and pace.count >= TRIED and expected > WORTH and self._seconds + expected > BEGIN
+        return (
+            len(left) > 1
+            and pace.count >= TIMED_BLOCKS
+            and expected > LEAST_CALL_SECONDS
+            and self._seconds + expected > LEAST_SHARED_SECONDS
+        )
 
     def _here(self, work: BlockWork, block: AskedBlock) -> FloatArray:
         rows = work.evaluator.rows(block.values, work.names)
@@ -195,7 +200,7 @@ class SharedBlocks:
 
 @dataclass
 class _Pace:
-    """Blocks calculated here, and the seconds that a variant took in the last of them."""
+    """Number of blocks timed, and seconds for each variant in the last of them."""
 
     count: int = 0
     seconds: float = 0.0

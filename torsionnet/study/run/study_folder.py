@@ -1,4 +1,4 @@
-"""The folder of a study: what it is of, the chunks that are done, and a lock."""
+"""Folder of a study with its record and the chunks that are done."""
 
 from __future__ import annotations
 
@@ -20,26 +20,27 @@ from torsionnet.study.run.evaluation_memory import ANSWERS
 from torsionnet.study.run.study_record import record_text, unlike
 
 RECORD = "study.json"
-LEFT = 3600.0
-"""Seconds after which nobody writes to a temporary file any more."""
+"""Name of the file with the record of the study."""
+TEMPORARY_SECONDS = 3600.0
+"""Age in seconds from which a temporary file is removed; younger ones may still be written by another process."""
 
 
 @dataclass(frozen=True)
 class StudyFolder:
-    """A folder with ``study.json``, ``chunks/``, and ``answers/`` with what these have asked themselves.
+    """Folder of a study with ``study.json``, ``chunks/``, and ``answers/`` with the evaluations of answers.
 
-    It can be copied and moved as a whole.
+    The folder can be copied and moved as a whole.
     """
 
     path: Path
 
     def opened(self, record: dict[str, Any]) -> None:
-        """Make the folder, or see that it belongs to the same study.
+        """Make the folder, or refuse one that belongs to another study.
 
         Raises
         ------
         UsageError
-            It holds results of something else, or cannot be written.
+            The folder holds results of something else, or cannot be written.
         """
         try:
             (self.path / "chunks").mkdir(parents=True, exist_ok=True)
@@ -59,11 +60,11 @@ class StudyFolder:
             )
 
     def record(self) -> dict[str, Any]:
-        """What the chunks are of."""
+        """Record of the study that the chunks belong to."""
         try:
             found = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
             if not isinstance(found, dict):
-                raise ValueError("it is no record of a study")
+                raise ValueError("it is not the record of a study")
         except (OSError, ValueError) as error:
             raise UsageError(
                 f"{self.path / RECORD} cannot be read: {error}. Nothing else says what the chunks beside it are of; "
@@ -72,21 +73,21 @@ class StudyFolder:
         return found
 
     def chunk(self, number: int) -> ChunkValues | None:
-        """A chunk that is whole, else None."""
+        """Results of a chunk; None where its file is missing or damaged."""
         try:
             return ChunkValues.from_bytes(chunk_file(self.path, number).read_bytes(), number)
         except (OSError, DamagedChunk):
             return None
 
     def tidy(self) -> None:
-        """Remove what writers that were killed have left half written; others may be at work on what is young."""
+        """Remove old temporary files, which writers that were killed have left."""
         for entry in (self.path / "chunks").glob(".*"):
             with suppress(OSError):
-                if time.time() - entry.stat().st_mtime > LEFT:
+                if time.time() - entry.stat().st_mtime > TEMPORARY_SECONDS:
                     entry.unlink()
 
     def done(self, total: int) -> list[int]:
-        """Numbers of chunks there are files of, whole or not."""
+        """Numbers of the chunks that have a file, complete or not."""
         names = [entry.name for entry in os.scandir(self.path / "chunks")]
         numbers = (int(name[:-4]) for name in names if name.endswith(".npz") and name[:-4].isdigit())
         return sorted(number for number in numbers if number < total)
@@ -94,7 +95,7 @@ class StudyFolder:
 
 @contextmanager
 def writing(folder: Path) -> Iterator[None]:
-    """Say what is left where a folder cannot be written, be it its record, its lock or a chunk."""
+    """Turn an error of writing in the folder into one that says that its chunks remain."""
     try:
         yield
     except OSError as error:

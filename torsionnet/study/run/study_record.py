@@ -1,4 +1,4 @@
-"""What a folder of results belongs to: model, study, versions, method; told when it is not what is asked for now."""
+"""Record of what the results in a folder depend on (model, study, versions, method), and its differences."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from torsionnet.core.version import __version__
 from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 
-FORMAT = 2
+FILE_FORMAT = 2
+"""Version of the format of the files; raised when older files cannot be read any more."""
 LIBRARIES = ("numpy", "scipy", "numba")
+"""Packages whose version may change a number."""
 AFTERWARDS = ("name", "limits", "answers")
-"""Entries that no value of a variant depends on: they may change between runs in one folder.
+"""Entries of a study on which no value of a variant depends: they may change between runs in one folder.
 
 Limits only where the values of all variants are kept; else variants beyond them are counted as they are calculated.
 """
@@ -34,11 +36,11 @@ WORDS = {
 
 
 def study_record(study: Study, chunks: Chunks, every: int) -> dict[str, Any]:
-    """All that the numbers of a study depend on, as plain data; of every so many variants the values are kept."""
+    """Record of all that the results of a study depend on, as JSON data; every ``every``-th variant keeps values."""
     text = study.model_text
     limits = {name: limit.to_data() for name, limit in counted_limits(study, every).items()}
     return {
-        "format": FORMAT,
+        "format": FILE_FORMAT,
         "version": __version__,
         "libraries": {name: _version(name) for name in LIBRARIES},
         "machine": f"{platform.system()} {platform.machine()}",
@@ -53,12 +55,12 @@ def study_record(study: Study, chunks: Chunks, every: int) -> dict[str, Any]:
 
 
 def record_text(record: dict[str, Any]) -> str:
-    """The same text for the same record."""
+    """JSON text of a record; equal records give equal texts."""
     return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
 
 
 def unlike(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
-    """In words, what a folder has that is not what is wanted now."""
+    """Differences in words between the record of a folder and the one wanted now."""
     return [_said(key, kept.get(key), wanted.get(key)) for key in WORDS if kept.get(key) != wanted.get(key)]
 
 

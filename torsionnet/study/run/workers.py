@@ -1,4 +1,4 @@
-"""Who calculates a study, as it is asked for."""
+"""Choice of the processes or the cluster that calculate a study."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
 
 MOST_ON_WINDOWS = 61
+"""Most worker processes on Windows, which lets a program wait for 64 handles, some of which Python needs."""
 
 
 @dataclass(frozen=True)
 class Workers:
-    """Processes of this machine, or a cluster, that calculate a study.
+    """Number of processes of this machine, or address of a cluster, that calculate a study.
 
     Attributes
     ----------
     processes : int
-        Of this machine; with 1 this process calculates.
+        Number of processes of this machine; with 1 this process calculates.
     cluster : str
-        Instead: ``tcp://host:port``, a scheduler file, or ``local:N``.
+        Address of a cluster instead: ``tcp://host:port``, a scheduler file, or ``local:N``.
     announce : callable or None
-        Is told where the dashboard of a cluster is.
+        Called with the address of the dashboard of a cluster.
     waiting : callable
-        Is told that a cluster has no workers yet, or none any more, and for how long.
+        Called with a sentence when a cluster has no workers yet, or none any more, and for how long.
     """
 
     processes: int = 1
@@ -46,7 +47,7 @@ class Workers:
 
     @contextmanager
     def executor(self, folder: Path | None) -> Iterator[Executor]:
-        """What does the work as long as it is needed."""
+        """Executor on these workers, which ends with the ``with`` block."""
         if self.cluster:
             with self._of_cluster(folder) as found:
                 yield found

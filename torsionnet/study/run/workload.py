@@ -1,4 +1,4 @@
-"""How much work a study is, measured before it begins."""
+"""Amount of work of a study, measured on a few variants before it begins."""
 
 from __future__ import annotations
 
@@ -9,20 +9,21 @@ from math import ceil
 from torsionnet.core.errors import UsageError
 from torsionnet.study.study import Study
 
-TRIED = {False: 64, True: 2}
-"""Variants tried, by whether they are solved one by one."""
-POINTS = 4_000_000
-"""Points of responses in a chunk of a study that is solved together."""
-SINGLY = 20
-"""Variants in a chunk of one that is not: each may take a second, and all workers are to have some."""
-MOST = 20_000
-FILES = 100_000
-"""Chunks of a study, about: of very many variants chunks are larger, as folders of more files are slow everywhere."""
+TIMED_VARIANTS = {False: 64, True: 2}
+"""Number of variants that are timed, by whether they are solved one by one."""
+CHUNK_POINTS = 4_000_000
+"""Points of responses in a chunk of variants solved together; more take longer between two saved chunks."""
+SINGLE_CHUNK_SIZE = 20
+"""Variants in a chunk solved one by one: each may take a second, and all workers are to have some."""
+MOST_CHUNK_SIZE = 20_000
+"""Most variants in a chunk, so that little is lost when a run is stopped."""
+MOST_FILES = 100_000
+"""Number of chunks of a study, about, beyond which chunks become larger: folders of more files are slow everywhere."""
 
 
 @dataclass(frozen=True)
 class Workload:
-    """Attributes: ``count`` variants, ``seconds`` each on one core, ``chunk_size`` variants, whether ``singly``."""
+    """Number of variants of a study, seconds for each on one core, size of chunks, whether solved one by one."""
 
     count: int
     seconds: float
@@ -31,14 +32,16 @@ class Workload:
 
     @classmethod
     def of(cls, study: Study) -> Workload:
-        """Of some variants that are tried; the size of chunks follows from the study alone, not from what they took."""
+        """Measure the work on some variants; the size of chunks follows from the study alone, not from the time."""
         case = study.configurations[0]
         evaluator = study.evaluator(case)
         singly = evaluator.plan is None or any(one.singly for one in study.quantities.values())
         points = sum(len(one.measured(evaluator.model, study.quantities).points) for one in study.quantities.values())
-        size = SINGLY if singly else max(AT_LEAST, min(MOST, POINTS // max(points, 1)))
-        size = max(size, ceil(study.count / FILES))
-        tried = min(TRIED[singly], study.space.count)
+        size = (
+            SINGLE_CHUNK_SIZE if singly else max(LEAST_CHUNK_SIZE, min(MOST_CHUNK_SIZE, CHUNK_POINTS // max(points, 1)))
+        )
+        size = max(size, ceil(study.count / MOST_FILES))
+        tried = min(TIMED_VARIANTS[singly], study.space.count)
         values = study.space.at(evaluator.model).values(0, tried)
         evaluator(values)  # compiled code is compiled and loaded, plans are made
         began = time.perf_counter()
@@ -47,18 +50,18 @@ class Workload:
 
     @property
     def total(self) -> float:
-        """Seconds on one core."""
+        """Seconds of the whole study on one core."""
         return self.count * self.seconds
 
     @property
     def words(self) -> str:
-        """A sentence for the beginning."""
+        """Words for the number of variants and the time they take."""
         how = "one by one, " if self.singly else ""
         number = f"{self.count:,}".replace(",", " ")
         return f"{number} variants, {how}about {shown_time(self.total)} on one core"
 
     def bearable(self, longest: float) -> None:
-        """Refuse what takes longer than so many seconds."""
+        """Refuse a study that takes longer than ``longest`` seconds on one core."""
         if self.total > longest:
             raise UsageError(
                 f"the study has {self.count:.4g} variants, about {shown_time(self.total)} on one core; vary fewer "
@@ -67,11 +70,12 @@ class Workload:
             )
 
 
-AT_LEAST = 100
+LEAST_CHUNK_SIZE = 100
+"""Fewest variants in a chunk that are solved together; with fewer the file of each chunk takes longer than its work."""
 
 
 def shown_time(seconds: float) -> str:
-    """A time as people say it.
+    """Time in seconds as text in a suitable unit.
 
     >>> shown_time(0.4), shown_time(150), shown_time(4e7)
     ('1 s', '2.5 min', '4.6e+02 days')

@@ -43,7 +43,7 @@ class JointDistribution:
         return {name: one.from_normal(self._correlated(normal, place)) for place, (name, one) in marginals}
 
     def _correlated(self, normal: FloatArray, place: int) -> FloatArray:
-        """One correlated normal variable (n,) from independent ones.
+        """Values (n,) of one correlated normal variable from independent ones.
 
         Summed term by term: a product of matrices rounds differently with the number of rows.
         """

@@ -1,4 +1,4 @@
-"""What a worker of a cluster does: some chunks of a study, one after the other."""
+"""Task of a worker of a cluster: some chunks of a study, one after the other."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from distributed import Client
 
 PACKAGES = ("torsionnet", "numpy", "scipy", "numba")
-"""Whose version may change a number; without numba another solver is used."""
+"""Packages whose version may change a number; without numba another solver is used."""
 
-NAMED = 10
-"""Faults that are told one by one."""
+MOST_LISTED_FAULTS = 10
+"""Most faults of workers that a message lists; of a thousand workers with the same fault a few suffice."""
 
 Versions = Mapping[str, str]
 
 
 def check_versions(client: Client) -> Versions:
-    """The versions of this process, which every worker there is must have."""
+    """Versions of this process, after all workers were found to have the same; ClusterError where one has others."""
     found = client.get_versions(packages=list(PACKAGES))
     needed = _of_process(found["client"])
     workers = {address: _of_process(told) for address, told in found["workers"].items()}
@@ -40,14 +40,14 @@ def check_versions(client: Client) -> Versions:
 
 
 def own_versions() -> Versions:
-    """Of this process."""
+    """Versions of Python and of the packages in this process."""
     from distributed.versions import get_versions
 
     return _of_process(get_versions(packages=PACKAGES))
 
 
 def differences(worker: str, has: Versions, needed: Versions) -> Iterator[str]:
-    """What another version of Python or of a package is, in words.
+    """Sentences on the versions in which a worker differs from those needed.
 
     >>> list(differences("tcp://n7:9", {"numpy": "2.1"}, {"numpy": "2.2"}))
     ['worker tcp://n7:9 has numpy 2.1, this process has numpy 2.2']
@@ -59,9 +59,11 @@ def differences(worker: str, has: Versions, needed: Versions) -> Iterator[str]:
 
 
 def refuse_faults(faults: list[str], remedy: str) -> None:
-    """Name what is wrong with workers, if anything is; of a thousand of them not all are named."""
+    """Raise ClusterError with the faults of workers and the remedy; no fault, no error."""
     if faults:
-        shown = "\n".join(faults[:NAMED]) + (f"\n... and {len(faults) - NAMED} more" if len(faults) > NAMED else "")
+        shown = "\n".join(faults[:MOST_LISTED_FAULTS])
+        if len(faults) > MOST_LISTED_FAULTS:
+            shown += f"\n... and {len(faults) - MOST_LISTED_FAULTS} more"
         raise ClusterError(f"{shown}\n{remedy}; what was calculated before is kept.")
 
 
@@ -79,14 +81,14 @@ _works: dict[str, Callable[[Any], Any]] = {}
 
 @dataclass(frozen=True)
 class DoneChunk(Generic[T]):
-    """What comes back to the client; the values of the chunk lie in the shared folder.
+    """Report of a worker on a chunk that is done; the values of the chunk are in the shared folder.
 
     Attributes
     ----------
     result : object
-        What the work told of it, small.
+        Return value of the work, small.
     seconds : float
-        Wall clock.
+        Wall-clock time.
     """
 
     result: T
@@ -94,7 +96,7 @@ class DoneChunk(Generic[T]):
 
 
 def done_chunks(work: Callable[[S], T], name: str, parts: Sequence[S], needed: Versions) -> list[DoneChunk[T]]:
-    """Calculate these parts in this process, which must have the versions ``needed``.
+    """Calculate some parts in this worker process, which must have the versions ``needed``.
 
     Work of the same ``name`` is the same: what a process prepares for the first task serves for those after it.
     """
@@ -117,7 +119,7 @@ def _remembered(name: str, work: Callable[[S], T]) -> Callable[[S], T]:
 
 @cache
 def _check(needed: tuple[tuple[str, str], ...]) -> None:
-    """Workers may join while a study runs, after all others were looked at."""
+    """Refuse versions other than those needed in this worker, which may have joined while the study runs."""
     has = own_versions()
     faults = list(differences(f"process {os.getpid()} of {platform.node()}", has, dict(needed)))
     refuse_faults(faults, "Install the same on all workers, start them anew and run the study again")

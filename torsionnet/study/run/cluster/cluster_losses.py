@@ -1,4 +1,4 @@
-"""What can be lost while a cluster calculates, in words of a study."""
+"""Errors and messages where a cluster loses its scheduler or workers while a study is calculated."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class ClusterError(TorsionnetError):
-    """The cluster is lost, or its workers cannot do the work; what they had finished is kept."""
+    """A cluster was lost, or its workers cannot do the work; finished chunks are kept."""
 
     exit_code = 3
 
@@ -26,7 +26,7 @@ KEPT = "what was calculated is kept, and the study goes on from there when it is
 
 @contextmanager
 def scheduler_expected(client: Client) -> Iterator[None]:
-    """Say it if the scheduler is lost."""
+    """Turn errors of a lost scheduler into ClusterError."""
     from distributed import CancelledError
     from distributed.comm import CommClosedError
 
@@ -42,7 +42,7 @@ def scheduler_expected(client: Client) -> Iterator[None]:
 
 @contextmanager
 def workers_expected(parts: Sequence[object]) -> Iterator[None]:
-    """Say it if workers die of these chunks."""
+    """Turn the deaths of workers on these chunks into ClusterError."""
     from distributed import KilledWorker
 
     first, last = parts[0], parts[-1]
@@ -59,21 +59,21 @@ def workers_expected(parts: Sequence[object]) -> Iterator[None]:
 
 
 def let_go(client: Client, tasks: Iterable[Future]) -> None:
-    """Tasks that nobody waits for any more."""
+    """Cancel tasks whose results are not needed any more."""
     if client.status == "running":
         with suppress(OSError):
             client.cancel(list(tasks))
 
 
 LOOK_EVERY, SAID_FIRST = 2.0, 10.0
-"""Seconds after which it is asked again, and from one word to the next: twice as long each time."""
+"""Seconds from one look for workers to the next, and to the second message; later ones take twice as long each."""
 
 Told = Callable[[str], None]
 
 
 @dataclass
 class Absence:
-    """Tells that a cluster has no workers: at once, and again from time to time for how long.
+    """Messages while a cluster has no workers: at once, and again from time to time with the time waited.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Absence:
     _every: float = 0.0
 
     def seen(self, threads: int, left: int | None = None) -> None:
-        """How many threads there are now, and chunks left to calculate where some were calculated before."""
+        """Take note of the number of threads now, and of the chunks left where some were calculated before."""
         if threads:
             self._began = None
             return
@@ -121,14 +121,14 @@ def await_workers(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> int:
-    """Threads of all workers, as soon as there are some.
+    """Wait for the first worker and return the number of threads of all workers.
 
     Parameters
     ----------
     threads : callable
-        Those there are now.
+        Returns the number of threads now.
     told : callable
-        Is told at once that there are none yet, and again from time to time for how long.
+        Called with a message at once where there are none, and again from time to time.
     clock, sleep : callable
         In seconds.
 

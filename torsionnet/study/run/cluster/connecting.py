@@ -1,4 +1,4 @@
-"""To the workers of a cluster, by its address, a scheduler file, or made on this machine."""
+"""Connection to a cluster by its address or a scheduler file, or to workers started on this machine."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ SURROUNDINGS = {
     "MKL_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
-"""Of the workers: the C library keeps the memory of one chunk for the next, and BLAS uses one thread.
+"""Environment variables of the workers: the C library keeps the memory of one chunk for the next, BLAS has one thread.
 
 By dask's own setting every array above 64 KiB goes back to the system when it is let go, and fetching it again costs
 more than what is calculated with it.
@@ -80,7 +80,7 @@ SETTINGS = {
 
 @contextmanager
 def local_workers(count: int | None = None) -> Iterator[str]:
-    """The address of a scheduler with ``count`` workers of one thread each; by default one for each core.
+    """Start ``count`` workers of one thread each (default: one for each core) and yield their scheduler's address.
 
     A worker that dies is replaced. Workers end with this process, however it ends.
     """
@@ -108,18 +108,18 @@ def local_workers(count: int | None = None) -> Iterator[str]:
             os.environ.pop(name, None) if value is None else os.environ.update({name: value})
 
 
-FORMS = (
+ADDRESS_FORMS = (
     "tcp://host:port (the address a scheduler prints), the path of a scheduler file ending in .json, or local:N for N "
     "processes of this machine"
 )
 LOCAL = re.compile(r"local(?::(\d+))?")
-PATIENCE = 10.0
-"""Seconds that a scheduler may take to answer."""
+ANSWER_SECONDS = 10.0
+"""Longest time in seconds for the answer of a scheduler; one on a busy network takes a few."""
 
 
 @contextmanager
-def connected(where: str, patience: float = PATIENCE) -> Iterator[Client]:
-    """A client of the cluster; its ``dashboard_link`` shows what the workers do.
+def connected(where: str, patience: float = ANSWER_SECONDS) -> Iterator[Client]:
+    """Connect to a cluster and yield its client, whose ``dashboard_link`` shows what the workers do.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def connected(where: str, patience: float = PATIENCE) -> Iterator[Client]:
     """
     local = LOCAL.fullmatch(where)
     if local is None and "://" not in where and not where.endswith(".json"):
-        raise UsageError(f'"{where}" is no cluster; give {FORMS}')
+        raise UsageError(f'"{where}" is no cluster; give {ADDRESS_FORMS}')
     _needs_distributed()
     if local is not None:
         with (
@@ -165,7 +165,7 @@ def _needs_distributed() -> None:
 
 
 def _address_in(file: Path) -> str:
-    """Of a scheduler file, which ``dask scheduler --scheduler-file`` writes."""
+    """Address in a scheduler file, which ``dask scheduler --scheduler-file`` writes."""
     try:
         address = json.loads(file.read_text())["address"]
     except FileNotFoundError:
@@ -196,7 +196,7 @@ def _client(address: str, patience: float) -> Iterator[Client]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what dask says of versions and of lost connections, which is said here in words of a study."""
+    """Silence messages of dask on versions and lost connections, which are errors of the study here."""
     from distributed.versions import VersionMismatchWarning
 
     logger = logging.getLogger("distributed.client")

@@ -1,4 +1,4 @@
-"""Chunks of a study on the workers of a cluster."""
+"""Executor on the workers of a cluster."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def check_folder(client: Client, folder: Path) -> None:
-    """Every worker there is must read in ``folder`` what was just written there, and write there."""
+    """Refuse a cluster with a worker that cannot read and write in ``folder``."""
     word = uuid.uuid4().hex
     token = folder.resolve() / f".seen_by_workers_{word}"
     token.write_text(word)
@@ -44,7 +44,7 @@ def check_folder(client: Client, folder: Path) -> None:
 
 
 def trouble_with(token: str, word: str) -> str:
-    """What keeps this process from using the folder in which another wrote ``word``; empty if nothing does."""
+    """Message of why this worker cannot use the folder in which another process wrote ``word``; empty if it can."""
     file = Path(token)
     try:
         if file.read_text() != word:
@@ -60,15 +60,15 @@ def trouble_with(token: str, word: str) -> str:
 
 
 TASK_SECONDS = 2.0
-"""Of a task, at least; what is done for each takes some milliseconds of a worker."""
+"""Shortest time of a task in seconds; the overhead of each is some milliseconds of a worker."""
 
 TASKS_A_SECOND = 50.0
-"""Of all workers together; a scheduler and a client manage some hundred."""
+"""Most tasks in a second of all workers together; a scheduler and a client manage some hundred."""
 
 
 @dataclass
 class TaskSize:
-    """Chunks of a task by the time that the last ones took.
+    """Number of chunks in a task, by the time that the last chunks took.
 
     Examples
     --------
@@ -85,11 +85,11 @@ class TaskSize:
     seconds: deque[float] = field(default_factory=lambda: deque(maxlen=50))
 
     def learn(self, seconds: Iterable[float]) -> None:
-        """Wall clock of finished chunks."""
+        """Take note of the wall-clock times of finished chunks in seconds."""
         self.seconds.extend(seconds)
 
     def chunks(self, left: int, workers: int) -> int:
-        """Of the next task; towards the end fewer, so that no worker is idle while another has a pile."""
+        """Number of chunks in the next task; fewer towards the end, so that no worker idles while another has many."""
         if not self.seconds:
             return 1
         wanted = ceil(max(TASK_SECONDS, workers / TASKS_A_SECOND) / max(median(self.seconds), 1e-6))
@@ -100,18 +100,18 @@ S = TypeVar("S")
 T = TypeVar("T")
 
 TASKS_AHEAD = 2
-"""Tasks that wait for each thread of a worker beside the one it calculates, so that it never waits for this process."""
+"""Tasks queued for each thread of a worker beside the one it calculates, so that it never waits for this process."""
 
-TRIES = 2
-"""Of a task again, whose file system failed for a moment."""
+TASK_RETRIES = 2
+"""Times that a failed task is tried again, as a shared file system may fail for a moment."""
 
 LOOK_EVERY, PAUSE = 2.0, 0.1
-"""Seconds after which it is asked which workers there are, and whether something is done."""
+"""Seconds from one look for workers to the next, and from one look for finished tasks to the next."""
 
 
 @dataclass(frozen=True, eq=False)
 class DaskExecutor:
-    """Work on the parts of a study by the workers of ``client``, which leave the values in a folder that all see.
+    """Executor on the workers of a cluster, which write the values into a folder that all of them share.
 
     A bounded number of tasks is with the scheduler at a time; a worker that is lost has its tasks done by others, and
     workers that join are used. ``work`` keeps what it calculates in the ``folder`` and returns next to nothing.
@@ -119,11 +119,11 @@ class DaskExecutor:
     Attributes
     ----------
     client : Client
-        Of :func:`torsionnet.study.run.cluster.connecting.connected`.
+        Client of :func:`torsionnet.study.run.cluster.connecting.connected`.
     folder : Path
-        Of the study.
+        Folder of the study.
     told : callable
-        Is told that there are no workers yet, or none any more.
+        Called with a message when there are no workers yet, or none any more.
     """
 
     client: Client
@@ -131,7 +131,7 @@ class DaskExecutor:
     told: Told = lambda _text: None
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Every part with its result, in the order in which they are done.
+        """Pairs of part and result, in the order in which they are done.
 
         Raises
         ------
@@ -150,14 +150,14 @@ class DaskExecutor:
 
     @cached_property
     def _versions(self) -> Versions:
-        """What all workers have, asked once, with whether they see the folder."""
+        """Versions that all workers have; checked once, as is their access to the folder."""
         needed = check_versions(self.client)
         check_folder(self.client, self.folder)
         return needed
 
 
 class _Running(Generic[S]):
-    """The tasks that are with the scheduler."""
+    """Tasks submitted to the scheduler and not finished yet."""
 
     def __init__(self, client: Client, name: str, needed: Versions, absence: Absence) -> None:
         from distributed import as_completed
@@ -188,18 +188,18 @@ class _Running(Generic[S]):
             key = (self.key, self.submitted)
             self.submitted += 1
             asked = (work, self.key, parts, self.needed)
-            task = self.client.submit(done_chunks, *asked, key=key, pure=False, retries=TRIES)
+            task = self.client.submit(done_chunks, *asked, key=key, pure=False, retries=TASK_RETRIES)
             self.tasks[task] = parts
             self.finished.add(task)
 
     def _threads(self) -> int:
-        """Of all workers there are now."""
+        """Number of threads of all workers, asked for every few seconds."""
         if monotonic() > self.looked + LOOK_EVERY:
             self.threads, self.looked = sum(self.client.nthreads().values()), monotonic()
         return self.threads
 
     def _await(self, later: int) -> None:
-        """Until something is done, with words where no worker is left that could."""
+        """Wait until a task is finished, with messages where no worker is left."""
         while not self.finished.has_ready():
             with self.finished.thread_condition:
                 self.finished.thread_condition.wait(PAUSE)
@@ -207,7 +207,7 @@ class _Running(Generic[S]):
                 self.absence.seen(self._threads(), later + sum(map(len, self.tasks.values())))
 
     def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
-        """What has been done since this was asked before, something at least."""
+        """Pairs of part and report of the tasks that finished since the last call, one task at least."""
         ended = self.finished.next_batch(block=True)
         for task in ended:
             if task.status != "finished":
