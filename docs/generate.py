@@ -36,8 +36,8 @@ from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimensi
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.plan import EXCITATIONS
 from torsionnet.model.element_base.damping_entries import LossFactor
+from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.nodes import NodeName, NodePair
-from torsionnet.model.element_base.several import Several
 from torsionnet.model.element_base.shaft_stiffness import ShaftStiffness
 from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import (
@@ -311,7 +311,7 @@ def fields_table(cls: type[Element]) -> str:
 
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec_of(declared)
-    kind = kind.of if isinstance(kind, Several) else kind
+    kind = kind.of if isinstance(kind, MultipleValues) else kind
     is_quantity = isinstance(kind, QuantityKind)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))

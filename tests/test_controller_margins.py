@@ -247,13 +247,13 @@ class TestFaults:
     @pytest.mark.parametrize(
         ("entries", "message"),
         [
-            ({"sense": {"torque": "a"}}, '"torque" is nothing a controller senses.*known: angle, velocity, accel'),
+            ({"sense": {"torque": "a"}}, 'a controller cannot sense "torque".*known: angle, velocity, accel'),
             ({"sense": {"velocity": ["a", "b", "c"]}}, "expected two nodes"),
             ({"act": "ground"}, "ground does not move"),
             ({"act": ["ground", "a"]}, "name a node first, and ground second"),
             ({"law": {"p": "3 kg"}}, "it follows the velocity"),
-            ({"law": {"frob": 3}}, '"frob" is no entry of a law'),
-            ({"law": {"p": 3, "numerator": [1]}}, "together are no law; give a gain"),
+            ({"law": {"frob": 3}}, '"frob" is not an entry of a control law'),
+            ({"law": {"p": 3, "numerator": [1]}}, "cannot be combined to a control law; give a gain"),
             ({"law": {"filter": 3}}, "a filter alone does nothing"),
             ({"law": {"numerator": [1]}}, "needs denominator"),
             ({"law": {"numerator": [1], "denominator": [0]}}, "the denominator is zero"),

@@ -112,7 +112,7 @@ def test_a_simulation_has_it_too():
 @pytest.mark.parametrize(
     ("sensor", "message"),
     [
-        ("{stress: coupling}", "coupling, a spring, has no diameter, and so no stress"),
+        ("{stress: coupling}", "coupling, a spring, has no diameter, and so no stress; take a shaft"),
         ("{stress: shafft}", 'did you mean "shaft"'),
         ("{stress: shaft, at: c}", 'shaft is not attached to "c"'),
         ("{stres: shaft}", 'did you mean "stress"'),

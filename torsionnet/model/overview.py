@@ -17,8 +17,8 @@ from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.laws import Law
+from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.quantity_table import TableByName
-from torsionnet.model.element_base.several import Several
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.given_values import given, in_words
 from torsionnet.response.table import Column, Table
@@ -107,7 +107,7 @@ def value_text(element: Element, spec: Spec[object], value: Any, rig: Model) -> 
         at = (" at ", *resolved(value.at, "Hz", rig)) if value.at is not None else ()
         shown = resolved(value.value, _unit_of_measure(value), rig)
         return (f"{value.measure} ", *shown, *at, *_viscous(element, rig))
-    if isinstance(spec, Several):
+    if isinstance(spec, MultipleValues):
         named = (
             [(f"{name} ", one) for name, one in value]
             if isinstance(spec, TableByName)

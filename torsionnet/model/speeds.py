@@ -31,7 +31,7 @@ def holding_rows(definition: Definition, values: Mapping[str, Any]) -> Rows:
 def _rows_on_average(definition: Definition, values: Mapping[str, Any]) -> tuple[Rows, Rows]:
     """Rows that vanish at steady mean speed, and those of nodes that springs tie to ground."""
     value = Values(values)
-    rows = [exact_row(row) for element in definition.active for row in element.holds(value)]
+    rows = [exact_row(row) for element in definition.active for row in element.mean_speed_rows(value)]
     return [row for row in rows if len(row) > 1], [row for row in rows if len(row) == 1]
 
 

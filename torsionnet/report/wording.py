@@ -22,7 +22,7 @@ from torsionnet.core.errors import Fault, meant_or
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
 from torsionnet.model.element_base.curves import LookupCurve
-from torsionnet.model.element_base.several import Several
+from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.teeth import Teeth
@@ -60,9 +60,9 @@ def _properties(name: str, spec: Spec[object]) -> Iterator[str]:
     if isinstance(spec, Typed):
         for cls in spec.kinds().values():
             yield from _nested(name, cls)
-    if isinstance(spec, Several | SpringStages | ControlLawEntry):
+    if isinstance(spec, MultipleValues | SpringStages | ControlLawEntry):
         yield f"{name} {{key}}"
-    if not isinstance(spec, Several | SpringStages):
+    if not isinstance(spec, MultipleValues | SpringStages):
         yield name
 
 

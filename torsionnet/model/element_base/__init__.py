@@ -1,1 +1,1 @@
-"""What element types are made of: nodes, laws, curves, damping, stiffness over frequency."""
+"""Base classes and entries of element types: nodes, laws, curves, damping, stiffness over frequency."""

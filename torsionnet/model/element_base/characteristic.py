@@ -1,4 +1,4 @@
-"""Characteristics: rows of plain numbers over one of them, straight between the rows."""
+"""Entry for a characteristic: rows of plain numbers, interpolated linearly over the first column."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torsionnet.core.piecewise_linear import Rows
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Characteristic(NumberTable[Rows]):
-    """A function of an operating value: two rows or more, read by :mod:`torsionnet.core.piecewise_linear`."""
+    """Entry for a function of an operating value: two rows or more, interpolated linearly between the rows."""
 
     is_read_off: ClassVar[bool] = True
 

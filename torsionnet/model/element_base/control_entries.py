@@ -1,4 +1,4 @@
-"""Entries of a controller: what it senses, where it acts, and its law."""
+"""Entries of a controller: the sensed motion and the control law."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYN
 from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.nodes import NodePair, read_node
 
-SENSED = ("angle", "velocity", "acceleration")
+SENSED_QUANTITIES = ("angle", "velocity", "acceleration")
+"""Motions that a controller can sense; the index is the power of s over the angle."""
 _FORMS = {
     GAIN: {"gain"},
     PID: {"p", "i", "d", "filter"},
@@ -25,25 +26,27 @@ _FORMS = {
 }
 _NEEDED = {GAIN: {"gain"}, PID: set(), POLYNOMIALS: _FORMS[POLYNOMIALS], ROOTS: {"gain"}, MATRICES: set("ABC")}
 _WAYS = "a gain, {p, i, d, filter}, {numerator, denominator}, {zeros, poles, gain} or {A, B, C, D}"
-_LONGEST = 50
-"""Coefficients, roots or states."""
+_MOST_COEFFICIENTS = 50
+"""Coefficients, roots or states of a law; more would only make polynomials that lose their digits."""
+_LARGEST_COEFFICIENT = 10**40
+"""Coefficients of a law are below this: larger ones are slips, and products of them would overflow."""
 
 
 @dataclass(frozen=True)
 class SensedMotion:
-    """A motion of a node, or of the first of two against the second: angle, velocity or acceleration."""
+    """Motion that a controller senses: angle, velocity or acceleration of a node, or of a node relative to another."""
 
     quantity: str
     nodes: tuple[str, ...]
 
     @property
     def power(self) -> int:
-        """Of s, by which it differs from the angle."""
-        return SENSED.index(self.quantity)
+        """Power of s over the angle: 0 for an angle, 1 for a velocity, 2 for an acceleration."""
+        return SENSED_QUANTITIES.index(self.quantity)
 
 
 class SensedEntry(Spec[SensedMotion]):
-    """``{velocity: node}``, or ``{velocity: [node, node]}`` for the motion of the first against the second."""
+    """Entry for a sensed motion: ``{velocity: node}``, or ``{velocity: [first, second]}`` for first minus second."""
 
     def coerce(self, raw: object) -> SensedMotion:
         if isinstance(raw, SensedMotion):
@@ -51,10 +54,10 @@ class SensedEntry(Spec[SensedMotion]):
         if not isinstance(raw, Mapping) or len(raw) != 1:
             raise EntryError(f"expected what is sensed, as {{velocity: node}}, got {raw!r}")
         ((quantity, of),) = raw.items()
-        if quantity not in SENSED:
-            hint = did_you_mean(str(quantity), SENSED)
+        if quantity not in SENSED_QUANTITIES:
+            hint = did_you_mean(str(quantity), SENSED_QUANTITIES)
             more = "; the torque of a spring is its stiffness times {angle: [node, node]}" if quantity != hint else ""
-            text = f'"{quantity}" is nothing a controller senses{hint}; known: {", ".join(SENSED)}{more}'
+            text = f'a controller cannot sense "{quantity}"{hint}; known: {", ".join(SENSED_QUANTITIES)}{more}'
             raise EntryError(Fault(text, (quantity,), on_key=True))
         return SensedMotion(quantity, under(quantity, OneOrTwoNodes(""), of))
 
@@ -66,7 +69,11 @@ class SensedEntry(Spec[SensedMotion]):
 
     def schema(self) -> Schema:
         node = OneOrTwoNodes("a node, or the first of two against the second").schema()
-        found: Schema = {"type": "object", "properties": dict.fromkeys(SENSED, node), "additionalProperties": False}
+        found: Schema = {
+            "type": "object",
+            "properties": dict.fromkeys(SENSED_QUANTITIES, node),
+            "additionalProperties": False,
+        }
         return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
 
     @property
@@ -75,7 +82,7 @@ class SensedEntry(Spec[SensedMotion]):
 
 
 class OneOrTwoNodes(Spec[tuple[str, ...]]):
-    """A node, or two; the second may be ground."""
+    """Entry for one node, or for a pair of nodes of which the second may be ground."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return tuple(map(names.node, value))
@@ -102,7 +109,7 @@ class OneOrTwoNodes(Spec[tuple[str, ...]]):
 
 
 class ControlLawEntry(Spec[ControlLaw]):
-    """A transfer function: a gain, PID, polynomials, zeros and poles, state space, or an object of python-control."""
+    """Entry for a control law: gain, PID, polynomials, zeros and poles, state space, or a python-control object."""
 
     def coerce(self, raw: object) -> ControlLaw:
         if isinstance(raw, ControlLaw):
@@ -151,7 +158,10 @@ class ControlLawEntry(Spec[ControlLaw]):
 
 
 def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:
-    """(path, expression, dimension) of everything in a law that follows the motion s^power theta; empty if any."""
+    """(path, expression, dimension) of every coefficient of a law on the motion s^power theta.
+
+    The dimension is empty where the form of the law leaves it open.
+    """
     by_power = {0: "stiffness", 1: "damping", 2: "inertia"}
     if law.form == GAIN:
         return (((), law.entries[0][1], by_power[power]),)
@@ -178,9 +188,9 @@ def _form(raw: Mapping[str, Any]) -> str:
     every = set().union(*_FORMS.values())
     for name in raw:
         if str(name) not in every:
-            text = f'"{name}" is no entry of a law{did_you_mean(str(name), every)}; give {_WAYS}'
+            text = f'"{name}" is not an entry of a control law{did_you_mean(str(name), every)}; give {_WAYS}'
             raise EntryError(Fault(text, (name,), on_key=True))
-    raise EntryError(f"{', '.join(sorted(names)) or 'nothing'} together are no law; give {_WAYS}")
+    raise EntryError(f"{', '.join(sorted(names)) or 'nothing'} cannot be combined to a control law; give {_WAYS}")
 
 
 def _at(key: str | int, read: Any, raw: object) -> Any:
@@ -192,8 +202,8 @@ def _at(key: str | int, read: Any, raw: object) -> Any:
 
 def _scalar(raw: object) -> Expression:
     value = raw if isinstance(raw, Expression) else read_value(raw)
-    if isinstance(value, Number) and not abs(value.value) < 10**40:
-        raise EntryError(f"{raw!r} is no size of a law")
+    if isinstance(value, Number) and not abs(value.value) < _LARGEST_COEFFICIENT:
+        raise EntryError(f"{raw!r} is too large for a coefficient of a law; give a number below 1e40")
     return value
 
 
@@ -201,8 +211,8 @@ def _listed(raw: object) -> list[Any]:
     raw = raw.tolist() if hasattr(raw, "tolist") else raw
     if isinstance(raw, str) or not isinstance(raw, Sequence):
         raise EntryError(f"expected a list of numbers or expressions, got {raw!r}")
-    if len(raw) > _LONGEST:
-        raise EntryError(f"{len(raw)} values; a law has at most {_LONGEST}")
+    if len(raw) > _MOST_COEFFICIENTS:
+        raise EntryError(f"{len(raw)} values; a law has at most {_MOST_COEFFICIENTS}")
     return list(raw)
 
 
@@ -219,7 +229,7 @@ def _root(raw: Sequence[object]) -> tuple[Expression, ...]:
 
 
 def _matrices(raw: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
-    """A (n, n), B (n,), C (n,) and D, however deep the lists are."""
+    """State-space matrices A (n, n), B (n,), C (n,) and D from lists of any depth."""
     A = tuple(_at("A", lambda row: tuple(map(_scalar, _listed(row))), row) for row in _listed(raw["A"]))
     B, C, D = (_flat(name, raw.get(name, 0)) for name in "BCD")
     if not A or any(len(row) != len(A) for row in A) or len(B) != len(A) or len(C) != len(A) or len(D) != 1:
@@ -254,9 +264,9 @@ def _plain(entry: Any) -> Any:
 
 
 def _from_control(raw: object) -> Any:
-    """The entries of a transfer function or state space of python-control or scipy; anything else as it is."""
+    """Entries of a transfer function or state space of python-control or scipy; other objects unchanged."""
     if getattr(raw, "dt", None) not in (None, 0) and not isinstance(raw, Mapping):
-        raise EntryError("a law is continuous in time; this one has a sampling time")
+        raise EntryError("a law is continuous in time; this one has a sampling time; convert it first")
     if all(hasattr(raw, name) for name in "ABCD"):
         return {name: getattr(raw, name) for name in "ABCD"}
     if hasattr(raw, "num") and hasattr(raw, "den"):
@@ -266,7 +276,7 @@ def _from_control(raw: object) -> Any:
 
 
 def _only(part: Any) -> list[float]:
-    """Coefficients of the one transfer function; python-control has a matrix of them."""
+    """Coefficients of a single transfer function from the 1 x 1 matrix of python-control."""
     if getattr(part, "ndim", 1) == 2 or isinstance(part, list | tuple):
         if len(part) != 1 or len(part[0]) != 1:
             raise EntryError("a law senses one motion and makes one torque; this one has several")

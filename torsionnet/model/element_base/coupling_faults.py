@@ -1,4 +1,4 @@
-"""Entries of a flexible coupling that are fine alone but not together."""
+"""Faults of a flexible coupling whose entries contradict each other."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _READ_AT = {
     "temperature_factor": "temperature",
     "damping_temperature_factor": "temperature",
 }
-"""Curve -> the entry at which it is read off."""
+"""Entry with a curve -> entry with the operating value at which the curve is read."""
 _OVER_FREQUENCY = ("frequency_factor", "loss_over_frequency")
 
 
-def read_offs(coupling: Any) -> list[tuple[str, str]]:
-    """Curves that are given, each with the entry at which it is read off."""
+def given_curves(coupling: Any) -> list[tuple[str, str]]:
+    """(curve, operating value) as entry names of every curve that a coupling gives."""
     return [(name, operating) for name, operating in _READ_AT.items() if getattr(coupling, name)]
 
 
 def contradictions(coupling: Any) -> list[Fault]:
-    """Those of where the stiffness comes from, else all others."""
+    """Faults of a coupling in the source of its stiffness, or, where that is clear, in its other entries."""
     found = _source_faults(coupling)
     if found or coupling.material is not None:
         return found or _material_faults(coupling)
@@ -49,7 +49,7 @@ def _source_faults(coupling: Any) -> list[Fault]:
         return one_at_most(coupling, *sources, of="the stiffness")
     if (coupling.material is None) != (coupling.geometry is None):
         lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
-        return [Fault(f"rubber needs its moduli and its shape; here is no {lacking}", on_key=True)]
+        return [Fault(f"stiffness from rubber needs material and geometry; here is no {lacking}", on_key=True)]
     return []
 
 
@@ -57,23 +57,25 @@ def _material_faults(coupling: Any) -> list[Fault]:
     others = [*_READ_AT, *_OVER_FREQUENCY, "loss_factor"]
     own = next((name for name in others if getattr(coupling, name)), None)
     if own is not None:
-        return [Fault(f"the material says it already; leave out {own}", (own,), on_key=True)]
+        return [Fault(f"the material gives stiffness and damping already; leave out {own}", (own,), on_key=True)]
     return [*temperature_faults(coupling.material, coupling.temperature), *_frequency_faults(coupling)]
 
 
 def _curve_faults(coupling: Any) -> list[Fault]:
     faults = []
-    found = read_offs(coupling)
+    found = given_curves(coupling)
     for name, operating in found:
         if getattr(coupling, operating) is None:
-            faults.append(Fault(f"{name} needs {operating}: where it is read off", (name,), on_key=True))
+            faults.append(Fault(f"{name} needs {operating}, at which it is read", (name,), on_key=True))
         if is_share(getattr(coupling, name)[0][0]) and coupling.T_KN is None and operating != "temperature":
             text = "rows without a unit are shares of the nominal torque: give T_KN, or torques in N*m"
             faults.append(Fault(text, (name,), on_key=True))
     for operating in dict.fromkeys(_READ_AT.values()):
         if getattr(coupling, operating) is not None and operating not in {where for _, where in found}:
             curves = " or ".join(name for name, where in _READ_AT.items() if where == operating)
-            faults.append(Fault(f"nothing here depends on it; give {curves}", (operating,), on_key=True))
+            faults.append(
+                Fault(f"nothing here depends on {operating}; give {curves}, or leave it out", (operating,), on_key=True)
+            )
     return faults
 
 
@@ -82,7 +84,7 @@ def _damping_faults(coupling: Any) -> list[Fault]:
     if both:
         return both
     if coupling.damping_temperature_factor and coupling.loss_factor is None:
-        text = "this factor is one of the loss factor, which is not given"
+        text = "this factor multiplies loss_factor, which is not given; add loss_factor"
         return [Fault(text, ("damping_temperature_factor",), on_key=True)]
     if coupling.frequency_factor and not (coupling.loss_over_frequency or _loses(coupling.loss_factor)):
         text = "a stiffness over frequency needs a damping, too: loss_factor or loss_over_frequency"
@@ -91,21 +93,30 @@ def _damping_faults(coupling: Any) -> list[Fault]:
 
 
 def _loses(entry: Any) -> bool:
-    """Whether a loss factor is above zero; of parameters it may be."""
+    """Whether a loss factor is or, given by parameters, may be above zero."""
     return entry is not None and bool(entry.names or loss_factor(entry, {}, RATIONAL) > 0)
 
 
 def _frequency_faults(coupling: Any) -> list[Fault]:
-    """The loss of laws over frequency is numbers: parameters in it would be without derivatives in fits."""
+    """Faults of a damping that laws over frequency cannot take.
+
+    Their loss is made of numbers: parameters in it would be without derivatives in fits.
+    """
     if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
-        return [Fault("beside a material the damping is viscous, in N*m*s/rad", ("damping",))]
+        return [Fault("beside a material the damping is a viscous coefficient; give it in N*m*s/rad", ("damping",))]
     if coupling.material is None and coupling.scale is not None:
-        return [Fault("this multiplies the moduli of a material, and there is none", ("scale",), on_key=True)]
+        return [
+            Fault(
+                "scale multiplies the moduli of a material, which is not given; add material, or leave it out",
+                ("scale",),
+                on_key=True,
+            )
+        ]
     if not coupling.frequency_factor:
         return []
     names = ["loss_factor", *(["temperature"] if coupling.damping_temperature_factor else [])]
     return [
-        Fault(f"with curves over frequency {name} is a number, no expression of parameters", (name,))
+        Fault(f"with curves over frequency {name} must be a number, not an expression of parameters", (name,))
         for name in names
         if getattr(getattr(coupling, name), "names", ())
     ]

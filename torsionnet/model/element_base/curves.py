@@ -1,4 +1,4 @@
-"""Curves of makers' sheets: a value over a torque, a temperature or a frequency, by straight lines between the rows."""
+"""Curves from makers' sheets: a value over torque, temperature or frequency, interpolated linearly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.model.lookup_table import LookupTable
 
 
 class Temperature(PhysicalQuantity):
-    """A temperature, in degC or K: a number alone would leave open which."""
+    """Entry for a temperature, which needs a unit: a plain number could be degC or K."""
 
     def coerce(self, raw: object) -> Expression:
         value = read_scalar(raw, self.dimension)
@@ -28,7 +28,7 @@ class Temperature(PhysicalQuantity):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LookupCurve(LookupTable):
-    """``{20 degC: 1, 60 degC: 0.8}``, stored as pairs by rising first value.
+    """Entry for a curve, as ``{20 degC: 1, 60 degC: 0.8}``, stored as pairs by rising first value.
 
     ``over`` and ``dimension`` are those of the two columns. Over a torque, rows without a unit, or in %, are shares of
     the nominal torque T_KN.
@@ -37,7 +37,7 @@ class LookupCurve(LookupTable):
     over: str
     dimension: str = "1"
     exclusive: bool = False
-    """Whether 0 is no value; a curve over frequency begins above 0, too."""
+    """Whether 0 is refused as a value; a curve over frequency begins above 0, too."""
     shown: str = "{20 degC: 1, 60 degC: 0.8}"
 
     @property
@@ -68,7 +68,7 @@ class LookupCurve(LookupTable):
     @staticmethod
     def _number(value: Expression, raw: object) -> Number:
         if not isinstance(value, Number):
-            raise EntryError(f'a curve holds numbers; "{raw}" is an expression of parameters')
+            raise EntryError(f'a curve holds numbers, not expressions of parameters; got "{raw}"')
         return value
 
     def schema(self) -> Schema:
@@ -82,14 +82,14 @@ class LookupCurve(LookupTable):
 
 
 def is_share(key: Number) -> bool:
-    """Whether a row begins with a number or a percentage."""
+    """Whether the first value of a row is a share: a number without unit, or a percentage."""
     return key.unit_dimension in (None, DIMENSIONS["1"])
 
 
-def read_off(
+def with_curve_ranges(
     found: Iterable[tuple[Path, Spec[object], Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
 ) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-    """Expressions of an element, those at which a curve is read off with the range that it covers.
+    """Expressions of an element; operating values of a curve get a specification with the range of that curve.
 
     ``curves`` are the rows by the name of the entry, and the value that rows given as shares are shares of, else 1.
     """
@@ -104,13 +104,13 @@ def read_off(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OnCurve(PhysicalQuantity):
-    """A value at which a curve is read off: within its rows, beyond which nothing is known."""
+    """Specification of an operating value that has to lie within the rows of a curve."""
 
     rows: Rows = ()
     share_of: Fraction | float = 1
 
     def curve_fault(self, value: Any) -> str | None:
-        """Why nothing can be read off at a value in SI, or None; a curve from 0 on holds for both senses."""
+        """Message if a value in SI lies outside of the curve, else None; a curve from 0 on holds for both signs."""
         first, last = (float(self.rows[place][0].value) * float(self.share_of) for place in (0, -1))
         slack = 1e-9 * abs(last)
         if first - slack <= (abs(value) if first >= 0 else value) <= last + slack:

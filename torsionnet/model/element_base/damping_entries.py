@@ -1,4 +1,4 @@
-"""Entries that say how much damping there is: a coefficient, or a measure of damping."""
+"""Entries for damping: a viscous coefficient, a loss factor, or a measure of damping."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.core.expressions import Algebra, Expression
 
 
 class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
-    """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
+    """Entry for a viscous coefficient, or for a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
     def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
@@ -30,7 +30,7 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
                 known = f"known: {', '.join(MEASURES)}"
                 raise EntryError(
                     Fault(
-                        f'"{key}" is no measure of damping{hint}; {known}',
+                        f'"{key}" is not a measure of damping{hint}; {known}',
                         (key,),
                         on_key=True,
                     )
@@ -80,7 +80,7 @@ def _within(raw: object, dimension: str, key: str) -> Expression:
 
 
 class LossFactor(QuantityKind[Expression | DampingMeasure]):
-    """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
+    """Entry for a loss factor eta, or for a damping measure without frequency: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
 
     def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
@@ -111,7 +111,7 @@ class LossFactor(QuantityKind[Expression | DampingMeasure]):
 
 
 def loss_factor(entry: Expression | DampingMeasure | None, parameters: Mapping[str, Any], algebra: Algebra) -> Any:
-    """The eta of a loss factor entry, given directly or by a measure; 0 where nothing is given."""
+    """Loss factor eta of an entry that gives it directly or by a damping measure; 0 without an entry."""
     if isinstance(entry, DampingMeasure):
         return entry.loss_factor(parameters, algebra)
     return 0 if entry is None else entry.evaluate(parameters, algebra)

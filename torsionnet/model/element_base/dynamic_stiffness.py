@@ -1,7 +1,7 @@
-"""Stiffness that depends on frequency: what a law may have beside J s^2 + c s + k.
+"""Dynamic stiffness that depends on frequency: the part of a law beside J s^2 + c s + k.
 
-A measured one is known along the imaginary axis alone, as kappa(omega); one from a formula is known at every s. Both
-are asked by s and by the frequency omega of what vibrates: a pole lies beside the axis, and a table is then read at its
+A measured dynamic stiffness is known along the imaginary axis alone, as kappa(omega); a formula is known at every s.
+Methods take s and the frequency omega of the vibration: a pole lies beside the axis, and a table is then read at its
 ``|Im s|``.
 """
 
@@ -23,16 +23,16 @@ class DynamicStiffness(ABC):
     """Dynamic stiffness kappa(omega) = k + j omega c in N m/rad of a law; subclasses are frozen dataclasses.
 
     Its ``coefficients`` are numbers in the algebra of the element that made it. Derivatives to parameters follow from
-    ``slopes``, the derivatives to them.
+    ``slopes``, the derivatives to the coefficients.
     """
 
     @property
     def coefficients(self) -> tuple[Any, ...]:
-        """The numbers it is made from that parameters may change."""
+        """Numbers of the dynamic stiffness that parameters may change."""
         return ()
 
     def with_coefficients(self, *coefficients: Any) -> Self:
-        """The same from other numbers, or from numbers of another algebra."""
+        """Copy of the dynamic stiffness with other coefficients, which may be of another algebra."""
         del coefficients
         return self
 
@@ -47,39 +47,39 @@ class DynamicStiffness(ABC):
     @property
     @abstractmethod
     def is_passive(self) -> bool:
-        """Whether it can only take energy out of a vibration."""
+        """Whether the stiffness can only take energy out of a vibration."""
 
     @property
     @abstractmethod
     def holds_at_rest(self) -> bool:
-        """Whether it resists a constant angle."""
+        """Whether the stiffness resists a constant angle."""
 
     @property
     def is_elastic(self) -> bool:
-        """Whether it is a spring, even one whose stiffness vanishes at rest; what only adds inertia is none."""
+        """Whether the law is a spring, even one whose stiffness vanishes at rest, and not an inertia only."""
         return True
 
     def at(self, s: Complexes, omega: Floats) -> Complexes:
-        """At any s in rad/s of the upper half plane; by default what there is at omega."""
+        """Complex stiffness in N m/rad at s in rad/s of the upper half plane; by default kappa(omega)."""
         del s
         return self.kappa(omega)
 
     def rates(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
-        """Derivatives of that to s and to omega."""
+        """Derivatives of ``at(s, omega)`` to s and to omega, N m s/rad."""
         import numpy as np
 
         followed = np.array([self.kappa_rate(one) for one in omega.tolist()], dtype=complex)
         return np.zeros_like(s), followed
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
-        """Derivatives of that to the coefficients, (n_coefficients, n_points)."""
+        """Derivatives of ``at(s, omega)`` to the coefficients, shape (n_coefficients, n_points)."""
         import numpy as np
 
         del omega
         return np.zeros((0, len(s)), dtype=complex)
 
     def in_many_digits(self, s: Any) -> Any:
-        """At a number s of mpmath, in as many digits as are known."""
+        """Complex stiffness in N m/rad at an mpmath number s, as an mpmath number."""
         import mpmath
         import numpy as np
 
@@ -87,26 +87,26 @@ class DynamicStiffness(ABC):
 
     @property
     def is_continuous(self) -> bool:
-        """Whether it stands for something with infinitely many modes."""
+        """Whether the law stands for a continuous body with infinitely many modes."""
         return False
 
     def with_loss(self, share: float) -> DynamicStiffness:
-        """The same with a share of its damping: 0 for none, 1 for all."""
+        """Copy of the dynamic stiffness with a share of its damping: 0 for none, 1 for all."""
         return WithLoss(self, share)
 
     @property
     def inertia_at_rest(self) -> float:
-        """J of k - J omega^2, which it is for slow motions, kg m^2."""
+        """Inertia J in kg m^2 of the low-frequency limit k - J omega^2."""
         return 0.0
 
     def clamped_modes(self, omega: Floats) -> Floats:
-        """How many modes below omega in rad/s it has inside while the motion it acts on is zero."""
+        """Number of internal modes below omega in rad/s with the ends of the law held."""
         import numpy as np
 
         return np.zeros(np.shape(omega))
 
     def energy(self, s: complex) -> tuple[float, float, float]:
-        """J, k and k'' of the kinetic, strain and dissipated energy of a vibration at s.
+        """Coefficients J, k and k'' of the kinetic, strain and dissipated energy of a vibration at s.
 
         These are J |s|^2 |gamma|^2, k |gamma|^2 and k'' |gamma|^2 but for a common factor; by default all that is
         stored is strain.
@@ -118,17 +118,17 @@ class DynamicStiffness(ABC):
 
     @property
     def label(self) -> str:
-        """What tells it from others of the same element, in symbols."""
+        """Subscript of the law in symbols, where an element has several."""
         return ""
 
     def formula(self, omega: Any) -> Any:
-        """A sympy expression of omega and the coefficients, which are symbols then; None of what is measured."""
+        """Sympy expression of kappa in omega and the coefficients, or None for measured data."""
         del omega
 
 
 @dataclass(frozen=True)
 class ComplexStiffness(DynamicStiffness):
-    """The same k (1 + j eta) at every frequency, as hysteresis has it."""
+    """Hysteretic stiffness k (1 + j eta), constant over frequency."""
 
     value: complex
 
@@ -152,7 +152,7 @@ class ComplexStiffness(DynamicStiffness):
 
 @dataclass(frozen=True)
 class WithLoss(DynamicStiffness):
-    """The real part of another one and a share of the imaginary one."""
+    """Dynamic stiffness with the imaginary part of another reduced to a share."""
 
     of: DynamicStiffness
     share: float
@@ -180,7 +180,7 @@ class WithLoss(DynamicStiffness):
 
 @dataclass(frozen=True)
 class ScaledStiffness(DynamicStiffness):
-    """A dynamic stiffness times a number, which may be that of a parameter.
+    """Dynamic stiffness multiplied by a factor, which may come from a parameter.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The base of all element types, and the register of them.
+"""Base class of all element types, and the register of element types.
 
 A new element type is one class in this package: a frozen dataclass whose fields carry specifications
 (:mod:`torsionnet.core.entries`) and a ``parts`` method that yields laws and constraints. Registering it
@@ -25,15 +25,15 @@ from torsionnet.core.expressions import Expression
 from torsionnet.core.type_register import TypeRegister
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
 from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values
+from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
-from torsionnet.model.element_base.several import Several
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
     from torsionnet.model.element_base.speed_path import SpeedPath
 
 ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid", "gears"))
-"""Kind -> type, in the order of the kinds; a file is imported when a kind that it has is first asked for."""
+"""Register kind -> element class, in alphabetical order; a module is imported when its kind is first used."""
 
 REFERRED = ("stiffness", "damping", "inertia")
 """Dimensions of values that may be quoted at the speed of another shaft."""
@@ -42,19 +42,19 @@ E = TypeVar("E", bound="Element")
 
 
 def register(cls: type[E]) -> type[E]:
-    """Make an element type known under its ``kind``."""
+    """Class decorator that registers an element type under its ``kind``."""
     ELEMENT_TYPES[cls.kind] = cls
     return cls
 
 
 def element_classes() -> dict[str, type[Element]]:
-    """The registered types by the names of their classes, as Python offers them: ``torsionnet.Spring``."""
+    """Registered element types by class name, as in ``torsionnet.Spring``."""
     return {cls.__name__: cls for cls in ELEMENT_TYPES.values()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Element(Declared):
-    """One part of a drivetrain.
+    """Base class of a drivetrain element: an inertia, spring, gear, machine.
 
     Attributes
     ----------
@@ -65,20 +65,20 @@ class Element(Declared):
     enabled : bool
         A disabled element takes no part until a configuration switches it on.
     catalogue, size : CatalogueRow and str, optional
-        Where entries that the model does not give come from.
+        Table and row that give the entries that the model leaves out.
     """
 
     kind: ClassVar[str] = ""
-    """The word for the type in a model file."""
+    """Value of ``type:`` in a model file."""
     glyph: ClassVar[str] = ""
-    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt,
+    """Symbol in the schematic: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt,
     clamp, shaft or pendulum."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
-    """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
+    """Meaning of a positive torque at the first port; at other ports it drives out of the element."""
     drives: ClassVar[bool] = False
-    """Whether a positive torque at the first port drives out of the element, as of one that acts by itself."""
+    """Whether a positive torque at the first port drives out of the element, as that of a machine does."""
     may_feed: ClassVar[bool] = False
-    """Whether it may feed energy into a vibration, by an action or by damping that may be negative."""
+    """Whether the element may feed energy into a vibration, by an action or by negative damping."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
@@ -99,7 +99,11 @@ class Element(Declared):
     )
 
     def __post_init__(self) -> None:
-        reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
+        reason = (
+            name_fault(self.name)
+            if isinstance(self.name, str)
+            else f"the name of an element is a text, got {self.name!r}"
+        )
         faults = [Fault(reason)] if reason else []
         faults += [] if self.catalogue is None else self._looked_up() or self._resized()
         faults += self.coerced()
@@ -108,7 +112,7 @@ class Element(Declared):
             raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
 
     def _looked_up(self) -> list[Fault]:
-        """Take what is not given from a catalogue in a file; a required entry is not given if it is None."""
+        """Fill entries that are not given from the catalogue file; return the faults. None counts as not given."""
         from torsionnet.model.catalogues.catalogue import Catalogue
         from torsionnet.model.catalogues.taken_entries import entries_of, row_of
 
@@ -127,7 +131,7 @@ class Element(Declared):
         return faults
 
     def _resized(self) -> list[Fault]:
-        """Take the row of another size, where a configuration says one; the faults of what it cannot give."""
+        """Take the catalogue row of another size, where a configuration names one; return the faults."""
         from torsionnet.model.catalogues.catalogue import CatalogueRow
         from torsionnet.model.catalogues.taken_entries import resized
 
@@ -142,7 +146,7 @@ class Element(Declared):
 
     @classmethod
     def from_entries(cls, name: str, **entries: Any) -> Self:
-        """The element that entries describe as a file may give them: numbers, and texts with units."""
+        """Element made from entries as a file gives them: numbers, and texts with units."""
         return cls(name, **entries)
 
     @classmethod
@@ -155,15 +159,15 @@ class Element(Declared):
         return tuple((name, spec) for name, spec in cls.specs() if isinstance(spec, kinds))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
-        """Laws and constraints, with coefficients in the algebra of ``value``."""
+        """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
         raise NotImplementedError
 
     def twist(self, value: Values) -> Row:
-        """The row whose motion is called the twist of the element."""
+        """Row of node angles whose motion is the twist of the element."""
         return self.parts(value)[0].row
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
-        """Rows that stay at zero on average: the element passes a mean speed on through them."""
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
+        """Rows whose motion is zero on average: through these the element transmits mean speeds."""
         parts = self.parts(value)
         return tuple(
             part.row for part in parts if isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic)
@@ -171,7 +175,7 @@ class Element(Declared):
 
     @property
     def ports(self) -> dict[str, str]:
-        """Port name to node, the port that defines the sign of the torque first."""
+        """Node of each port by port name; the first port defines the sign of the torque."""
         ports: dict[str, str] = {}
         for name, spec in self._specs_of(NodePair, NodeName):
             nodes = getattr(self, name)
@@ -182,38 +186,38 @@ class Element(Declared):
         return ports
 
     def place_of(self, at: str | None) -> int:
-        """Place of a port among all, given by its name or node; None is the first port."""
+        """Index of a port that is given by its name or node; None is the first port."""
         return next((place for place, pair in enumerate(self.ports.items()) if at in pair), 0)
 
     def sign_at(self, at: str | None) -> str:
-        """What a positive torque means at a port, given by its name or node; None is the first port."""
+        """Meaning of a positive torque at a port that is given by its name or node; None is the first port."""
         place = self.place_of(at)
         node = list(self.ports.values())[place]
         return f"positive when it drives out of the element into {node}" if place else self.sign
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:
-        """Outer and inner diameter of a round shaft; None of what has no section that could be stressed."""
+        """Outer and inner diameter of a round shaft, or None for an element without a stressed section."""
         return None
 
     def at_own_speed(self, path: SpeedPath) -> Self:
-        """A copy whose laws have the values of its own shaft, in place of those quoted at the end of ``path``."""
-        return self.with_laws(path.of_own_shaft(self))
+        """Copy of the element with its values converted from the shaft at the end of ``path`` to its own shaft."""
+        return self.with_laws(path.parts_at_own_shaft(self))
 
     def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:
-        """A copy with other laws in the place of those that follow from its entries."""
+        """Copy of the element with other laws in place of those that follow from its entries."""
         found = copy(self)
         found.__dict__.update(parts=parts)
         return found
 
     @property
     def has_other_laws(self) -> bool:
-        """Whether its laws are not those that follow from its entries alone."""
+        """Whether the laws of the element were replaced by :meth:`with_laws`."""
         return "parts" in self.__dict__
 
     @property
     def referral_fault(self) -> str | None:
-        """Why its values cannot be quoted at another shaft, or None."""
+        """Message if the values of the element cannot be quoted at another shaft, else None."""
         if self.diameters is not None:
             return f"{self.name} follows from its dimensions, which are those of its own shaft"
         if not any(dimension in REFERRED for _, _, _, dimension in self.expressions()):
@@ -222,20 +226,20 @@ class Element(Declared):
 
     @property
     def reads_off(self) -> bool:
-        """Whether it has rows that are read off at a value of its own."""
+        """Whether the element has a curve that is read at an operating value of the element."""
         return any(spec.is_read_off for _, spec in self.specs())
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
-        """Nodes the element brings along by itself."""
+        """Names of the nodes that the element adds to the drivetrain."""
         return ()
 
     def expanded(self) -> tuple[Element, ...]:
-        """What it is a short way of writing: elements with names that begin with ``name.``, or itself."""
+        """Elements that the element stands for, named ``name.x``; most elements return themselves."""
         return (self,)
 
     def renamed(self, names: Renaming) -> Self:
-        """The same in a part, with the names it has in the whole."""
+        """Copy of the element of a part, with its names in the whole model."""
         found = {name: spec.renamed(value, names) for name, (spec, value) in self.scalars().items()}
         return replace(self, name=names.own(self.name), **found)
 
@@ -258,20 +262,20 @@ class Element(Declared):
         return f"{type(self).__name__}({self.name!r}{given})"
 
     def scalars(self) -> dict[str, tuple[Spec[object], Any]]:
-        """Field name to (specification, value) of everything that was given."""
+        """Specification and value of every entry that is given, by field name."""
         return {name: (spec, value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """(path of the entry, specification, expression, dimension name) of every expression in its fields."""
-        for name, spec in self._specs_of(QuantityKind, Several):
+        """(path, specification, expression, dimension name) of every expression in the entries of the element."""
+        for name, spec in self._specs_of(QuantityKind, MultipleValues):
             value = getattr(self, name)
             if value is not None:
-                one = spec.of if isinstance(spec, Several) else spec
+                one = spec.of if isinstance(spec, MultipleValues) else spec
                 for subpath, expression, dimension in spec.expressions(value):
                     yield (name, *subpath), one, expression, dimension
 
     def to_data(self) -> dict[str, Json]:
-        """The entry of a model file that makes this element."""
+        """Entries of the element as a model file has them."""
         data = {"type": self.kind, **self.written_entries()}
         if self.catalogue is None:
             return data
@@ -284,7 +288,7 @@ class Element(Declared):
 
     @classmethod
     def schema(cls, *, told_by: str = "") -> Schema:
-        """JSON Schema of the entry; with a catalogue, that gives what else would be required."""
+        """JSON Schema of the element's entries; a catalogue may give the required ones."""
         schema: dict[str, Any] = dict(super().schema(told_by=told_by))
         from_row = [name for name in schema["required"] if name != told_by]
         lone = {"not": {"required": [CATALOGUE]}}
@@ -297,7 +301,7 @@ def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:
 
 
 def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
-    """Viscous coefficient of a damping field: given directly, or by a damping measure of the stiffness."""
+    """Viscous coefficient in N m s/rad of a damping entry that gives it directly or by a measure of the stiffness."""
     if isinstance(damping, DampingMeasure):
         return damping.viscous(stiffness, value.parameters, value.algebra)
     return 0 if damping is None else value(damping)

@@ -1,4 +1,4 @@
-"""The elements of a model by name, as an entry."""
+"""Entry for the elements of a model by name."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
 class ElementTable(Named[Element]):
-    """Elements know their names, which are part of what is said about them."""
+    """Entry for elements by name; an element gets its name, which messages on the element contain."""
 
     @property
     def example(self) -> str:
         return FORM
 
     def read(self, raw: object) -> tuple[dict[str, Element], list[Fault]]:
-        """Every element that can be made, and the faults of the others."""
+        """Elements by name that can be made, and the faults of the other elements."""
         if not isinstance(raw, Mapping) or not raw:
             return {}, [Fault(f"a model needs elements: {FORM}", kind="missing key", about="elements")]
         elements: dict[str, Element] = {}
@@ -40,7 +40,7 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if isinstance(raw, Element):
         return raw, []
     if not isinstance(name, str) or name_fault(name):
-        return None, [Fault(name_fault(str(name)) or f"{name!r} is no name", on_key=True)]
+        return None, [Fault(name_fault(str(name)) or f"the name of an element is a text, got {name!r}", on_key=True)]
     if not isinstance(raw, Mapping):
         return None, [Fault(f"expected {{type: ..., ...}}, got {raw!r}")]
     kind = raw.get("type")
@@ -83,5 +83,5 @@ def _kind_fault(kind: Any) -> Fault:
 
 
 def element_kinds() -> Mapping[str, type[Element]]:
-    """All registered types of element."""
+    """Registered element classes by kind."""
     return ELEMENT_TYPES

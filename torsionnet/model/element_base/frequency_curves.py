@@ -1,4 +1,4 @@
-"""The dynamic stiffness that a stiffness and curves over frequency make."""
+"""Dynamic stiffness from a stiffness and curves of its factor and loss factor over frequency."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from torsionnet.core.piecewise_linear import Rows
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 
-def over_frequency(stiffness: float, factor: Rows, loss: Rows, loss_factor: float = 0.0) -> SampledStiffness:
-    """The stiffness k factor(f) (1 + j eta(f)).
+def stiffness_from_curves(stiffness: float, factor: Rows, loss: Rows, loss_factor: float = 0.0) -> SampledStiffness:
+    """Sampled dynamic stiffness k factor(f) (1 + j eta(f)) in N m/rad.
 
-    Without rows in ``loss`` eta is ``loss_factor`` everywhere, without rows in ``factor`` that is 1.
+    Without rows in ``loss`` eta is ``loss_factor`` everywhere, without rows in ``factor`` the factor is 1.
 
     Examples
     --------
     >>> from torsionnet.core.expressions import Number
     >>> rows = ((Number(1), Number(1)), (Number(100), Number(4)))
-    >>> over_frequency(500.0, rows, (), 0.1).stiffness
+    >>> stiffness_from_curves(500.0, rows, (), 0.1).stiffness
     (500.0, 2000.0)
     """
     frequencies = sorted({float(f.value) for f, _ in (*factor, *loss)})
@@ -28,7 +28,7 @@ def over_frequency(stiffness: float, factor: Rows, loss: Rows, loss_factor: floa
 
 
 def _read(rows: Rows, frequency: float, otherwise: float) -> float:
-    """By powers of the frequency, as the law itself goes between its rows."""
+    """Value of a curve at a frequency, interpolated as a power of the frequency between the rows."""
     import numpy as np
 
     if not rows:

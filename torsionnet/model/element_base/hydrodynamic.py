@@ -1,4 +1,4 @@
-"""What fluid couplings and torque converters have in common: pump torque over speed ratio, linearised."""
+"""Base of fluid couplings and torque converters: pump torque over speed ratio, linearised."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows, outside, slope_at, value_at
 from torsionnet.model.element_base.characteristic import Characteristic
-from torsionnet.model.element_base.curves import read_off
+from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.laws import GROUND, Action, Law, Part, Row, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodeName
 
-RATIO = RowColumn("speed ratio")
+SPEED_RATIO_COLUMN = RowColumn("speed ratio")
+"""First column of tables over the speed ratio."""
 _FORMS = {"pump_torque": ("test_speed",), "performance": ("diameter",), "k_factor": ()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hydrodynamic(Element):
-    """A pump and a turbine in oil: T_p = C(nu) omega_p^2 with nu = omega_t / omega_p."""
+    """Base class of hydrodynamic elements: pump torque T_p = C(nu) omega_p^2 with nu = omega_t / omega_p."""
 
     glyph: ClassVar[str] = "hydrodynamic"
     sign: ClassVar[str] = "positive when the drivetrain drives the pump in the positive sense"
     may_feed: ClassVar[bool] = True
     more_tables: ClassVar[tuple[str, ...]] = ()
-    """Other tables over the speed ratio."""
+    """Entry names of further tables over the speed ratio."""
 
     pump: str = entry(NodeName("the node of the pump", allow_ground=False))
     turbine: str = entry(NodeName("the node of the turbine", allow_ground=False))
@@ -41,13 +42,18 @@ class Hydrodynamic(Element):
         PhysicalQuantity("speed of the turbine over that of the pump at the operating point", "1", "nu")
     )
     pump_torque: Rows | None = entry(
-        Characteristic("rows [speed ratio, pump torque at test_speed]", (RATIO, RowColumn("torque", "torque"))), None
+        Characteristic(
+            "rows [speed ratio, pump torque at test_speed]", (SPEED_RATIO_COLUMN, RowColumn("torque", "torque"))
+        ),
+        None,
     )
     test_speed: Expression | None = entry(
         PhysicalQuantity("speed of the pump that pump_torque was measured at", "speed", "omega_0", exclusive=True), None
     )
     performance: Rows | None = entry(
-        Characteristic("instead: rows [speed ratio, performance coefficient lambda]", (RATIO, RowColumn("lambda"))),
+        Characteristic(
+            "instead: rows [speed ratio, performance coefficient lambda]", (SPEED_RATIO_COLUMN, RowColumn("lambda"))
+        ),
         None,
     )
     diameter: Expression | None = entry(
@@ -55,7 +61,10 @@ class Hydrodynamic(Element):
     )
     density: Expression = entry(PhysicalQuantity("density of the oil, for performance", "density", "rho"), "840 kg/m^3")
     k_factor: Rows | None = entry(
-        Characteristic("instead: rows [speed ratio, K factor in (r/min)/sqrt(N*m)]", (RATIO, RowColumn("K"))), None
+        Characteristic(
+            "instead: rows [speed ratio, K factor in (r/min)/sqrt(N*m)]", (SPEED_RATIO_COLUMN, RowColumn("K"))
+        ),
+        None,
     )
     pump_inertia: Expression = entry(PhysicalQuantity("inertia of the pump with its oil", "inertia", "J_p"), 0)
     turbine_inertia: Expression = entry(PhysicalQuantity("inertia of the turbine with its oil", "inertia", "J_t"), 0)
@@ -72,7 +81,7 @@ class Hydrodynamic(Element):
         if missing:
             return [Fault(f"{given[0]} needs {missing[0]}", (given[0],), on_key=True)]
         if any(row[1].value < 0 or (given[0] == "k_factor" and row[1].value == 0) for row in getattr(self, given[0])):
-            return [Fault("a capacity is not negative, and a K factor is above zero", (given[0],))]
+            return [Fault("a capacity must not be negative, and a K factor must be above zero", (given[0],))]
         return [fault for name in (given[0], *self.more_tables) for fault in self._uncovered(name)]
 
     def _uncovered(self, name: str) -> list[Fault]:
@@ -83,10 +92,10 @@ class Hydrodynamic(Element):
         return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """The speed ratio lies within every table over it."""
+        """Expressions of the element; the speed ratio has to lie within every table over it."""
         tables = [self._capacity_table, *(getattr(self, name) for name in self.more_tables)]
         first, last = max((table[0] for table in tables), key=_ratio), min((table[-1] for table in tables), key=_ratio)
-        yield from read_off(super().expressions(), {"speed_ratio": ((first, last), 1)})
+        yield from with_curve_ranges(super().expressions(), {"speed_ratio": ((first, last), 1)})
 
     @property
     def _capacity_table(self) -> Rows:
@@ -94,7 +103,7 @@ class Hydrodynamic(Element):
         return table
 
     def torque_ratio_at(self, value: Values) -> tuple[Any, Any]:
-        """Turbine torque over pump torque, and its slope over the speed ratio."""
+        """Ratio of turbine torque to pump torque, and the slope of that ratio over the speed ratio."""
         del value
         return 1, 0
 
@@ -102,8 +111,8 @@ class Hydrodynamic(Element):
         del value
         return difference(self.pump, self.turbine)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
-        """On average pump and turbine turn at the speed ratio of the operating point."""
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
+        """Row that couples pump and turbine at the speed ratio of the operating point."""
         ratio = value(self.speed_ratio)
         return (make_row([(self.turbine, 1), (self.pump, -ratio), (self.housing, ratio - 1)]),)
 
@@ -127,7 +136,7 @@ class Hydrodynamic(Element):
         return (parts[0], *(part for part in parts[1:] if part.acts))
 
     def capacity(self, value: Values) -> tuple[Any, Any]:
-        """C = T_p / omega_p^2 in N m s^2/rad^2 at the speed ratio, and its slope over it."""
+        """Capacity C = T_p / omega_p^2 in N m s^2/rad^2 at the speed ratio, and its slope over the speed ratio."""
         table, ratio = self._capacity_table, value(self.speed_ratio)
         level, slope = value_at(table, ratio), value.algebra.number(slope_at(table, ratio))
         if self.k_factor is not None:

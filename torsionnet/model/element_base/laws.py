@@ -1,9 +1,9 @@
-"""What an element is made of: kinematic rows, and the laws, constraints and actions on them.
+"""Kinematic rows, and the laws, constraints and actions on rows that make up an element.
 
 Every mechanical element acts on a scalar gamma = a^T theta, the *row* a being a sparse map from node to coefficient.
 A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero. An
 :class:`Action` drives one gamma by the motion of another.
-Coefficients are numbers, exact rationals or symbols: nothing here knows which.
+Coefficients are numbers, exact rationals or symbols alike.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 GROUND = "ground"
-"""The node with no angle; a coefficient on it drops out of every row."""
+"""Name of the node whose angle is zero; its coefficient drops out of every row."""
 
 Row: TypeAlias = dict[str, Any]
+"""Sparse map from node to coefficient: weights of node angles."""
 
 
 @dataclass(frozen=True)
 class Law:
-    """A torque kappa(s) gamma on the row gamma, kappa(s) = J s^2 + c s + k (1 + j eta) + table(omega).
+    """Torque kappa(s) gamma against the motion of the row gamma, kappa(s) = J s^2 + c s + k (1 + j eta) + table(omega).
 
     ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit,
     ``table`` what depends on frequency.
@@ -40,7 +41,7 @@ class Law:
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the law is a spring; a table is one even if its stiffness vanishes at rest."""
+        """Whether the law is a spring, which a table is even if its stiffness vanishes at rest."""
         return bool(self.stiffness != 0) or (self.table is not None and self.table.is_elastic)
 
     @property
@@ -50,19 +51,20 @@ class Law:
 
     @property
     def acts(self) -> bool:
+        """Whether the law makes any torque: a coefficient differs from zero, or there is a table."""
         return self.is_elastic or self.table is not None or bool(self.inertia != 0) or bool(self.damping != 0)
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """The rigid condition gamma = 0; its multiplier is the torque the constraint carries."""
+    """Rigid condition gamma = 0; its multiplier is the torque that the constraint carries."""
 
     row: Row
 
 
 @dataclass(frozen=True)
 class Action:
-    """A torque kappa(s) gamma_sensed on the row ``row``, from the motion of another row; a positive one drives.
+    """Torque kappa(s) gamma_sensed on one row by the motion of another row; a positive torque drives.
 
     kappa(s) = (n_0 + n_1 s + ...)/(d_0 + d_1 s + ...) e^(-s delay) in N m/rad, ``numerator`` and ``denominator``
     ascending in s, ``delay`` in s. A law that opposes its own motion is a :class:`Law`; an action need not be passive,
@@ -77,11 +79,12 @@ class Action:
 
     @property
     def acts(self) -> bool:
+        """Whether the action makes any torque: neither row nor numerator is zero."""
         return bool(self.row) and bool(self.sensed) and any(bool(value != 0) for value in self.numerator)
 
     @property
     def acts_at_rest(self) -> bool:
-        """Whether a constant angle makes a torque: no more powers of s stand above than below."""
+        """Whether a constant sensed angle makes a torque."""
         above, below = (
             next((power for power, value in enumerate(part) if value != 0), len(part))
             for part in (self.numerator, self.denominator)
@@ -93,7 +96,7 @@ Part: TypeAlias = Law | Constraint | Action
 
 
 def make_row(entries: Iterable[tuple[str, Any]]) -> Row:
-    """Row from (node, coefficient) pairs: equal nodes are added up, ground and exact zeros drop out."""
+    """Row from (node, coefficient) pairs; coefficients of one node are added, ground and exact zeros drop out."""
     row: Row = {}
     for node, coefficient in entries:
         if node != GROUND:
@@ -108,7 +111,7 @@ def difference(first: str, second: str) -> Row:
 
 @dataclass(frozen=True)
 class Values:
-    """Turns an element's scalars into coefficients of one algebra (exact rationals, floats or sympy)."""
+    """Evaluator of an element's expressions in one algebra: exact rationals, floats or sympy."""
 
     parameters: Mapping[str, Any]
     algebra: Algebra = RATIONAL
@@ -119,7 +122,7 @@ class Values:
         return scalar.evaluate(self.parameters, self.algebra)
 
     def root(self, square: Any, reason: str) -> Any:
-        """The square root, or an error that says why the square is below zero."""
+        """Square root, or an ArithmeticError with ``reason`` if the square is below zero."""
         try:
             return self.algebra.sqrt(square)
         except ArithmeticError:

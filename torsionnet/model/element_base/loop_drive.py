@@ -1,4 +1,4 @@
-"""What belts and chains have in common: a loop that runs over wheels, rigid or with elastic spans."""
+"""Base of belts and chains: a loop over wheels, rigid or with elastic spans."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ LEVERS = ListOf(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopDrive(Element):
-    """A belt or chain: wheels by node in the order in which it runs over them."""
+    """Base class of belt and chain drives, with the wheels in the order in which the loop runs."""
 
     glyph: ClassVar[str] = "belt"
     sign: ClassVar[str] = "positive when the first wheel drives the loop in the positive sense"
     wheels_field: ClassVar[str] = ""
-    """The entry with the sizes of the wheels by node."""
+    """Name of the entry with the radii or teeth of the wheels by node."""
 
     stiffness: tuple[Expression, ...] = entry(SPANS, None, kw_only=True)
     axial_stiffness: Expression | None = entry(
@@ -93,7 +93,9 @@ class LoopDrive(Element):
             return [Fault("give stiffness of the spans or axial_stiffness and lengths, not both", ("axial_stiffness",))]
         if (self.axial_stiffness is None) == bool(self.lengths):
             field = "lengths" if self.lengths else "axial_stiffness"
-            return [Fault("axial_stiffness needs lengths of the spans, and these need that", (field,))]
+            return [
+                Fault(f"{field} is given alone; axial_stiffness and lengths of the spans are given together", (field,))
+            ]
         field = "stiffness" if self.stiffness else "lengths"
         given, count = len(getattr(self, field)), len(self.wheels)
         if given and given != count:
@@ -118,8 +120,8 @@ class LoopDrive(Element):
             return [Fault("a tensioner has two levers, [before, after], and elastic spans", ("levers",))]
         return []
 
-    def sizes(self, value: Values) -> dict[str, Any]:
-        """Radius of each wheel over that of the first, negative where it turns in the other sense."""
+    def radius_ratios(self, value: Values) -> dict[str, Any]:
+        """Radius of each wheel over that of the first wheel, by node; negative where it turns in the other sense."""
         raise NotImplementedError
 
     def first_radius(self, value: Values) -> Any:
@@ -127,15 +129,17 @@ class LoopDrive(Element):
         raise NotImplementedError
 
     def parts(self, value: Values) -> tuple[Part, ...]:
-        sizes, count = self.sizes(value), len(self.wheels)
+        radius_ratios, count = self.radius_ratios(value), len(self.wheels)
         if not self.stiffness and not self.lengths:
             first = self.wheels[0]
-            return tuple(Constraint(self._row([(first, 1), (node, -sizes[node])])) for node in self.wheels[1:])
+            return tuple(Constraint(self._row([(first, 1), (node, -radius_ratios[node])])) for node in self.wheels[1:])
         radius = self.first_radius(value)
         parts = []
         for place, stiffness in enumerate(self._span_stiffnesses(value)):
             one, other = self.wheels[place], self.wheels[(place + 1) % count]
-            row = self._row([(one, sizes[one]), (other, -sizes[other]), *self._by_arm(one, other, radius, value)])
+            row = self._row(
+                [(one, radius_ratios[one]), (other, -radius_ratios[other]), *self._by_arm(one, other, radius, value)]
+            )
             referred = stiffness * radius**2
             parts.append(Law(row, stiffness=referred, damping=viscous(self.damping, referred, value)))
         return tuple(parts)
@@ -146,11 +150,11 @@ class LoopDrive(Element):
         return [value(self.axial_stiffness) / value(length) for length in self.lengths]
 
     def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
-        """What the arm adds to the shortening of a span over the radius of the first wheel."""
+        """(arm node, coefficient) by which the tensioner arm shortens a span, over the radius of the first wheel."""
         levers = zip((other, one), self.levers, strict=False)
         return [(present(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
 
     def _row(self, ends: Ends) -> Any:
-        """The row with what the housing does: it takes wheels and arm along."""
+        """Row of the given ends relative to the housing, which carries wheels and arm."""
         carried = [] if self.housing is None else [(self.housing, -sum(coefficient for _, coefficient in ends))]
         return make_row([*ends, *carried])

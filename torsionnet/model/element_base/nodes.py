@@ -1,4 +1,4 @@
-"""Entries that name the nodes an element is attached to."""
+"""Entries that name nodes and elements of a model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.model.element_base.laws import GROUND
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NodeName(Spec[str]):
-    """The node an element's port is attached to."""
+    """Entry for the node to which a port of an element is attached."""
 
     allow_ground: bool = True
 
@@ -33,6 +33,7 @@ class NodeName(Spec[str]):
 
 
 def read_node(raw: object, *, allow_ground: bool = True) -> str:
+    """Node name that an entry gives; EntryError if it is no valid name, or ground where that is not allowed."""
     if not isinstance(raw, str) or not raw:
         raise EntryError(f"expected the name of a node, got {raw!r}")
     fault = name_fault(raw)
@@ -45,7 +46,7 @@ def read_node(raw: object, *, allow_ground: bool = True) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ElementName(Text):
-    """An element of the model."""
+    """Entry for the name of an element of the model."""
 
     what: str = "the name of an element"
 
@@ -55,13 +56,13 @@ class ElementName(Text):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ReferenceNode(NodeName):
-    """A node of the shaft at which values are quoted: no port."""
+    """Entry for a node of the shaft at whose speed values are quoted, which is no port of the element."""
 
     allow_ground: bool = False
 
 
 class NodePair(Spec[tuple[str, str]]):
-    """Two nodes; the first defines the sign of the element's twist and torque."""
+    """Entry for two nodes, of which the first defines the sign of twist and torque."""
 
     def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:

@@ -1,4 +1,4 @@
-"""Entries that are several values of one kind: ratios by gear, radii by node, stiffnesses of the spans of a belt."""
+"""Entries with several values of one kind: ratios by gear, radii by node, stiffnesses of the spans of a belt."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from torsionnet.core.entries.spec import EntryError, Json, Schema, several
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.several import One_co, Several
+from torsionnet.model.element_base.multiple_values import MultipleValues, One_co
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableByName(Several[tuple[str, One_co], One_co]):
-    """``{I: 3.77, II: 1.96}``, stored as pairs."""
+class TableByName(MultipleValues[tuple[str, One_co], One_co]):
+    """Entry for values by name, as ``{I: 3.77, II: 1.96}``, stored as pairs."""
 
     names: tuple[str, ...] = ("I", "II")
-    """Names for examples."""
+    """Names that examples in messages use."""
 
     def coerce(self, raw: object) -> tuple[tuple[str, One_co], ...]:
         if raw == self.absent:
@@ -64,14 +64,14 @@ class TableByName(Several[tuple[str, One_co], One_co]):
 
 
 class TableByNode(TableByName[One_co]):
-    """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
+    """Entry for values by node, as ``{crank: 80 mm, pump: 60 mm}``, stored as pairs."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return tuple((names.node(node), names.within(one)) for node, one in value)
 
 
-class ListOf(Several[One_co, One_co]):
-    """``[3 MN/m, 2 MN/m]``."""
+class ListOf(MultipleValues[One_co, One_co]):
+    """Entry for a list of values of one kind, as ``[3 MN/m, 2 MN/m]``."""
 
     def coerce(self, raw: object) -> tuple[One_co, ...]:
         if not isinstance(raw, list | tuple) or (raw and len(raw) < self.fewest):
@@ -106,7 +106,7 @@ class ListOf(Several[One_co, One_co]):
 
 
 def _pairs(raw: object) -> Collection[tuple[Any, Any]] | None:
-    """Pairs of a mapping, or as they are stored; None of anything else."""
+    """Pairs of a mapping or of a tuple of pairs; None for any other object."""
     if isinstance(raw, Mapping):
         return raw.items()
     stored = isinstance(raw, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in raw)

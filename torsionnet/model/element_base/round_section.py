@@ -1,4 +1,4 @@
-"""The round section of a shaft, solid or hollow."""
+"""Round section of a shaft, solid or hollow: faults of its diameters, section modulus."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def section_faults(element: Any) -> list[Fault]:
-    """What is wrong with the outer and inner diameter of an element; a spring may do without both."""
+    """Faults of the outer and inner diameter of an element; a spring may leave out both."""
     inner, outer = element.inner_diameter, element.outer_diameter
     if outer is None:
         return [] if inner == Number(0) else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",))]
@@ -23,10 +23,10 @@ def section_faults(element: Any) -> list[Fault]:
 
 
 def section_fault(element: Element) -> str | None:
-    """Why an element has no shear stress, or None."""
+    """Message if an element has no diameter and so no shear stress, else None."""
     if element.diameters is not None:
         return None
-    return f"{element.name}, a {element.kind}, has no diameter, and so no stress; a shaft has, or measure its torque"
+    return f"{element.name}, a {element.kind}, has no diameter, and so no stress; take a shaft, or measure its torque"
 
 
 def section_modulus(element: Element, value: Values) -> Any:

@@ -1,4 +1,4 @@
-"""A complex stiffness over frequency by its storage and loss part, interpolated as powers of the frequency."""
+"""Complex stiffness over frequency from storage and loss parts, interpolated as powers of the frequency."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SampledStiffness(StiffnessTable):
-    """kappa(omega) = k'(f) + j k''(f) of rubber, silicone or oil; all rows are above zero.
+    """Dynamic stiffness k'(f) + j k''(f) of rubber, silicone or oil in N m/rad; all rows are above zero.
 
     Between the rows k' and k'' are powers of f: straight lines on double logarithmic paper, as such data are drawn.
     Below the first row k' keeps its value and k'' falls with f, so that kappa is real at rest; above the last both
@@ -25,7 +25,7 @@ class SampledStiffness(StiffnessTable):
 
     @classmethod
     def of(cls, frequencies: Sequence[float], storage: Sequence[float], loss: Sequence[float]) -> SampledStiffness:
-        """From k' and k'' in N m/rad at frequencies in Hz.
+        """Sampled stiffness from k' and k'' in N m/rad at frequencies in Hz.
 
         >>> import numpy as np
         >>> SampledStiffness.of([1, 100], [10, 1000], [5, 5]).kappa(math.tau * np.array([0.0, 10.0])).round(9)
@@ -47,7 +47,7 @@ class SampledStiffness(StiffnessTable):
         return np.asarray(storage + 1j * loss)
 
     def kappa_rate(self, omega: float) -> complex:
-        """Derivative of kappa to omega, N m s/rad; at a row that of the piece above it."""
+        """Derivative of kappa to omega, N m s/rad; at a row, the derivative of the piece above it."""
         import numpy as np
 
         f = omega / math.tau

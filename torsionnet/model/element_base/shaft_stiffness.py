@@ -1,4 +1,4 @@
-r"""The exact dynamic stiffness of a uniform round shaft.
+r"""Exact dynamic stiffness of a uniform round shaft with distributed inertia.
 
 With the stiffness k = G I_p / L and the inertia J = rho I_p L of the whole shaft, K = k (1 + j eta) and
 x = omega sqrt(J / K), the torques into the ends are
@@ -21,15 +21,15 @@ from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import Complexes, Floats
 
-NEAR_ZERO = 0.1
-"""x below which a difference of sines is taken from its power series."""
-FAR = 300.0
-"""Imaginary part of x from which on no torque arrives at the other end."""
+SERIES_ARGUMENT = 0.1
+"""|x| below which slopes come from a power series, in which nothing cancels as in the difference of sines."""
+DECAYED_ARGUMENT = 300.0
+"""|Im x| above which x / sin x is taken as zero: e^-300 of a torque passes, and sin^2 would overflow."""
 
 
 @dataclass(frozen=True)
 class ShaftStiffness(DynamicStiffness):
-    """One of the two laws of a shaft: stiffness k, inertia J and loss factor eta of the whole of it."""
+    """Base class of the two laws of a shaft with total stiffness k, total inertia J and loss factor eta."""
 
     stiffness: Any
     inertia: Any
@@ -87,7 +87,7 @@ class ShaftStiffness(DynamicStiffness):
         return np.array([softer * K / k, -(s**2) * slope, 1j * (np.asarray(omega) > 0) * k * softer])
 
     def _argument(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
-        """K, and x with a real part that is not negative."""
+        """Complex stiffness K in N m/rad and dimensionless argument x with Re x >= 0."""
         import numpy as np
 
         lossy = np.asarray(omega) > 0
@@ -96,12 +96,12 @@ class ShaftStiffness(DynamicStiffness):
 
     @staticmethod
     def _value(x: Complexes) -> Complexes:
-        """Over K, as a function of x."""
+        """Dynamic stiffness over K as a function of x."""
         raise NotImplementedError
 
     @staticmethod
     def _slope(x: Complexes) -> Complexes:
-        """Derivative of that to x^2."""
+        """Derivative of ``_value`` to x^2."""
         raise NotImplementedError
 
     def _forms(self, s: complex) -> tuple[float, float, float, float]:
@@ -122,7 +122,7 @@ class ShaftStiffness(DynamicStiffness):
 
     @staticmethod
     def _in_functions(x: Any, functions: Any) -> Any:
-        """Over K, by the sine and the tangent of a library."""
+        """Dynamic stiffness over K by the sine and tangent of a library."""
         raise NotImplementedError
 
     @property
@@ -132,7 +132,7 @@ class ShaftStiffness(DynamicStiffness):
 
 @dataclass(frozen=True)
 class ShaftTwist(ShaftStiffness):
-    """K x / sin x, between the ends."""
+    """Law K x / sin x between the ends of a shaft."""
 
     @property
     def holds_at_rest(self) -> bool:
@@ -142,7 +142,7 @@ class ShaftTwist(ShaftStiffness):
     def _value(x: Complexes) -> Complexes:
         import numpy as np
 
-        near, far = x == 0, np.abs(x.imag) > FAR
+        near, far = x == 0, np.abs(x.imag) > DECAYED_ARGUMENT
         inside = np.where(near | far, 1.0, x)
         return np.where(near, 1.0, np.where(far, 0.0, inside / np.sin(inside)))
 
@@ -150,7 +150,7 @@ class ShaftTwist(ShaftStiffness):
     def _slope(x: Complexes) -> Complexes:
         import numpy as np
 
-        near, far = np.abs(x) < NEAR_ZERO, np.abs(x.imag) > FAR
+        near, far = np.abs(x) < SERIES_ARGUMENT, np.abs(x.imag) > DECAYED_ARGUMENT
         inside, u = np.where(near | far, 1.0, x), np.where(near, x * x, 0.0)
         series = 1 / 6 + u * (7 / 180 + u * (31 / 5040 + u * (127 / 151200 + u * 73 / 684288)))
         sine = np.sin(inside)
@@ -179,7 +179,7 @@ class ShaftTwist(ShaftStiffness):
 
 @dataclass(frozen=True)
 class ShaftEnd(ShaftStiffness):
-    """-K x tan(x/2), from an end to ground: the inertia of half the shaft and what its deformation makes of it."""
+    """Law -K x tan(x/2) from an end of a shaft to ground: the inertia of half the deforming shaft."""
 
     @property
     def holds_at_rest(self) -> bool:
@@ -199,7 +199,7 @@ class ShaftEnd(ShaftStiffness):
     def _slope(x: Complexes) -> Complexes:
         import numpy as np
 
-        far = np.abs(x.imag) > FAR
+        far = np.abs(x.imag) > DECAYED_ARGUMENT
         inside = np.where((x == 0) | far, 1.0, x)
         found = -(np.sin(inside) + inside) / (4 * inside * np.cos(inside / 2) ** 2)
         return np.where(x == 0, -0.5, np.where(far, -np.tan(x / 2) / (2 * np.where(far, x, 1.0)), found))
@@ -220,7 +220,7 @@ class ShaftEnd(ShaftStiffness):
 
 
 def quadratic_forms(x: complex) -> tuple[float, float, float, float]:
-    """Quadratic forms of the motion theta(xi) of a shaft in those of its ends.
+    """Coefficients (a, b, c, d) of the mean squares of angle and twist along a shaft, in the angles of its ends.
 
     The mean of |theta|^2 over the length is a (|theta_1|^2 + |theta_2|^2) + 2 b Re(theta_1 theta_2*), and that of
     |dtheta/dxi|^2 the same with c and d.

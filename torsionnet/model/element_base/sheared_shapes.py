@@ -18,7 +18,7 @@ def _length(text: str) -> Value:
 
 @dataclass(frozen=True, kw_only=True)
 class ShearedShape(Declared):
-    """Base of shapes between two rigid parts that turn against each other."""
+    """Base class of rubber or film shapes between two rigid parts that turn against each other."""
 
     outer_diameter: float = entry(_length("outer diameter"))
     inner_diameter: float = entry(_length("inner diameter"))

@@ -1,4 +1,4 @@
-"""Loops in the ways between shafts: a spring or gear beside others, by which a second ratio may lead to a shaft."""
+"""Second speed ratio between two shafts through a loop of springs and gears."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 from torsionnet.model.element_base.laws import Values
 from torsionnet.model.element_base.speed_path import SpeedTree
 
-ROUNDING = 1e-9
-"""Of ratios of whole numbers of teeth; two that differ by more are not meant to be alike."""
+SAME_RATIO_RTOL = 1e-9
+"""Relative difference of two ratios up to which they are equal but for rounding, as ratios of teeth are."""
 
 
 def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
-    """Speed of the shaft at the end over that at the start by another way than that of the tree, if it differs.
+    """Speed ratio from start to end by another way than that of the tree, or None if no other ratio exists.
 
-    What closes a loop leads around the steps that its start does not have in common with its end; the tree has it in
-    both directions.
+    A step that closes a loop leads around the steps that its start does not share with its end; the tree has closing
+    steps in both directions.
     """
     ratios: dict[str, Any] = {}
     for node, step in tree.steps.items():
@@ -23,7 +23,7 @@ def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
     way = _way(tree, start)
     for closing in tree.closing:
         factor = closing.ratio(value) * ratios[closing.end] / ratios[closing.start]
-        if abs(factor - 1) <= ROUNDING:
+        if abs(factor - 1) <= SAME_RATIO_RTOL:
             continue
         here, there = _way(tree, closing.start), _way(tree, closing.end)
         if way & (here - there):
@@ -32,7 +32,7 @@ def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
 
 
 def _way(tree: SpeedTree, node: str) -> set[str]:
-    """Nodes at which the steps from a node to the end begin."""
+    """Nodes on the way from a node to the end of the tree, the end left out."""
     found = set[str]()
     step = tree.steps[node]
     while step is not None:

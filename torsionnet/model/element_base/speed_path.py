@@ -1,10 +1,10 @@
-"""How fast one shaft turns over another, along the elements between them, in any algebra.
+"""Mean speed ratios between shafts along the elements between them, in any algebra.
 
 On average no spring winds up: springs pass a mean speed on, and gears divide it. A row of three nodes, of a planetary
 set or of a gear in a housing, passes it on between two of them where the third stands still; an open differential also
-where all three turn, its outputs alike, as of a vehicle that goes straight on. What is referred from one shaft to
-another keeps its energy: angles go with the speeds, torques against them, and stiffness, damping and inertia with their
-squares.
+where all three turn, its outputs alike, as of a vehicle that goes straight on. Values
+referred from one shaft to another keep their energy: angles are multiplied by the speed ratio, torques divided by it,
+and stiffness, damping and inertia change with its square.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from torsionnet.core.groups import Groups
 from torsionnet.model.element_base.laws import GROUND, Law, Part, Row, Values
 
 
-class Passing(Protocol):
-    """What passes a mean speed on: an element."""
+class SpeedTransmitter(Protocol):
+    """Interface of an element that transmits mean speeds."""
 
     @property
     def name(self) -> str: ...
@@ -31,35 +31,35 @@ class Passing(Protocol):
     @property
     def ports(self) -> dict[str, str]: ...
 
-    def holds(self, value: Values) -> tuple[Row, ...]: ...
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]: ...
 
     def parts(self, value: Values) -> tuple[Part, ...]: ...
 
 
 @dataclass(frozen=True)
 class SpeedStep:
-    """From one node to the next, by a row that an element holds at zero on average.
+    """Step of a speed path from one node to the next, by a mean-speed row of an element.
 
     ``alike`` says that all nodes of the row turn at one speed, as those of an open differential.
     """
 
-    element: Passing
+    element: SpeedTransmitter
     row: int
     start: str
     end: str
     alike: bool = False
 
     def ratio(self, value: Values) -> Any:
-        """Speed of the end over that of the start."""
+        """Speed of the end node over that of the start node."""
         if self.alike:
             return Fraction(1)
-        row = self.element.holds(value)[self.row]
+        row = self.element.mean_speed_rows(value)[self.row]
         return -_quotient(row[self.start], row[self.end])
 
 
 @dataclass(frozen=True)
 class SpeedPath:
-    """The steps from a shaft to the one that values are referred to, but for those of ratio 1 whatever the values."""
+    """Steps from a shaft to the shaft that values are referred to; steps whose ratio is always 1 are left out."""
 
     steps: tuple[SpeedStep, ...]
 
@@ -71,22 +71,22 @@ class SpeedPath:
         return total
 
     def actual(self, parts: Iterable[Part], value: Values) -> tuple[Part, ...]:
-        """Laws whose values are quoted at the end, with those they have at the start."""
+        """Laws converted from the shaft at the end, where their values are quoted, to the shaft at the start."""
         if not self.steps:
             return tuple(parts)
         factor = self.ratio(value) ** 2
         return tuple(_scaled(part, factor) if isinstance(part, Law) else part for part in parts)
 
-    def of_own_shaft(self, quoted: Passing) -> _ActualParts:
-        """In place of the method ``parts`` of an element whose values are quoted at the end."""
+    def parts_at_own_shaft(self, quoted: SpeedTransmitter) -> _ActualParts:
+        """Replacement of the method ``parts`` of an element whose values are quoted at the end of the path."""
         return _ActualParts(quoted, self)
 
 
 @dataclass(frozen=True)
 class _ActualParts:
-    """Laws of an element with the values of its own shaft; constraints as they are."""
+    """Laws of an element converted to its own shaft; constraints are unchanged."""
 
-    quoted: Passing
+    quoted: SpeedTransmitter
     path: SpeedPath
 
     def __call__(self, value: Values) -> tuple[Part, ...]:
@@ -104,14 +104,14 @@ def _scaled(law: Law, factor: Any) -> Law:
 
 @dataclass(frozen=True)
 class _Held:
-    """A row that an element holds at zero on average."""
+    """Mean-speed row of an element: its motion is zero on average."""
 
-    element: Passing
+    element: SpeedTransmitter
     number: int
     row: Row
 
     def leads(self, start: str, still: set[str]) -> Iterator[str]:
-        """Nodes whose speed follows from that of ``start``."""
+        """Nodes of the row whose speed follows from that of ``start``."""
         if start in self.row:
             moving = [node for node in self.row if node not in still]
             if start in moving and (len(moving) == 2 or self.is_alike(still)):
@@ -124,13 +124,13 @@ class _Held:
 
     @property
     def is_unity(self) -> bool:
-        """Whether both nodes turn alike whatever the values: such coefficients come from no value."""
+        """Whether both nodes always turn at one speed: the coefficients are 1 and -1 whatever the values."""
         return len(self.row) == 2 and all(type(a) is int for a in self.row.values()) and sum(self.row.values()) == 0
 
 
 @dataclass(frozen=True)
 class SpeedTree:
-    """By node the next step towards one, over rows in which all other nodes stand still.
+    """Next step towards an end node, by node, over rows in which all other nodes stand still.
 
     ``closing`` are the steps of the rows that close loops, each in both directions.
     """
@@ -140,15 +140,15 @@ class SpeedTree:
 
 
 class SpeedPaths:
-    """The ways between shafts through elements that are switched on, with the values of one algebra."""
+    """Speed paths between shafts through a sequence of elements, in one algebra."""
 
-    def __init__(self, elements: Sequence[Passing], value: Values) -> None:
-        self.elements: Sequence[Passing] = elements
+    def __init__(self, elements: Sequence[SpeedTransmitter], value: Values) -> None:
+        self.elements: Sequence[SpeedTransmitter] = elements
         self.value: Values = value
         self._trees: dict[str, SpeedTree] = {}
 
     def between(self, start: str, end: str) -> SpeedPath | None:
-        """The way from one node to another, or None."""
+        """Speed path from one node to another, or None without a connection."""
         tree = self.tree(start, end).steps
         if start not in tree:
             return None
@@ -164,7 +164,7 @@ class SpeedPaths:
         return SpeedPath(tuple(steps))
 
     def tree(self, start: str, end: str) -> SpeedTree:
-        """All ways to a node, from another one too if any leads there."""
+        """Steps from all connected nodes to the node ``end``; ``start`` is included if any way leads there."""
         if end not in self._trees:
             self._trees[end] = self._tree(end, ())
         tree = self._trees[end]
@@ -175,7 +175,7 @@ class SpeedPaths:
         return [
             _Held(element, number, row)
             for element in self.elements
-            for number, row in enumerate(element.holds(self.value))
+            for number, row in enumerate(element.mean_speed_rows(self.value))
         ]
 
     @cached_property
@@ -209,7 +209,7 @@ class SpeedPaths:
         return SpeedTree(found, tuple(closing))
 
     def _standing(self, moving: set[str]) -> set[str]:
-        """Nodes tied to the ground by clamps and springs; not those that turn with the nodes in question."""
+        """Nodes tied to ground by clamps and springs, without those that turn with the ``moving`` nodes."""
         tied = Groups[str]()
         held = set[str]()
         for one in self._rows:
@@ -225,5 +225,5 @@ class SpeedPaths:
 
 
 def own_node(ports: Mapping[str, str]) -> str:
-    """The node whose shaft the values of an element belong to: the first that turns."""
+    """Node whose shaft the values of an element belong to: its first node that is not ground."""
     return next((node for node in ports.values() if node != GROUND), GROUND)

@@ -1,4 +1,4 @@
-"""Springs in stages: which of them a mean torque has brought into force."""
+"""Entries for springs in stages, and the stage in force at a mean torque."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.core.units import DIMENSIONS
 
 
 class StageEnd(Spec[Number]):
-    """A torque or an angle, told by its unit."""
+    """Entry for the end of a stage: a torque or an angle, distinguished by the unit."""
 
     def coerce(self, raw: object) -> Number:
         end = read_value(raw)
@@ -39,7 +39,7 @@ class StageEnd(Spec[Number]):
 
 @dataclass(frozen=True)
 class SpringStage(Declared):
-    """One stage of a spring: its stiffness, up to a torque or an angle from the unloaded position."""
+    """Stage of a spring: its stiffness, up to a torque or an angle from the unloaded position."""
 
     kind: ClassVar[str] = "stage"
     article: ClassVar[str] = "a stage"
@@ -50,7 +50,7 @@ class SpringStage(Declared):
 
 
 class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage, ...]]):
-    """``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from the unloaded position on."""
+    """Entry for stages, as ``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from zero torque on."""
 
     is_read_off: ClassVar[bool] = True
 
@@ -69,10 +69,12 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
     def read(self, raw: object) -> tuple[tuple[SpringStage, ...], list[Fault]]:
         stages, faults = self._listed.read(raw)
         if faults or not stages:
-            return (), faults or [Fault("expected a stage or more")]
+            return (), faults or [Fault("expected at least one stage")]
         for place, stage in enumerate(stages[:-1]):
             if stage.to is None:
-                return (), [Fault("a stage that another follows ends somewhere: add to", (place,), on_key=True)]
+                return (), [
+                    Fault("every stage but the last needs its end; add to, a torque or an angle", (place,), on_key=True)
+                ]
         torques = [torque for torque in stage_torques(stages) if torque is not None]
         for place, (first, second) in enumerate(zip([0.0, *torques], torques, strict=False)):
             if second <= first:
@@ -116,7 +118,7 @@ def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:
 
 
 def stage_at(stages: tuple[SpringStage, ...], torque: Any) -> SpringStage | None:
-    """The stage in force at a mean torque of either sign, a number that has an order; None beyond the last.
+    """Stage in force at a mean torque in N m of either sign; None beyond the end of the last stage.
 
     >>> stage_at((SpringStage(300, "100 N*m"), SpringStage(1000)), -150).stiffness
     1000.0
@@ -126,6 +128,6 @@ def stage_at(stages: tuple[SpringStage, ...], torque: Any) -> SpringStage | None
 
 
 def stage_range(stages: tuple[SpringStage, ...]) -> Rows:
-    """Mean torques that the stages cover, in N m, as rows; none where the last stage has no end."""
+    """Range of mean torques in N m that the stages cover, as two rows; empty if the last stage has no end."""
     last = stage_torques(stages)[-1] if stages else None
     return () if last is None else ((Number(0),), (Number(last),))

@@ -1,4 +1,4 @@
-"""The rows of a measured dynamic stiffness as an entry."""
+"""Entry for the rows of a measured dynamic stiffness."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TableEntry(NumberTable[StiffnessTable]):
-    """Rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
+    """Entry for rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
 
     columns: tuple[RowColumn, ...] = (
         RowColumn("frequency", "frequency", negative=False),

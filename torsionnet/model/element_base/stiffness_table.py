@@ -1,4 +1,4 @@
-"""A measured dynamic stiffness over frequency: rows of frequency, stiffness and damping, interpolated linearly."""
+"""Measured dynamic stiffness over frequency: rows of frequency, stiffness and damping, interpolated linearly."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class StiffnessTable(DynamicStiffness):
         return np.asarray(k + 1j * np.asarray(omega) * c)
 
     def kappa_rate(self, omega: float) -> complex:
-        """Derivative of kappa to omega, N m s/rad; at a row that of the piece above it.
+        """Derivative of kappa to omega, N m s/rad; at a row, the derivative of the piece above it.
 
         >>> StiffnessTable((1.0, 3.0), (300.0, 500.0), (2.0, 2.0)).kappa_rate(0.0)
         2j
@@ -64,11 +64,11 @@ class StiffnessTable(DynamicStiffness):
 
     @property
     def holds_at_rest(self) -> bool:
-        """Whether there is stiffness at the lowest frequency."""
+        """Whether the table has a stiffness above zero at its lowest frequency."""
         return self.stiffness[0] > 0
 
     def in_many_digits(self, s: Any) -> Any:
-        """At ``|Im s|``, and beside the axis with the damping at rest."""
+        """Complex stiffness in N m/rad at an mpmath number s: kappa at ``|Im s|`` plus Re s times c at rest."""
         import mpmath
 
         return super().in_many_digits(s) + mpmath.re(s) * mpmath.mpf(self.damping[0])

@@ -1,4 +1,4 @@
-"""Entries that count teeth."""
+"""Entry for the teeth counts of a gear pair."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Any
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 
 MOST_TEETH = 1_000_000
+"""Largest teeth count, far above any gear: a larger number is a slip or a ratio, which has an entry of its own."""
 
 
 class Teeth(Spec[tuple[int, int]]):
-    """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
+    """Entry for two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
 
     def coerce(self, raw: object) -> tuple[int, int]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:

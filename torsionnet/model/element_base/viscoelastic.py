@@ -1,4 +1,4 @@
-"""Rubber and silicone: shear moduli over frequency and temperature."""
+"""Viscoelastic materials, as rubber and silicone: shear moduli over frequency and temperature."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from torsionnet.model.element_base.curves import LookupCurve, Temperature
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 Moduli = tuple[tuple[float, float, float], ...]
+"""Rows of frequency in Hz, storage and loss modulus in Pa."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModulusRows(NumberTable[Moduli]):
-    """Rows [frequency, storage modulus G', loss modulus G'']."""
+    """Entry for rows [frequency, storage modulus G', loss modulus G''], stored in Hz and Pa."""
 
     columns: tuple[RowColumn, ...] = (
         RowColumn("frequency", "frequency", negative=False, zero=False),
@@ -86,28 +87,28 @@ class Viscoelastic(Declared):
 
     @property
     def is_shifted(self) -> bool:
-        """Whether anything says how the moduli change with temperature."""
+        """Whether the material states how its moduli change with temperature."""
         return bool(self.shift) or self.C1 is not None
 
     @property
     def _reference(self) -> float:
-        """T_0 in K, a number as contradictions() has seen."""
+        """Reference temperature T_0 in K."""
         return float(present(self.reference_temperature).evaluate({}))
 
     def temperature_fault(self, temperature: float) -> str | None:
-        """Why nothing is known at a temperature in K, or None."""
+        """Message if the moduli are not known at a temperature in K, else None."""
         if self.shift:
             first, last = (self.shift[place][0] for place in (0, -1))
             beyond = not float(first.value) - 1e-9 <= temperature <= float(last.value) + 1e-9
             return f"the shift of the material is known from {first} to {last}" if beyond else None
         if not self.is_shifted:
-            return "the material does not say how it changes: give C1 and C2, or shift"
+            return "the material does not say how its moduli change with temperature; give C1 and C2, or shift"
         if present(self.C2) + temperature - self._reference <= 0:
             return "so far below the reference temperature the equation of Williams, Landel and Ferry has no value"
         return None
 
     def shift_factor(self, temperature: float) -> float:
-        """a_T at a temperature in K."""
+        """Shift factor a_T at a temperature in K."""
         if not self.is_shifted:
             return 1.0
         if not self.shift:
@@ -119,7 +120,7 @@ class Viscoelastic(Declared):
         return math.exp(float(np.interp(temperature, keys, logs)))
 
     def stiffness(self, shape: float, temperature: float | None) -> SampledStiffness:
-        """Of a shape with k = ``shape`` G (m^3) at a temperature in K; None is the reference temperature."""
+        """Dynamic stiffness of a shape with k = ``shape`` G (m^3) at a temperature in K; None: the reference."""
         shift = 1.0 if temperature is None else self.shift_factor(temperature)
         return SampledStiffness.of(
             *zip(*((f / shift, shape * storage, shape * loss) for f, storage, loss in self.moduli), strict=True)
@@ -127,7 +128,7 @@ class Viscoelastic(Declared):
 
 
 def temperature_faults(material: Viscoelastic, temperature: Expression | None) -> list[Fault]:
-    """A temperature, an entry of that name, at which nothing is known of a material."""
+    """Faults of the entry ``temperature`` if the moduli of the material are not known there."""
     if temperature is None:
         return []
     if not isinstance(temperature, Number):

@@ -48,7 +48,7 @@ class Belt(LoopDrive):
         )
     )
 
-    def sizes(self, value: Values) -> dict[str, Any]:
+    def radius_ratios(self, value: Values) -> dict[str, Any]:
         first = self.first_radius(value)
         return {node: value(radius) / first for node, radius in self.pulleys}
 

@@ -55,7 +55,7 @@ class ChainDrive(LoopDrive):
             )
         return [*faults, *super().contradictions()]
 
-    def sizes(self, value: Values) -> dict[str, Any]:
+    def radius_ratios(self, value: Values) -> dict[str, Any]:
         first = value(self.sprockets[0][1])
         return {node: value(z) / first for node, z in self.sprockets}
 

@@ -16,7 +16,7 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows, outside, slope_at
 from torsionnet.model.element_base.characteristic import Characteristic
-from torsionnet.model.element_base.curves import read_off
+from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
@@ -90,7 +90,7 @@ class Clutch(Element):
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """The slip speed lies within the table while the clutch slips."""
         ranges = {"slip_speed": (self._table, 1)} if self.state == "slipping" else {}
-        yield from read_off(super().expressions(), ranges)
+        yield from with_curve_ranges(super().expressions(), ranges)
 
     @property
     def _table(self) -> Rows:

@@ -50,7 +50,7 @@ class ConstantPowerLoad(Element):
         damping = -value(self.power) / value(self.speed) ** 2
         return (Law(difference(self.node, self.housing), damping=damping),)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """The load turns in its housing."""
         del value
         return ()

@@ -79,7 +79,7 @@ class ContinuousShaft(Element):
         del value
         return difference(*self.nodes)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         del value
         inside = self.internal_nodes[0]
         return difference(self.nodes[0], inside), difference(inside, self.nodes[1])

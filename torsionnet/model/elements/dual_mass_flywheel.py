@@ -12,7 +12,7 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.model.element_base.curves import read_off
+from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
@@ -91,7 +91,7 @@ class DualMassFlywheel(Element):
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """The mean torque lies within the stages."""
-        yield from read_off(super().expressions(), {"torque": (stage_range(self.stages), 1)})
+        yield from with_curve_ranges(super().expressions(), {"torque": (stage_range(self.stages), 1)})
 
     def _friction_faults(self) -> list[Fault]:
         if isinstance(self.blocked, Number) and self.blocked.value >= 1:

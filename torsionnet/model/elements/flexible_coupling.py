@@ -15,12 +15,12 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows, in_algebra
-from torsionnet.model.element_base.coupling_faults import contradictions, read_offs
-from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share, read_off
+from torsionnet.model.element_base.coupling_faults import contradictions, given_curves
+from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share, with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.frequency_curves import over_frequency
+from torsionnet.model.element_base.frequency_curves import stiffness_from_curves
 from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedShape
@@ -120,9 +120,11 @@ class FlexibleCoupling(Element):
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """What is read off a curve has to lie within it."""
         curves = {
-            operating: (rows, self._share_of(rows)) for name, operating in read_offs(self) if (rows := self._rows(name))
+            operating: (rows, self._share_of(rows))
+            for name, operating in given_curves(self)
+            if (rows := self._rows(name))
         }
-        yield from read_off(super().expressions(), curves)
+        yield from with_curve_ranges(super().expressions(), curves)
 
     def _rows(self, name: str) -> Rows:
         rows: Rows = getattr(self, name)
@@ -153,7 +155,7 @@ class FlexibleCoupling(Element):
             base = self.material.stiffness(present(self.geometry).factor, temperature)
             return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
         eta = float(self._loss_factor(Values({})))
-        base = over_frequency(1.0, self.frequency_factor, self.loss_over_frequency, eta)
+        base = stiffness_from_curves(1.0, self.frequency_factor, self.loss_over_frequency, eta)
         return ScaledStiffness(base, groups * self._stiffness(value))
 
     def _stiffness(self, value: Values) -> Any:

@@ -109,7 +109,7 @@ class GridGenerator(Element):
         field = Law(difference(self.node, self.grid), damping=damping, stiffness=stiffness)
         return (field, Law(make_row([(self.node, 1)]), inertia=2 * value(self.inertia_constant) * unit))
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """It turns with the grid, which as ground stands for the steadily turning field."""
         return () if self.grid == "ground" else (self.twist(value),)
 

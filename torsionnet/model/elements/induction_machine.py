@@ -117,7 +117,7 @@ class InductionMachine(Element):
         spring = Law(difference(self.node, field), stiffness=damping / value(self.time_constant))
         return (spring, Law(difference(field, self.housing), damping=damping), *own)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """The field turns with the rotor on average, as seen from the synchronous speed."""
         return () if self.time_constant is None else (self.parts(value)[0].row,)
 

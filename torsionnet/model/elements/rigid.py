@@ -53,7 +53,7 @@ class Lock(Element):
         del value
         return (Constraint(make_row([(self.node, 1)])),)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """Nothing: a clamp stops a rotation, it does not pass one on (a rig locked for a test keeps its ratios)."""
         del value
         return ()

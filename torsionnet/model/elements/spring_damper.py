@@ -15,7 +15,7 @@ from torsionnet.model.element_base.curves import LookupCurve
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.frequency_curves import over_frequency
+from torsionnet.model.element_base.frequency_curves import stiffness_from_curves
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
 from torsionnet.model.element_base.nodes import NodeName
 
@@ -79,7 +79,7 @@ class SpringDamper(Element):
     def _springs(self, ring: str, value: Values) -> Law:
         row = difference(self.node, ring)
         if self.loss_over_frequency:
-            table = over_frequency(1.0, self.stiffness_over_frequency, self.loss_over_frequency)
+            table = stiffness_from_curves(1.0, self.stiffness_over_frequency, self.loss_over_frequency)
             return Law(row, table=ScaledStiffness(table, value(self.stiffness)))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)

@@ -108,7 +108,7 @@ class SynchronousMachine(Element):
         rotor = Law(make_row([(self.node, 1)]), inertia=value(self.inertia))
         return (field, rotor) if rotor.acts else (field,)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """The rotor turns against the housing, with the field."""
         del value
         return ()

@@ -10,7 +10,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.piecewise_linear import Rows, slope_at, value_at
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.element import register
-from torsionnet.model.element_base.hydrodynamic import RATIO, Hydrodynamic
+from torsionnet.model.element_base.hydrodynamic import SPEED_RATIO_COLUMN, Hydrodynamic
 from torsionnet.model.element_base.laws import Values
 
 
@@ -41,7 +41,9 @@ class TorqueConverter(Hydrodynamic):
     more_tables: ClassVar[tuple[str, ...]] = ("torque_ratio",)
 
     torque_ratio: Rows = entry(
-        Characteristic("rows [speed ratio, turbine torque over pump torque]", (RATIO, RowColumn("torque ratio"))),
+        Characteristic(
+            "rows [speed ratio, turbine torque over pump torque]", (SPEED_RATIO_COLUMN, RowColumn("torque ratio"))
+        ),
         kw_only=True,
     )
 

@@ -83,7 +83,7 @@ class Tyre(Element):
         del value
         return difference(*self.nodes)
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """Rim, belt and road turn alike on average; the slip that drives the vehicle is a few percent at most."""
         return tuple(part.row for part in self.parts(value)[:2])
 

@@ -133,6 +133,6 @@ class ViscousDamper(Element):
     def _scaled(self, film: DynamicStiffness, value: Values) -> DynamicStiffness:
         return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
-    def holds(self, value: Values) -> tuple[Row, ...]:
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """The ring turns with the hub on average, whatever the film."""
         return (self.twist(value),)

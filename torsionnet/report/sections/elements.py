@@ -15,8 +15,8 @@ from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import LookupCurve
 from torsionnet.model.element_base.laws import Law
+from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.quantity_table import TableByName
-from torsionnet.model.element_base.several import Several
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import Values
 from torsionnet.model.given_values import given, in_words
@@ -103,7 +103,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
                 yield plain(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
-        elif isinstance(spec, Several):
+        elif isinstance(spec, MultipleValues):
             for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
                 yield plain(f"{name} {key}"), *_of_table(spec.of, one, rig)
         elif isinstance(spec, Value):

@@ -1,4 +1,4 @@
-"""The base of entries that are several values of one kind."""
+"""Base class of entries with several values of one kind."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Generic, TypeVar
 from torsionnet.core.entries.spec import EntryError, Plural, Spec, Stored_co
 
 One_co = TypeVar("One_co", covariant=True)
-"""What each of the values is stored as."""
+"""Type in which a single value is stored."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Several(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
-    """Base of entries that hold several values; what ``of`` is decides what each is."""
+class MultipleValues(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
+    """Base class of entries with several values, each of the kind of the specification ``of``."""
 
     of: Spec[One_co]
-    shown: str
-    """What to write, for messages."""
+    example_text: str
+    """Example of the entry for messages."""
     fewest: int = 2
 
     @property
@@ -26,7 +26,7 @@ class Several(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
 
     @property
     def example(self) -> str:
-        return self.shown
+        return self.example_text
 
     def refusal(self, raw: object) -> EntryError:
-        return EntryError(f"expected {self.shown}, got {'nothing' if raw is None else repr(raw)}")
+        return EntryError(f"expected {self.example_text}, got {'nothing' if raw is None else repr(raw)}")
