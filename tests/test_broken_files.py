@@ -177,7 +177,7 @@ CASES = [
     case("sensors list", "10:10", "expected entries by name, got ['theta', 'T']", ("{theta: {angle: motor}, T: {torque: shaft}}", "[theta, T]")),
     case("damping at", "7:73", "zeta gives a viscous coefficient only at a stated frequency", ("stiffness: k", "stiffness: k, damping: {zeta: 0.02}")),
     case("damping unit", "7:73", '"4 N*m/rad" is not a value of damping', ("stiffness: k", "stiffness: k, damping: 4 N*m/rad")),
-    case("damping bad measure", "7:74", '"zetta" is no measure of damping; did you mean "zeta"?', ("stiffness: k", "stiffness: k, damping: {zetta: 0.02, at: 8 Hz}")),
+    case("damping bad measure", "7:74", '"zetta" is not a measure of damping; did you mean "zeta"?', ("stiffness: k", "stiffness: k, damping: {zetta: 0.02, at: 8 Hz}")),
     case("damping neg zeta", "7:80", "-0.02: must not be less than 0", ("stiffness: k", "stiffness: k, damping: {zeta: -0.02, at: 8 Hz}")),
     case("unread shaft with a sensor inside", "7:75", 'unknown key "outer_dameter"', (SPRING, "type: shaft, nodes: [motor, wheel], length: 1 m, segments: 3, outer_dameter: 50 mm"), ("{theta: {angle: motor}", "{inside: {angle: shaft.1}, theta: {angle: motor}")),
     case("param no value", "4:3", "a parameter needs value: a number with unit, as 0.46 kN*m/rad", ("k: 1 kN*m/rad", "k: {description: x}")),

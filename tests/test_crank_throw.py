@@ -105,8 +105,8 @@ def test_a_chain_of_throws_is_the_chain_of_its_parts():
 @pytest.mark.parametrize(
     ("given", "what"),
     [
-        ({}, "a throw needs its stiffness, or for it journal_diameter"),
-        (SHAPE | {"pin_length": None}, "a throw needs its stiffness, or for it pin_length"),
+        ({}, "a throw needs its stiffness, or, to calculate it, journal_diameter"),
+        (SHAPE | {"pin_length": None}, "a throw needs its stiffness, or, to calculate it, pin_length"),
         (SHAPE | {"stiffness": 1e6}, "the stiffness is given; leave out journal_diameter"),
         ({"stiffness": 1e6, "reciprocating_mass": 2}, "reciprocating_mass needs the crank_radius"),
         ({"stiffness": 1e6, "rod_length": 0.2}, "rod_length needs the crank_radius"),

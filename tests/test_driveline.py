@@ -104,7 +104,7 @@ class TestClutch:
             ({"state": "slipping", "slip_speed": 5}, "needs its torque over slip"),
             ({"state": "slipping", "slip_speed": 31, "torque": TABLE}, "the table goes from 0 to 30; slip_speed is 31"),
             ({"torque": TABLE, "friction": TABLE}, "give torque or friction, not both"),
-            ({"friction": TABLE}, "friction needs clamp_torque"),
+            ({"friction": TABLE}, "give friction and clamp_torque together"),
             ({"damping": 3}, "a rigid disc has no damping"),
             ({"torque": [[3, 1], [2, 1]]}, "the slip speed must increase from row to row"),
             ({"state": "shut"}, "expected closed or open or slipping"),

@@ -87,7 +87,7 @@ class TestGridGenerator:
             ({"grid": "rotor"}, "on two nodes"),
             (
                 {"synchronising_coefficient": None, "emf": 1, "grid_voltage": 1, "reactance": 0.5, "power": 2},
-                "gives less than 2 per unit",
+                "power must be below emf*grid_voltage/reactance = 2 per unit",
             ),
         ],
     )
@@ -187,7 +187,7 @@ class TestInductionMachine:
         [
             ({"breakdown_slip": None}, "needs breakdown_slip, or rated_torque and rated_slip"),
             ({"rated_slip": 0.02}, "not both"),
-            ({"slip": None}, "works about a slip"),
+            ({"slip": None}, "needs its mean slip"),
             ({"slip": 0.2, "time_constant": 0.05}, "beyond, leave it out"),
             (
                 {"breakdown_slip": None, "rated_slip": 0.02, "rated_torque": 500},

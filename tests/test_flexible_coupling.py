@@ -220,7 +220,7 @@ T20 = {"reference_temperature": "20 degC"}
     [
         ({}, "give stiffness, stiffness_over_torque, or material and geometry"),
         ({"stiffness": 1, "stiffness_over_torque": SHARES}, "by stiffness or by stiffness_over_torque, not both"),
-        ({"stiffness_over_torque": SHARES, "T_KN": 3}, "needs torque: where it is read off"),
+        ({"stiffness_over_torque": SHARES, "T_KN": 3}, "needs torque, at which it is read"),
         ({"stiffness_over_torque": SHARES, "torque": 1}, "shares of the nominal torque: give T_KN"),
         ({"stiffness_over_torque": {"1 N*m": 2, 0.5: 3}}, "here are both"),
         ({"stiffness_over_torque": {1: 2}}, "two rows or more"),
@@ -235,7 +235,7 @@ T20 = {"reference_temperature": "20 degC"}
         ({"stiffness": 1, "loss_factor": 0.1, "damping": 2}, "by loss_factor or by damping, not both"),
         ({"stiffness": 1, "frequency_factor": {1: 1, 2: 2}}, "needs a damping, too"),
         ({"stiffness": 1, "frequency_factor": {1: 1, 2: 2}, "loss_factor": 0}, "needs a damping, too"),
-        ({"stiffness": 1, "frequency_factor": {1: 1, 2: 2}, "loss_factor": "eta"}, "loss_factor is a number"),
+        ({"stiffness": 1, "frequency_factor": {1: 1, 2: 2}, "loss_factor": "eta"}, "loss_factor must be a number"),
         ({"stiffness": 1, "frequency_factor": {0: 1, 2: 2}, "loss_factor": 1}, "begin above 0"),
         ({"stiffness": 1, "scale": 2}, "material, which is not given; add material"),
         ({"material": {"moduli": MODULI}}, "here is no geometry"),

@@ -63,7 +63,7 @@ def test_water_takes_no_mean_torque():
         (ARCHER + ", damping: 3 kN*m*s/rad", "the damping is given or by Archer, not both"),
         ("archer: 30, torque: Q, speed: 150 kg", "not a value of speed"),
         (ARCHER + ", exponent: 2", "the damping is given by archer or by exponent, not both"),
-        ("torque: Q, speed: n", "torque is for a law of damping; give archer or exponent or torque_slope"),
+        ("torque: Q, speed: n", "torque is needed only for a law of damping; give archer or exponent or torque_slope"),
         ("exponent: 2, torque: Q", "by exponent needs exponent, torque and speed; here is no speed"),
         (ARCHER + ", advance_ratio: 0.6", "advance_ratio has no part in damping by Archer"),
         ("torque_slope: -0.05, torque: Q, speed: n", "here is no torque_coefficient and advance_ratio"),

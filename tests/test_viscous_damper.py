@@ -231,10 +231,10 @@ configurations: {oil: {cold: {}, warm: {damper.temperature: 62.5 degC}}}
         [
             ({}, "needs damping, a table, or silicone and gap"),
             ({"damping": 1, "table": [[1, 1, 1]]}, "by damping or by table, not both"),
-            ({"table": [[1, 1, 1]], "stiffness": 3}, "the table says the stiffness already"),
+            ({"table": [[1, 1, 1]], "stiffness": 3}, "the table gives the stiffness already"),
             ({"silicone": SILICONE}, "here is no gap"),
             ({"damping": 1, "gap": GAP}, "here is no silicone"),
-            ({"damping": 1, "temperature": "20 degC"}, "nothing here depends on it"),
+            ({"damping": 1, "temperature": "20 degC"}, "nothing here depends on temperature"),
             ({"damping": 1, "scale": 2}, "there is none"),
             ({"silicone": SILICONE, "gap": GAP, "temperature": "120 degC"}, "known from 25 degC to 100 degC"),
             ({"silicone": SILICONE, "gap": {"outer_diameter": 1, "inner_diameter": 0.5}}, "give a gap"),

@@ -1,4 +1,4 @@
-"""The element types. One class is one place: ports, parameters, laws.
+"""Element types: one class holds ports, parameters and laws of one type.
 
 A file of this package is imported when the type that it is named after is first asked for, and all of them when types
 are listed: a model then costs only the types that it has.
@@ -29,7 +29,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """An element type by the name of its class."""
+    """Element type by the name of its class, imported at first use."""
     classes = element_classes()
     if name not in classes:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)

@@ -1,4 +1,4 @@
-"""A belt drive over two pulleys or more."""
+"""Belt drive over two pulleys or more."""
 
 from __future__ import annotations
 

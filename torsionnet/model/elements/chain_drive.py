@@ -1,4 +1,4 @@
-"""A chain drive, or a toothed belt, over two sprockets or more."""
+"""Chain drive, or a toothed belt, over two sprockets or more."""
 
 from __future__ import annotations
 
@@ -51,7 +51,9 @@ class ChainDrive(LoopDrive):
         faults = [Fault("a count of teeth is a whole number", ("sprockets", node)) for node in broken]
         if self.pitch is None and (self.stiffness or self.lengths):
             faults.append(
-                Fault("the stiffness of spans turns into one of rotation by the pitch; give pitch", on_key=True)
+                Fault(
+                    "the stiffness of spans in N/m needs the pitch of the chain; give pitch, as 9.525 mm", on_key=True
+                )
             )
         return [*faults, *super().contradictions()]
 

@@ -1,4 +1,4 @@
-"""A friction clutch: closed, open, or slipping with the damping of its torque over slip."""
+"""Friction clutch: closed, open, or slipping with the damping of its torque over slip."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Clutch(Element):
         return faults
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """The slip speed lies within the table while the clutch slips."""
+        """Expressions of the clutch; while it slips, the slip speed has to lie within its table."""
         ranges = {"slip_speed": (self._table, 1)} if self.state == "slipping" else {}
         yield from with_curve_ranges(super().expressions(), ranges)
 
@@ -102,7 +102,7 @@ class Clutch(Element):
 
     @property
     def disc(self) -> str:
-        """The node of the friction disc."""
+        """Name of the node of the friction disc."""
         return self.internal_nodes[0] if self.stiffness is not None else self.nodes[1]
 
     def twist(self, value: Values) -> Row:
@@ -139,12 +139,14 @@ def _friction_faults(clutch: Clutch) -> list[Fault]:
         return both
     if (clutch.friction is None) != (clutch.clamp_torque is None):
         given = "friction" if clutch.friction is not None else "clamp_torque"
-        return [Fault("friction needs clamp_torque, the torque at a coefficient of one, and that needs it", (given,))]
+        return [
+            Fault("give friction and clamp_torque together; clamp_torque is the torque at a coefficient of 1", (given,))
+        ]
     return []
 
 
 def _slip_faults(clutch: Clutch) -> list[Fault]:
-    """What a slipping clutch lacks."""
+    """Faults of a slipping clutch: missing torque over slip, or a slip speed out of range."""
     table = clutch.torque if clutch.torque is not None else clutch.friction
     if table is None:
         text = "a slipping clutch needs its torque over slip: torque: [[0 rad/s, 200 N*m], [10 rad/s, 190 N*m]]"

@@ -1,4 +1,4 @@
-"""A load whose power does not change with its speed."""
+"""Load of constant power, whose torque falls with its speed."""
 
 from __future__ import annotations
 
@@ -51,6 +51,6 @@ class ConstantPowerLoad(Element):
         return (Law(difference(self.node, self.housing), damping=damping),)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """The load turns in its housing."""
+        """No rows, because the load turns freely in its housing."""
         del value
         return ()

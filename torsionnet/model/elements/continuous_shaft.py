@@ -1,4 +1,4 @@
-"""A uniform shaft as the continuum it is."""
+"""Uniform shaft with distributed stiffness and inertia."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
 
-INSIDE = Fraction(382, 1000)
-"""Where the inner node is, over the length: the golden section is far from the node of every low mode."""
+INNER_NODE_POSITION = Fraction(382, 1000)
+"""Position of the inner node over the length: the golden section is far from the node of every low mode."""
 
 
 @register
@@ -92,7 +92,7 @@ class ContinuousShaft(Element):
         loss = eta.loss_factor(value.parameters, value.algebra) if isinstance(eta, DampingMeasure) else value(eta)
         (inside,) = self.internal_nodes
         parts: list[Part] = []
-        pieces = ((self.nodes[0], inside, INSIDE), (inside, self.nodes[1], 1 - INSIDE))
+        pieces = ((self.nodes[0], inside, INNER_NODE_POSITION), (inside, self.nodes[1], 1 - INNER_NODE_POSITION))
         for number, (first, second, share) in enumerate(pieces, 1):
             numbers = stiffness / share, inertia * share, loss
             parts.append(Law(difference(first, second), table=ShaftTwist(*numbers, f"twist_{number}")))

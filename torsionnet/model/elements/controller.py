@@ -1,4 +1,4 @@
-"""An active element: a torque that follows the motion of some node by a transfer function."""
+"""Controller element, a torque that follows the motion of a node by a transfer function."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One throw of a crankshaft: its inertia with that of its cylinder, and the stiffness to the next one."""
+"""Throw of a crankshaft: its inertia with that of its cylinder, and the stiffness to the next one."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ HALF, EIGHTH = Fraction(1, 2), Fraction(1, 8)
 @register
 @dataclass(frozen=True, eq=False, repr=False)
 class CrankThrow(Element):
-    """One throw of a crankshaft, from the middle of it to the middle of the next one.
+    """Throw of a crankshaft, from the middle of it to the middle of the next one.
 
     The inertia is at the first node: that of the throw itself, of a mass m_r that turns with the pin (the big end) and
     of the masses m_o that move with the piston, averaged over a revolution:
@@ -119,7 +119,7 @@ class CrankThrow(Element):
         missing = [name for name in (*_SECTIONS, "crank_radius") if getattr(self, name) is None]
         if not missing:
             return []
-        return [Fault(f"a throw needs its stiffness, or for it {', '.join(missing)}", on_key=True)]
+        return [Fault(f"a throw needs its stiffness, or, to calculate it, {', '.join(missing)}", on_key=True)]
 
     def _bore_faults(self) -> list[Fault]:
         faults = []

@@ -90,12 +90,12 @@ class DualMassFlywheel(Element):
         return []
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """The mean torque lies within the stages."""
+        """Expressions of the flywheel; the mean torque has to lie within the stages."""
         yield from with_curve_ranges(super().expressions(), {"torque": (stage_range(self.stages), 1)})
 
     def _friction_faults(self) -> list[Fault]:
         if isinstance(self.blocked, Number) and self.blocked.value >= 1:
-            return [Fault("with all coils blocked nothing is elastic; the share is below 1", ("blocked",))]
+            return [Fault("blocked must be below 1: with all coils blocked nothing is elastic", ("blocked",))]
         given = [name for name in _CENTRIFUGAL if getattr(self, name) is not None]
         if given and len(given) < len(_CENTRIFUGAL):
             missing = " and ".join(name for name in _CENTRIFUGAL if name not in given)

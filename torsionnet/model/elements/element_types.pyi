@@ -418,7 +418,7 @@ class Controller(_Controller):
     ) -> None: ...
 
 class CrankThrow(_CrankThrow):
-    r"""One throw of a crankshaft, from the middle of it to the middle of the next one.
+    r"""Throw of a crankshaft, from the middle of it to the middle of the next one.
 
     The inertia is at the first node: that of the throw itself, of a mass m_r that turns with the pin (the big end) and
     of the masses m_o that move with the piston, averaged over a revolution:
@@ -1261,7 +1261,7 @@ class Lock(_Lock):
 class MassElastic(_MassElastic):
     r"""A maker's mass-elastic sheet: inertias, shafts, damping and gears out of a table beside the model file.
 
-    The columns are told by their headings, with units: inertia, stiffness or compliance to the next mass, damping of a
+    The columns are known by their headings, with units: inertia, stiffness or compliance to the next mass, damping of a
     mass (to ground) and of a shaft, diameters, speed ratio n (speed of the mass over that of the first), names. A mass
     called ``Cyl. 1`` becomes the inertia and the node ``engine.Cyl_1`` of an element ``engine``, the shaft after it
     ``engine.Cyl_1_to_Cyl_2``; ``at`` puts masses on nodes of the model. Values that the sheet calls referred are made

@@ -1,4 +1,4 @@
-"""A final drive: pinion and crown wheel with the differential in it."""
+"""Final drive: pinion and crown wheel with the differential."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedShape
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 
-_OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
+_CURVE_OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
 
 
 @register
@@ -90,8 +90,12 @@ class FlexibleCoupling(Element):
     temperature: Expression | None = entry(
         Temperature("temperature of the rubber", "temperature", "t", exclusive=True), None
     )
-    torque_factor: Rows = entry(LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    amplitude_factor: Rows = entry(LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    torque_factor: Rows = entry(
+        LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_CURVE_OVER_TORQUE), None
+    )
+    amplitude_factor: Rows = entry(
+        LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_CURVE_OVER_TORQUE), None
+    )
     temperature_factor: Rows = entry(LookupCurve("S_t, k over k_0", "temperature", exclusive=True), None)
     damping_temperature_factor: Rows = entry(
         LookupCurve("S_d, of the loss factor", "temperature", exclusive=True), None
@@ -118,7 +122,7 @@ class FlexibleCoupling(Element):
         return contradictions(self)
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """What is read off a curve has to lie within it."""
+        """Expressions of the coupling; operating values have to lie within the curves that are read at them."""
         curves = {
             operating: (rows, self._share_of(rows))
             for name, operating in given_curves(self)
@@ -149,7 +153,7 @@ class FlexibleCoupling(Element):
         return Law(row, damping=damping, stiffness=stiffness * groups, loss_factor=self._loss_factor(value))
 
     def _over_frequency(self, groups: Any, value: Values) -> DynamicStiffness:
-        """The law over frequency: numbers, times what parameters may change."""
+        """Law over frequency: a table of numbers, times the stiffness that parameters may change."""
         if self.material is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
             base = self.material.stiffness(present(self.geometry).factor, temperature)

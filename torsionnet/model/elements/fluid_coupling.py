@@ -1,4 +1,4 @@
-"""A fluid coupling, linearised at its speed ratio."""
+"""Fluid coupling, linearised at its speed ratio."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A gearbox: several pairs of gears in mesh, one of which is engaged."""
+"""Gearbox with several pairs of gears in mesh, one of which is engaged."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.element_base.teeth import Teeth
 
 NEUTRAL = "neutral"
+"""Value of ``engaged:`` without a gear."""
 MOST_GEARS = 100
+"""Largest number of gears, far above any gearbox: a longer table is a slip, and each gear adds a node."""
 
 
 @register
@@ -131,7 +133,7 @@ class Gearbox(Element):
 
     @property
     def gears(self) -> tuple[str, ...]:
-        """Names of the gears."""
+        """Names of the gears in the order of the file."""
         return tuple(name for name, _ in getattr(self, self._field))
 
     @property
@@ -139,11 +141,11 @@ class Gearbox(Element):
         return tuple(f"{self.name}.{gear}" for gear in self.gears)
 
     def engaged_ratio(self, parameters: dict[str, Any]) -> Any:
-        """The ratio of the engaged gear for the given parameter values; None in neutral."""
+        """Ratio omega_input / omega_output of the engaged gear for given parameter values; None in neutral."""
         return None if self.engaged in (None, NEUTRAL) else self._ratios(Values(parameters))[self.engaged]
 
     def twist(self, value: Values) -> Row:
-        """The mesh of the engaged gear; in neutral that of the first."""
+        """Mesh row of the engaged gear; in neutral the mesh row of the first gear."""
         return self._mesh_row(self.gears[0] if self.engaged in (None, NEUTRAL) else self.engaged, value)
 
     def parts(self, value: Values) -> tuple[Part, ...]:

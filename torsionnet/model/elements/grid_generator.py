@@ -1,4 +1,4 @@
-"""A synchronous generator on a grid, by its data in per unit."""
+"""Synchronous generator on a grid, by its data in per unit."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from torsionnet.model.element_base.laws import Law, Part, Row, Values, differenc
 from torsionnet.model.element_base.nodes import NodeName
 
 _BEHIND_A_REACTANCE = ("emf", "grid_voltage", "reactance", "power")
-WHOLE = 0.01
-"""How far pole pairs may be from a whole number: line frequencies are rounded, 377 rad/s for 60 Hz."""
+POLE_PAIRS_RTOL = 0.01
+"""Relative distance of the pole pairs from a whole number: line frequencies are rounded, 377 rad/s for 60 Hz."""
 
 
 @register
@@ -88,7 +88,7 @@ class GridGenerator(Element):
         if not (isinstance(frequency, Number) and isinstance(speed, Number) and speed.value > 0):
             return []
         pairs = 2 * math.pi * float(frequency.value) / float(speed.value)
-        if pairs > 1 - WHOLE and abs(pairs - round(pairs)) < WHOLE * pairs:
+        if pairs > 1 - POLE_PAIRS_RTOL and abs(pairs - round(pairs)) < POLE_PAIRS_RTOL * pairs:
             return []
         near = 60 * float(frequency.value) / max(round(pairs), 1)
         return [Fault(f"no synchronous speed at {frequency}; the nearest is {near:g} rpm", ("speed",))]
@@ -100,7 +100,11 @@ class GridGenerator(Element):
         emf, voltage, reactance, power = (float(one.value) for one in data)
         if reactance <= 0 or power < emf * voltage / reactance:
             return []
-        return [Fault(f"over this reactance it gives less than {emf * voltage / reactance:.4g} per unit", ("power",))]
+        return [
+            Fault(
+                f"power must be below emf*grid_voltage/reactance = {emf * voltage / reactance:.4g} per unit", ("power",)
+            )
+        ]
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         unit = value(self.rated_power) / value(self.speed) ** 2
@@ -110,7 +114,7 @@ class GridGenerator(Element):
         return (field, Law(make_row([(self.node, 1)]), inertia=2 * value(self.inertia_constant) * unit))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """It turns with the grid, which as ground stands for the steadily turning field."""
+        """Row that couples the rotor to the grid; ground stands for the steadily turning field."""
         return () if self.grid == "ground" else (self.twist(value),)
 
     def _coefficient(self, value: Values) -> Any:

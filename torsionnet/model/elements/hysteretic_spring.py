@@ -1,4 +1,4 @@
-"""A spring whose losses do not depend on the frequency."""
+"""Spring with losses that do not depend on frequency."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Law, Part, Values, difference
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
-from torsionnet.model.elements.springs import BORE, PAIR, SECTION
+from torsionnet.model.elements.springs import INNER_DIAMETER, NODE_PAIR_DESCRIPTION, OUTER_DIAMETER
 
 
 @register
@@ -36,14 +36,14 @@ class HystereticSpring(Element):
     kind: ClassVar[str] = "hysteretic_spring"
     glyph: ClassVar[str] = "spring"
 
-    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
     stiffness: Expression = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
     loss_factor: Expression | DampingMeasure = entry(
         LossFactor("loss factor, or another frequency-free damping measure", "1", "eta")
     )
     damping: Expression | DampingMeasure = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
-    outer_diameter: Expression | None = entry(SECTION, None)
-    inner_diameter: Expression = entry(BORE, 0)
+    outer_diameter: Expression | None = entry(OUTER_DIAMETER, None)
+    inner_diameter: Expression = entry(INNER_DIAMETER, 0)
 
     def contradictions(self) -> list[Fault]:
         return section_faults(self)

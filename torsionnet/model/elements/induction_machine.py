@@ -1,4 +1,4 @@
-"""An induction machine about a slip: its torque over speed, with the lag of its rotor currents."""
+"""Induction machine about a slip: its torque over speed, with the lag of its rotor currents."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class InductionMachine(Element):
         if self.breakdown_slip is None and len(rated) < len(_RATED):
             return [Fault("the slope of its torque needs breakdown_slip, or rated_torque and rated_slip", on_key=True)]
         if self.breakdown_slip is not None and self.slip is None:
-            return [Fault("an induction machine works about a slip: slip: 1 %", on_key=True)]
+            return [Fault("an induction machine needs its mean slip, as slip: 1 %", on_key=True)]
         return [*self._rated_faults(), *self._lag_faults()]
 
     def _rated_faults(self) -> list[Fault]:
@@ -118,7 +118,7 @@ class InductionMachine(Element):
         return (spring, Law(difference(field, self.housing), damping=damping), *own)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """The field turns with the rotor on average, as seen from the synchronous speed."""
+        """Row that couples rotor and inner node on average, seen from the synchronous speed."""
         return () if self.time_constant is None else (self.parts(value)[0].row,)
 
     def _slope(self, value: Values) -> Any:

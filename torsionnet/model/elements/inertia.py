@@ -1,4 +1,4 @@
-"""Rotating mass."""
+"""Rigid rotating mass at a node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A maker's mass-elastic sheet as an element."""
+"""Element type for a maker's mass-elastic sheet, expanded to inertias, shafts and gears."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
 from torsionnet.model.sheets.sheet_entry import SheetEntry
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass
 
-MOST_DIGITS = 10**6
-"""A ratio of speeds with whole numbers up to this is written as they are, any other as a decimal number."""
+LARGEST_RATIO_TERM = 10**6
+"""Numerator and denominator below which a speed ratio is written as a fraction, above as a decimal number."""
 
 
 class Stations(Plural[tuple[tuple[str, str], ...]]):
-    """Which masses of a sheet are on which nodes of the model: ``{flywheel: fly}``."""
+    """Entry that puts masses of a sheet on nodes of the model: ``{flywheel: fly}``."""
 
     @property
     def absent(self) -> tuple[tuple[str, str], ...]:
@@ -69,7 +69,7 @@ class Stations(Plural[tuple[tuple[str, str], ...]]):
 class MassElastic(Element):
     """A maker's mass-elastic sheet: inertias, shafts, damping and gears out of a table beside the model file.
 
-    The columns are told by their headings, with units: inertia, stiffness or compliance to the next mass, damping of a
+    The columns are known by their headings, with units: inertia, stiffness or compliance to the next mass, damping of a
     mass (to ground) and of a shaft, diameters, speed ratio n (speed of the mass over that of the first), names. A mass
     called ``Cyl. 1`` becomes the inertia and the node ``engine.Cyl_1`` of an element ``engine``, the shaft after it
     ``engine.Cyl_1_to_Cyl_2``; ``at`` puts masses on nodes of the model. Values that the sheet calls referred are made
@@ -105,15 +105,15 @@ class MassElastic(Element):
                 hint = did_you_mean(mass, [one.name for one in masses]) or f"; there are {known}"
                 faults.append(Fault(f'the sheet has no mass "{mass}"{hint}', ("at", mass), on_key=True))
             elif found in taken:
-                faults.append(Fault(f'"{found}" is put on two nodes', ("at", mass), on_key=True))
+                faults.append(Fault(f'mass "{found}" is put on two nodes; keep one of them', ("at", mass), on_key=True))
             if sum(node == other for _, other in self.at) > 1:
-                faults.append(Fault(f'two masses are on node "{node}"', ("at", mass)))
+                faults.append(Fault(f'two masses are on node "{node}"; give each a node of its own', ("at", mass)))
             taken += [found] if found else []
         return faults
 
     @property
     def nodes_of_masses(self) -> dict[str, str]:
-        """The node of every mass of the sheet."""
+        """Node of every mass of the sheet, by the name of the mass."""
         given = {_mass_called(mass, self.table.masses): node for mass, node in self.at}
         return {mass.name: given.get(mass.name, f"{self.name}.{mass.name}") for mass in self.table.masses}
 
@@ -128,7 +128,7 @@ class MassElastic(Element):
         return tuple(node for node in dict.fromkeys(nodes) if node not in own and node != GROUND)
 
     def expanded(self) -> tuple[Element, ...]:
-        """The elements that it stands for."""
+        """Inertias, shafts, dampers and gears of the sheet as elements."""
         found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
         return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
 
@@ -136,13 +136,13 @@ class MassElastic(Element):
         return tuple(part for element in self.expanded() for part in element.parts(value))
 
     def twist(self, value: Values) -> Row:
-        """The motion of the first mass: there is no twist of a whole sheet."""
+        """Row of the first mass, because a whole sheet has no twist."""
         del value
         return make_row([(next(iter(self.nodes_of_masses.values())), 1)])
 
 
 def _mass_called(wanted: str, masses: tuple[SheetMass, ...]) -> str | None:
-    """The name of the mass that is meant by a name, a number or what the sheet calls it, whatever the letters' case."""
+    """Name of the mass given by its name, number or label in the sheet, regardless of case; None without a match."""
     words = [(mass.name, mass.name) for mass in masses] + [(mass.label, mass.name) for mass in masses]
     words += [(mass.number, mass.name) for mass in masses if mass.number]
     exact = [name for word, name in words if word == wanted]
@@ -150,7 +150,7 @@ def _mass_called(wanted: str, masses: tuple[SheetMass, ...]) -> str | None:
 
 
 def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: str = "") -> Iterator[Element]:
-    """Elements with the masses of a sheet on these nodes; names begin with ``prefix``."""
+    """Elements for the masses and connections of a sheet, with names that begin with ``prefix``."""
     ratios = {mass.name: mass.ratio for mass in sheet.masses}
     places = {**nodes, GROUND: GROUND}
     taken = {*ratios, *(link.name for link in sheet.links)}
@@ -169,7 +169,7 @@ def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: st
 
 
 def _connection(link: SheetLink, nodes: tuple[str, str], ratio: Fraction, prefix: str) -> Iterator[Element]:
-    """A shaft, a rigid connection, and a gear at the end where the speeds differ."""
+    """Shaft or rigid connection between two masses, with a gear at its end where the speeds differ."""
     name, (first, second) = f"{prefix}{link.name}", nodes
     rigid = link.stiffness is None and link.length is None
     if ratio == 1:
@@ -179,7 +179,7 @@ def _connection(link: SheetLink, nodes: tuple[str, str], ratio: Fraction, prefix
     if not rigid:
         start = f"{name}_end"
         yield _shaft(link, name, (first, start))
-    plain = max(abs(ratio.numerator), ratio.denominator) < MOST_DIGITS
+    plain = max(abs(ratio.numerator), ratio.denominator) < LARGEST_RATIO_TERM
     yield Gear.from_entries(
         f"{name}_gear" if not rigid else name, nodes=(start, second), ratio=ratio if plain else float(ratio)
     )
@@ -190,7 +190,7 @@ def _joint(name: str, nodes: tuple[str, str]) -> Element:
 
 
 def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
-    """A spring with the section where stress is judged; from its dimensions alone, a shaft without inertia."""
+    """Spring with the section for stresses; a shaft without inertia where only dimensions are given."""
     damping = link.damping.raw if link.damping is not None else 0
     section: dict[str, Any] = {} if link.outer is None else {"outer_diameter": link.outer.raw}
     section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}

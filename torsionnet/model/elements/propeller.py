@@ -1,4 +1,4 @@
-"""A ship's propeller: its inertia with the water it drags along, and what the water damps."""
+"""Ship's propeller: inertia with entrained water, and damping by the water."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _LAWS = {
     "exponent": ("exponent", "torque", "speed"),
     "torque_slope": ("torque_slope", "torque_coefficient", "advance_ratio", "torque", "speed"),
 }
-"""What makes a law of damping, and all entries it needs."""
+"""Entries needed by each law of damping, by the entry that selects the law."""
 _NAMES = {"archer": "Archer", "exponent": "exponent", "torque_slope": "torque_slope"}
 _PITCH = ("pitch_ratio", "design_pitch_ratio")
-AT_RADIUS = Fraction(7, 10)
-"""Share of the tip radius whose pitch stands for that of the blade."""
+PITCH_RADIUS = Fraction(7, 10)
+"""Radius over the tip radius at which the pitch of a blade is stated, as propeller makers do."""
 
 
 @register
@@ -103,7 +103,9 @@ class Propeller(Element):
         if not laws:
             wanted = " or ".join(_LAWS)
             return (
-                [Fault(f"{given[0]} is for a law of damping; give {wanted}", (given[0],), on_key=True)] if given else []
+                [Fault(f"{given[0]} is needed only for a law of damping; give {wanted}, too", (given[0],), on_key=True)]
+                if given
+                else []
             )
         needed = _LAWS[laws[0]]
         if len(given) < len(needed):
@@ -111,7 +113,7 @@ class Propeller(Element):
             text = f"damping by {_NAMES[laws[0]]} needs {', '.join(needed[:-1])} and {needed[-1]}; here is no {missing}"
             return [Fault(text, on_key=True)]
         return [
-            Fault(f"{name} has no part in damping by {_NAMES[laws[0]]}", (name,), on_key=True)
+            Fault(f"{name} has no part in damping by {_NAMES[laws[0]]}; leave it out", (name,), on_key=True)
             for name in given
             if name not in needed
         ]
@@ -135,11 +137,11 @@ class Propeller(Element):
         return (Law(make_row([(self.node, 1)]), inertia=inertia, damping=self._damping(value)),)
 
     def _at_pitch(self, value: Values) -> Any:
-        """Entrained water over that at the design pitch."""
+        """Entrained inertia over that at the design pitch."""
         if self.pitch_ratio is None:
             return 1
         stands, design = value(self.pitch_ratio) ** 2, value(self.design_pitch_ratio) ** 2
-        round_square = (value.algebra.number(AT_RADIUS) * value.algebra.pi) ** 2
+        round_square = (value.algebra.number(PITCH_RADIUS) * value.algebra.pi) ** 2
         return stands * (design + round_square) / (design * (stands + round_square))
 
     def _damping(self, value: Values) -> Any:

@@ -1,4 +1,4 @@
-"""Connections without any give: rigid coupling (also the torque meter) and the clamp to ground."""
+"""Rigid connections: rigid coupling (also a torque meter) and clamp to ground."""
 
 from __future__ import annotations
 
@@ -54,6 +54,6 @@ class Lock(Element):
         return (Constraint(make_row([(self.node, 1)])),)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Nothing: a clamp stops a rotation, it does not pass one on (a rig locked for a test keeps its ratios)."""
+        """No rows, because a clamp transmits no rotation; a rig locked for a test keeps its ratios."""
         del value
         return ()

@@ -1,4 +1,4 @@
-"""A shaft from its geometry."""
+"""Shaft from its geometry, in equal segments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damper of leaf or sleeve springs between an inner star and an outer ring, with oil between them."""
+"""Torsional damper of leaf or sleeve springs between an inner star and an outer ring, with oil between them."""
 
 from __future__ import annotations
 

@@ -16,11 +16,11 @@ from torsionnet.model.element_base.laws import Law, Part, Values, difference
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
 
-PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
-SECTION = PhysicalQuantity(
+NODE_PAIR_DESCRIPTION = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
+OUTER_DIAMETER = PhysicalQuantity(
     "outer diameter of the shaft that it stands for, where its stress is judged", "length", "D", exclusive=True
 )
-BORE = PhysicalQuantity("inner diameter there", "length", "d")
+INNER_DIAMETER = PhysicalQuantity("inner diameter there", "length", "d")
 
 
 @register
@@ -38,13 +38,13 @@ class Spring(Element):
     kind: ClassVar[str] = "spring"
     glyph: ClassVar[str] = "spring"
 
-    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
     stiffness: Expression = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"))
     damping: Expression | DampingMeasure = entry(
         DampingQuantity("viscous damping, or a damping measure at a frequency", "damping", "c"), 0
     )
-    outer_diameter: Expression | None = entry(SECTION, None)
-    inner_diameter: Expression = entry(BORE, 0)
+    outer_diameter: Expression | None = entry(OUTER_DIAMETER, None)
+    inner_diameter: Expression = entry(INNER_DIAMETER, 0)
 
     def contradictions(self) -> list[Fault]:
         return section_faults(self)
@@ -73,7 +73,7 @@ class Damper(Element):
     kind: ClassVar[str] = "damper"
     glyph: ClassVar[str] = "damper"
 
-    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
     damping: Expression = entry(PhysicalQuantity("viscous damping", "damping", "c"))
 
     def parts(self, value: Values) -> tuple[Part, ...]:

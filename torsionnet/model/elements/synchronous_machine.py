@@ -1,4 +1,4 @@
-"""A synchronous machine about its load angle: magnetic stiffness and damping between rotor and stator field."""
+"""Synchronous machine about its load angle: magnetic stiffness and damping between rotor and stator field."""
 
 from __future__ import annotations
 
@@ -92,13 +92,18 @@ class SynchronousMachine(Element):
             text = "the load angle is a number, as 25 deg: expressions have no cosine; give torque with parameters"
             return [Fault(text, ("load_angle",))]
         if self.reluctance_torque is None and self.load_angle.evaluate({}) >= math.pi / 2:
-            return [Fault("at a load angle of 90 deg and more it falls out of step", ("load_angle",))]
+            return [
+                Fault(
+                    "a synchronous machine falls out of step at 90 deg and more; give a smaller load_angle",
+                    ("load_angle",),
+                )
+            ]
         return []
 
     def _torque_faults(self) -> list[Fault]:
         torque, most = self.torque, self.pull_out_torque
         if isinstance(torque, Number) and isinstance(most, Number) and torque.value >= most.value:
-            return [Fault(f"at its pull-out torque {most} and above it falls out of step", ("torque",))]
+            return [Fault(f"the machine falls out of step at its pull-out torque {most}; reduce torque", ("torque",))]
         return []
 
     def parts(self, value: Values) -> tuple[Part, ...]:
@@ -109,7 +114,7 @@ class SynchronousMachine(Element):
         return (field, rotor) if rotor.acts else (field,)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """The rotor turns against the housing, with the field."""
+        """No rows, because the rotor turns with the field and not with the housing."""
         del value
         return ()
 

@@ -1,4 +1,4 @@
-"""A coupling of which only measurements are known."""
+"""Coupling by its measured dynamic stiffness."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torsionnet.model.element_base.laws import Law, Part, Values, difference
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
-from torsionnet.model.elements.springs import PAIR
+from torsionnet.model.elements.springs import NODE_PAIR_DESCRIPTION
 
 
 @register
@@ -29,7 +29,7 @@ class TabulatedSpring(Element):
     kind: ClassVar[str] = "tabulated_spring"
     glyph: ClassVar[str] = "spring"
 
-    nodes: tuple[str, str] = entry(NodePair(PAIR))
+    nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
     table: StiffnessTable = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
 
     def parts(self, value: Values) -> tuple[Part, ...]:

@@ -1,4 +1,4 @@
-"""A torque converter, linearised at its speed ratio."""
+"""Torque converter, linearised at its speed ratio."""
 
 from __future__ import annotations
 

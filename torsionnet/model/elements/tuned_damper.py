@@ -1,4 +1,4 @@
-"""A ring on rubber on a hub, tuned to a natural frequency."""
+"""Tuned torsional damper: a ring on rubber on a hub."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A tyre: its torsional stiffness in series with the slip on the road."""
+"""Tyre with its torsional stiffness in series with the slip on the road."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Tyre(Element):
         return difference(*self.nodes)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Rim, belt and road turn alike on average; the slip that drives the vehicle is a few percent at most."""
+        """Rows that tie rim, belt and road to one mean speed; the slip of a driven tyre is a few percent at most."""
         return tuple(part.row for part in self.parts(value)[:2])
 
     def parts(self, value: Values) -> tuple[Part, ...]:

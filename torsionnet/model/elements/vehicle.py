@@ -1,4 +1,4 @@
-"""A vehicle as a mass that its wheels drive, with what air and road damp."""
+"""Vehicle as a mass driven by its wheels, damped by air drag and rolling resistance."""
 
 from __future__ import annotations
 

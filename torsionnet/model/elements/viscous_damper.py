@@ -86,19 +86,31 @@ class ViscousDamper(Element):
         if len(films) > 1:
             return one_at_most(self, *_FILMS, of="the film")
         if self.damping is None and self.stiffness != Number(0):
-            return [Fault(f"the {films[0]} says the stiffness already", ("stiffness",), on_key=True)]
+            return [
+                Fault(f"the {films[0]} gives the stiffness already; leave out stiffness", ("stiffness",), on_key=True)
+            ]
         if self.damping is not None and self.scale is not None:
-            return [Fault("this multiplies a table or a silicone, and there is none", ("scale",), on_key=True)]
+            return [
+                Fault(
+                    "scale multiplies a table or a silicone, and there is none; leave it out", ("scale",), on_key=True
+                )
+            ]
         return [*self._measure_faults(), *self._silicone_faults()]
 
     def _silicone_faults(self) -> list[Fault]:
         if (self.silicone is None) != (self.gap is None):
             lacking = "gap, as {outer_diameter: ...}" if self.silicone is not None else "silicone, as {moduli: ...}"
-            return [Fault(f"a film of silicone needs its moduli and its gaps; here is no {lacking}", on_key=True)]
+            return [Fault(f"a film of silicone needs silicone and gap; here is no {lacking}", on_key=True)]
         if self.silicone is not None:
             return temperature_faults(self.silicone, self.temperature)
         if self.temperature is not None:
-            return [Fault("nothing here depends on it; give silicone and gap", ("temperature",), on_key=True)]
+            return [
+                Fault(
+                    "nothing here depends on temperature; give silicone and gap, or leave it out",
+                    ("temperature",),
+                    on_key=True,
+                )
+            ]
         return []
 
     def _measure_faults(self) -> list[Fault]:
@@ -134,5 +146,5 @@ class ViscousDamper(Element):
         return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """The ring turns with the hub on average, whatever the film."""
+        """Row that ties the ring to the hub: on average both turn at one speed, whatever the film."""
         return (self.twist(value),)
