@@ -15,7 +15,7 @@ import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, peak_picking, stabilisation
 from torsionnet.modal.fraction import largest_order
-from torsionnet.modal.information import worth_keeping
+from torsionnet.modal.information import significant_poles
 from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.modal.selection import clusters
@@ -352,7 +352,7 @@ class TestDiagram:
         diagram = stabilisation(response, Settings(highest_order=10))
         stable = [np.abs(order.poles[order.stable]) / (2 * np.pi) for order in diagram.orders]
         for order in diagram.orders[6:9]:
-            assert order.before.max() >= 0
+            assert order.partners.max() >= 0
             assert nearest(order.poles[order.stable], poles).max() < 0.01
         wandering = [f for order in stable for f in order if np.min(np.abs(f / np.array([4, 9, 17]) - 1)) > 0.02]
         assert len(wandering) <= 2
@@ -365,7 +365,7 @@ class TestDiagram:
         diagram = stabilisation(response, Settings(criteria=limits))
         for before, order in zip(diagram.orders, diagram.orders[1:], strict=False):
             for place in np.flatnonzero(order.stable):
-                old, new = before.poles[order.before[place]], order.poles[place]
+                old, new = before.poles[order.partners[place]], order.poles[place]
                 assert abs(abs(old) / abs(new) - 1) <= limits.frequency
                 assert abs(old.real / abs(old) / (new.real / abs(new)) - 1) <= limits.damping
 
@@ -455,13 +455,13 @@ class TestWorth:
         chosen = Settings()
         lines = lines_of(response, chosen)
         many = np.array([*poles, pole(20, 0.001), pole(25, 0.3), -1000.0])
-        assert worth_keeping(lines, many, np.ones((5, 1), dtype=complex), chosen) == [0, 1]
+        assert significant_poles(lines, many, np.ones((5, 1), dtype=complex), chosen) == [0, 1]
 
     def test_all_poles_stay_where_there_is_no_noise(self):
         poles = np.array(SYSTEMS["overdamped"])
         response = response_of(poles, chain_residues(poles)[0], LINES)
         lines = lines_of(response, Settings())
-        assert worth_keeping(lines, poles, np.ones((3, 1), dtype=complex), Settings()) == [0, 1, 2]
+        assert significant_poles(lines, poles, np.ones((3, 1), dtype=complex), Settings()) == [0, 1, 2]
 
     def test_what_is_chosen_by_hand_stays(self):
         poles = SYSTEMS["strong"]
@@ -496,10 +496,10 @@ class TestRefinement:
         problem = Projection(lines, sizes, chosen)
         point = np.log(start) + 0.01
         step = 1e-6
-        left, slopes = problem.left(point), problem.slopes(point)
+        left, slopes = problem.residuals(point), problem.jacobian(point)
         for number in range(len(point)):
             move = np.eye(len(point))[number] * step
-            numeric = (problem.left(point + move) - problem.left(point - move)) / (2 * step)
+            numeric = (problem.residuals(point + move) - problem.residuals(point - move)) / (2 * step)
             assert left @ slopes[:, number] == pytest.approx(left @ numeric, rel=1e-4, abs=1e-6 * left @ left)
 
     @pytest.mark.parametrize("poles", SYSTEMS.values(), ids=SYSTEMS)

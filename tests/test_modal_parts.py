@@ -8,7 +8,7 @@ from modal_cases import chain_residues, pole, response_of
 
 from torsionnet.core.errors import UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes
-from torsionnet.modal.information import Judge, alike, worth_keeping
+from torsionnet.modal.information import BicCriterion, line_correlation, significant_poles
 from torsionnet.modal.polynomials import orthogonal, powers, roots
 from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of
@@ -145,7 +145,7 @@ class TestProjection:
         best = expand(given, POLES, settings)
         expected = given.weights * (given.values - best.values(given.s, given.powers))
         projection = Projection(given, sizes, settings)
-        np.testing.assert_allclose(projection.complex_left(np.log(coefficients)), expected, atol=1e-9)
+        np.testing.assert_allclose(projection.complex_residuals(np.log(coefficients)), expected, atol=1e-9)
 
     def test_unknowns(self):
         """Six coefficients, six residues and the ends of each of four pairs."""
@@ -157,11 +157,11 @@ class TestInformation:
     def test_alike(self):
         rng = np.random.default_rng(3)
         white = rng.normal(size=(4000, 1, 1)) + 1j * rng.normal(size=(4000, 1, 1))
-        assert alike(white) == pytest.approx(0, abs=0.03)
-        assert alike(white[1:] + white[:-1]) == pytest.approx(0.5, abs=0.03)
-        assert alike(white[1:] - white[:-1]) == 0
-        assert alike(np.ones((4000, 1, 1), dtype=complex)) == 0.95
-        assert alike(np.zeros((5, 1, 1), dtype=complex)) == 0
+        assert line_correlation(white) == pytest.approx(0, abs=0.03)
+        assert line_correlation(white[1:] + white[:-1]) == pytest.approx(0.5, abs=0.03)
+        assert line_correlation(white[1:] - white[:-1]) == 0
+        assert line_correlation(np.ones((4000, 1, 1), dtype=complex)) == 0.95
+        assert line_correlation(np.zeros((5, 1, 1), dtype=complex)) == 0
 
     def test_criterion_is_schwarzs(self):
         """Of white noise: equations times log of the mean square, plus unknowns times log of all values."""
@@ -169,24 +169,24 @@ class TestInformation:
         left = np.array([1.0, -1.0] * 19 + [1.0])[:, None, None] * np.array([[1.0, 2.0], [3.0, 4.0]])
         equations, values = 2 * len(LINES), 2 * len(LINES) * 4
         expected = equations * np.log([1, 4, 9, 16]).sum() + 6 * (2 + 2) * np.log(values)
-        assert Judge(given, left).criterion(left, 6) == pytest.approx(expected, rel=1e-12)
-        together = Judge(given, np.ones_like(left))
+        assert BicCriterion(given, left).value(left, 6) == pytest.approx(expected, rel=1e-12)
+        together = BicCriterion(given, np.ones_like(left))
         fewer = equations * 0.05 / 1.95
-        assert alike(np.ones_like(left)) == 0.95
+        assert line_correlation(np.ones_like(left)) == 0.95
         expected = fewer * np.log([1, 4, 9, 16]).sum() + 6 * 4 * np.log(fewer * 4)
-        assert together.criterion(left, 6) == pytest.approx(expected, rel=1e-12)
+        assert together.value(left, 6) == pytest.approx(expected, rel=1e-12)
 
     def test_below_the_round_off_nothing_is_gained(self):
         given = lines()
         tiny, tinier = (np.full(given.values.shape, size, dtype=complex) for size in (1e-12, 1e-14))
-        judge = Judge(given, tiny)
-        assert judge.criterion(tiny, 4) == judge.criterion(tinier, 4)
+        judge = BicCriterion(given, tiny)
+        assert judge.value(tiny, 4) == judge.value(tinier, 4)
 
     def test_one_pole_always_stays(self):
         rng = np.random.default_rng(4)
         noise = rng.normal(size=(40, 1, 1)) + 1j * rng.normal(size=(40, 1, 1))
         given = Lines(2j * np.pi * np.linspace(1, 20, 40), noise, np.zeros((1, 1), dtype=int), np.ones((40, 1, 1)))
-        kept = worth_keeping(given, POLES, np.ones((4, 1), dtype=complex), Settings(residuals="none"))
+        kept = significant_poles(given, POLES, np.ones((4, 1), dtype=complex), Settings(residuals="none"))
         assert len(kept) == 1
 
 

@@ -1,4 +1,4 @@
-"""Modes identified from frequency responses, without a model, and their comparison with those of one."""
+"""Modes identified from frequency responses without a model, and compared with the modes of a model."""
 
 from torsionnet.core.lazy import offered
 

@@ -1,4 +1,4 @@
-"""One mode from the circle it draws in Nyquist's plane."""
+"""Circle fit: natural frequency and damping ratio of one mode from its circle in the Nyquist plane."""
 
 from __future__ import annotations
 
@@ -9,19 +9,25 @@ from typing import Literal
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.modal.remarks import LEAST_LINES, line_spacing
+from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, lines_of
 from torsionnet.response import Channel, FrequencyResponse
 
-LEAST_POINTS = 5
-ARC = 0.5
+FEWEST_POINTS = 5
+"""Lines on the circle below which it is not fitted: three define a circle, the others show whether they lie on it."""
+LOWEST_PART_OF_PEAK = 0.5
+"""Magnitude, over that of the peak, down to which lines around it are taken.
+
+A larger value takes a shorter arc, which noise moves more; a smaller one takes more of the neighbouring modes.
+"""
 POOR_CIRCLE, WIDE_SPREAD = 0.05, 0.1
+"""Residual over the radius, and spread of damping ratios over their median, above which a warning is given."""
 
 
 @dataclass(frozen=True, eq=False)
 class CircleFit:
-    """A mode as a circle.
+    """Mode identified by a circle fit: natural frequency, damping ratio, modal constant and circle.
 
     Attributes
     ----------
@@ -33,13 +39,13 @@ class CircleFit:
         Damping ratio from each point below resonance with each one above it. A trend over them means that the points do
         not belong to one mode with this law of damping.
     spread : float
-        Half the range of the middle 68 % of these.
+        Half the range of the middle 68 % of ``pairs``.
     modal_constant : complex
         A of ``A / (omega_r^2 - omega^2 + 2j zeta omega_r omega)``, the receptance; of ``j eta omega_r^2`` instead.
     center, radius : complex, float
-        Of the circle, in the unit of ``points``.
+        Centre and radius of the circle, in the unit of ``points``.
     angle : float
-        rad, of the resonance seen from the centre.
+        Direction of the resonance from the centre, rad.
     residual : float
         Root mean square distance of the points from the circle over its radius.
     frequencies : (n,) array
@@ -48,7 +54,7 @@ class CircleFit:
         The mobility (viscous) or the receptance (hysteretic).
     damping : {"viscous", "hysteretic"}
     label, unit, title : str
-        What was measured, and in which unit the points are.
+        Channels of the transfer function, unit of the points, and title.
     notes : tuple of str
     """
 
@@ -135,15 +141,15 @@ def circle_fit(
 def _points(
     response: FrequencyResponse, near: float, damping: str, band: tuple[float, float] | None
 ) -> tuple[FloatArray, ComplexArray, FloatArray, str]:
-    """omega, mobility or receptance, weight of the lines taken, and their unit."""
+    """Frequency in rad/s, mobility or receptance, and weight of each line of the fit, and the unit of the points."""
     lines = lines_of(response, Settings())
     steps = (damping == "viscous") - int(lines.powers[0, 0])
     omega = np.abs(lines.s)
     points = lines.values[:, 0, 0] * lines.s**steps
     taken = _around(np.abs(points), omega, 2 * np.pi * near) if band is None else _within(omega, band)
-    if taken.stop - taken.start < LEAST_POINTS:
+    if taken.stop - taken.start < FEWEST_POINTS:
         raise UsageError(
-            f"only {taken.stop - taken.start} lines lie on the circle near {near:g} Hz and {LEAST_POINTS} are needed; "
+            f"only {taken.stop - taken.start} lines lie on the circle near {near:g} Hz and {FEWEST_POINTS} are needed; "
             "use finer lines, or give a wider band"
         )
     weights = lines.weights[:, 0, 0] * omega ** -float(steps)
@@ -153,8 +159,8 @@ def _points(
 def _unit(response: FrequencyResponse, steps: int) -> str:
     output, into = response.outputs[0], response.inputs[0]
     if output.unit in ORDERS and steps:
-        turned = {order: unit for unit, order in ORDERS.items()}[ORDERS[output.unit] + steps]
-        response = replace(response, outputs=(Channel(output.name, turned),))
+        unit = {order: unit for unit, order in ORDERS.items()}[ORDERS[output.unit] + steps]
+        response = replace(response, outputs=(Channel(output.name, unit),))
         return response.unit()
     if not steps:
         return response.unit()
@@ -167,7 +173,7 @@ def _within(omega: FloatArray, band: tuple[float, float]) -> slice:
 
 
 def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
-    """Lines around the peak nearest to a frequency that are at least half as high, up to where it rises again."""
+    """Range of lines around the peak nearest to a frequency: at least half as high, up to the next rise."""
     from scipy.signal import find_peaks
 
     summits = find_peaks(size, prominence=0.1 * size.max())[0]
@@ -176,7 +182,7 @@ def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
     top = int(summits[np.abs(omega[summits] - near).argmin()])
     ends = []
     for side in (size[top::-1], size[top:]):
-        low = np.flatnonzero(side < ARC * size[top])
+        low = np.flatnonzero(side < LOWEST_PART_OF_PEAK * size[top])
         end = int(low[0]) if len(low) else len(side)
         valley = int(side[:end].argmin()) + 1 if end else 0
         ends.append(min(end, valley))
@@ -218,7 +224,7 @@ def _fitted(
 
 
 def _circle(points: ComplexArray, weights: FloatArray) -> tuple[complex, float]:
-    """Centre and radius to the least weighted squares of the distances; from the algebraic fit (Kåsa 1976)."""
+    """Centre and radius with the least weighted squares of distances, started from the algebraic fit (Kåsa 1976)."""
     import scipy.optimize
 
     size = float(np.abs(points).max())
@@ -234,29 +240,30 @@ def _circle(points: ComplexArray, weights: FloatArray) -> tuple[complex, float]:
     return complex(p[0], p[1]) * size, abs(float(p[2])) * size
 
 
-def _way(omega: FloatArray, resonance: float, damping: str) -> FloatArray:
-    """Distance from resonance: tangent of half the angle, times 2 zeta or eta."""
+def _detuning(omega: FloatArray, resonance: float, damping: str) -> FloatArray:
+    """Distance of each frequency from resonance, which is 2 zeta (or eta) times the tangent of half the angle."""
     ratio = omega / resonance
     return np.asarray(ratio - 1 / ratio if damping == "viscous" else ratio**2 - 1)
 
 
 def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float, float]:
-    """Angle and omega of the resonance to the least squares of the angles; it begins where they turn fastest."""
+    """Angle and frequency (rad/s) of the resonance by least squares of angles, started where these change fastest."""
     import scipy.optimize
 
-    turned = seen[0] - seen[-1]
-    if turned <= 0:
-        raise SolveError("the points do not turn clockwise with frequency: no resonance, or motion ~ exp(-j omega t)")
+    sweep = seen[0] - seen[-1]
+    if sweep <= 0:
+        text = "the points do not turn clockwise with frequency: no resonance, or motion ~ exp(-j omega t)"
+        raise SolveError(f"{text}; give the band= of one resonance, or the conjugate of the response")
     fastest = int(np.argmax(-np.diff(seen) / np.diff(omega)))
     start_omega = float(np.mean(omega[fastest : fastest + 2]))
-    width = np.ptp(_way(omega, start_omega, damping)) / (2 * np.tan(min(turned / 4, 1.5)))
+    width = np.ptp(_detuning(omega, start_omega, damping)) / (2 * np.tan(min(sweep / 4, 1.5)))
     start = [float(np.mean(seen[fastest : fastest + 2])), 0.0, np.log(max(width, 1e-9))]
 
-    def apart(p: FloatArray) -> FloatArray:
-        way = _way(omega, start_omega * np.exp(p[1]), damping)
-        return np.asarray(seen - p[0] + 2 * np.arctan(way * np.exp(-p[2])))
+    def deviations(p: FloatArray) -> FloatArray:
+        detuning = _detuning(omega, start_omega * np.exp(p[1]), damping)
+        return np.asarray(seen - p[0] + 2 * np.arctan(detuning * np.exp(-p[2])))
 
-    found = scipy.optimize.least_squares(apart, start, method="lm", xtol=1e-14, ftol=1e-14, gtol=1e-14).x
+    found = scipy.optimize.least_squares(deviations, start, method="lm", xtol=1e-14, ftol=1e-14, gtol=1e-14).x
     resonance = float(start_omega * np.exp(found[1]))
     if not omega[1] < resonance < omega[-2]:
         raise SolveError(
@@ -268,17 +275,17 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
 
 def _pairs(omega: FloatArray, angle: FloatArray, resonance: float, damping: str) -> FloatArray:
     """Damping ratios from one point below and one above resonance, (n_below, n_above)."""
-    way, tangent = _way(omega, resonance, damping), np.tan(np.clip(angle / 2, -1.55, 1.55))
+    detuning, tangent = _detuning(omega, resonance, damping), np.tan(np.clip(angle / 2, -1.55, 1.55))
     below, above = omega < resonance, omega > resonance
-    apart = way[above] - way[below][:, None]
-    return np.asarray(apart / (2 * (tangent[below][:, None] - tangent[above])))
+    distance = detuning[above] - detuning[below][:, None]
+    return np.asarray(distance / (2 * (tangent[below][:, None] - tangent[above])))
 
 
 def _remarks(fit: CircleFit) -> Iterator[str]:
-    # Counted, a line on the very edge would be within or not as its damping is rounded.
+    # A count of lines would depend on rounding where a line lies on the very edge.
     width = 2 * abs(fit.damping_ratio) * fit.natural_frequency
     lines = width / line_spacing(fit.frequencies, fit.natural_frequency)
-    if lines < LEAST_LINES:
+    if lines < FEWEST_PEAK_LINES:
         yield (
             f"warning: only {lines:.2g} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a "
             "window was used, the damping reads high"

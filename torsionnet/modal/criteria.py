@@ -1,4 +1,4 @@
-"""Numbers that compare mode shapes, and the mode indicator of several frequency responses."""
+"""Criteria of mode shapes (MAC, MSF, MPC), and the complex mode indicator function of frequency responses."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ def mac(first: ArrayLike, second: ArrayLike) -> FloatArray:
     Parameters
     ----------
     first, second : (n_sensors, n_modes) or (n_sensors,) arrays
-        At the same sensors. Rows in which either has a nan, such as nodes that are not part of a cut system, are left
-        out.
+        Shapes at the same sensors. Rows in which either has a nan, such as nodes that are not part of a cut system,
+        are left out.
 
     Returns
     -------
     (n_first, n_second) array
-        1 for shapes that are proportional, 0 for orthogonal ones; nan for a shape of zeros. With one sensor it is
-        always 1 and says nothing.
+        1 for shapes that are proportional, 0 for orthogonal ones; nan for a shape of zeros. With one sensor the
+        MAC is always 1 and says nothing.
 
     References
     ----------

@@ -1,7 +1,8 @@
-"""A quotient of polynomials through all transfer functions of one test, with one denominator.
+"""Poles by matrix fraction: one quotient of polynomials fitted to all transfer functions of a test.
 
-The right matrix fraction ``H = s^p B A^-1 / s^q`` is linear in A and B once multiplied by A. B belongs to one
-output each and is eliminated there by a QR decomposition; what is left decides on A, whose roots are the poles.
+The right matrix fraction ``H = s^p B A^-1 / s^q`` is linear in A and B once multiplied by A. The rows of B
+belong to one output each and are eliminated by QR decompositions; the equations left define A, whose roots are the
+poles.
 """
 
 from __future__ import annotations
@@ -11,19 +12,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.modal.poles import cleaned, upper_half
+from torsionnet.modal.poles import upper_half, without_rounding
 from torsionnet.modal.polynomials import Family, orthogonal, powers, roots
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 MOST_ROUNDS = 20
-SETTLED = 1e-9
-LEAST_DENOMINATOR = 1e-12
-NEAR_NYQUIST = 0.999
+"""Rounds of reweighting at most; a larger value costs time where poles of noise do not converge."""
+POLE_CONVERGENCE = 1e-9
+"""Relative change of all poles below which reweighting ends."""
+SMALLEST_DENOMINATOR = 1e-12
+"""Size of the denominator, over its largest, that weights assume at least: poles on the axis would divide by 0."""
+NYQUIST_MARGIN = 0.999
+"""Frequency of a pole, over the highest of the lines, from which on it is an artefact of the fold at z = -1."""
 
 
 def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
-    """Stable poles of the fit of each order from 1 up, and how they take part in the inputs.
+    """Yield the stable poles and the participations of the inputs of fits of rising order, from 1.
 
     Yields
     ------
@@ -32,13 +37,13 @@ def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[
     participations : (n, n_in) complex array
     """
     for found, rows in (_rational if settings.method == "rational" else _lscf)(lines, highest, settings):
-        roots = cleaned(found)
+        roots = without_rounding(found)
         kept = [place for place in upper_half(roots) if roots[place].real < 0]
         yield roots[kept], rows[kept]
 
 
 def largest_order(lines: Lines, settings: Settings) -> int:
-    """Order at which the unknowns of one output become as many as its equations."""
+    """Highest order of a fit that has no more unknowns than equations for each output."""
     extra = 1 + 2 * settings.has_lower
     inputs = lines.values.shape[2]
     return int(max(0, (2 * len(lines.s) - extra - inputs) // (1 + inputs) - 1))
@@ -48,12 +53,12 @@ def _rational(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[
     scale = np.abs(lines.s).max()
     s = lines.s / scale
     for order in range(1, highest + 1):
-        found, rows = _weighted_again(replace(lines, s=s), order, settings)
+        found, rows = _reweighted(replace(lines, s=s), order, settings)
         yield found * scale, rows
 
 
-def _weighted_again(lines: Lines, order: int, settings: Settings) -> tuple[ComplexArray, ComplexArray]:
-    """Polynomials in s, solved with the denominator before as weight until it stays (Sanathanan and Koerner 1963)."""
+def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexArray, ComplexArray]:
+    """Poles and participations of one order, reweighted by the last denominator (Sanathanan and Koerner 1963)."""
     s, inputs = lines.s, lines.values.shape[2]
     below = 2 if settings.has_lower else 0
     numerator = max(order - (not settings.has_upper), 0) + below
@@ -68,16 +73,16 @@ def _weighted_again(lines: Lines, order: int, settings: Settings) -> tuple[Compl
         coefficients = _denominator(np.vstack(rest), order, inputs)
         found, rows = roots(coefficients, family)
         size = np.abs(np.linalg.det(np.tensordot(family.values, coefficients, axes=1))) ** (1 / inputs)
-        denominator = np.maximum(size, LEAST_DENOMINATOR * size.max())
+        denominator = np.maximum(size, SMALLEST_DENOMINATOR * size.max())
         now = np.sort_complex(found)
-        if before is not None and np.allclose(now, before, rtol=SETTLED, atol=0):
+        if before is not None and np.allclose(now, before, rtol=POLE_CONVERGENCE, atol=0):
             break
         before = now
     return found, rows
 
 
 def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
-    """Coefficients (n + 1, n_in, n_in) of unit length; of several inputs with the highest the unit matrix.
+    """Coefficients (n + 1, n_in, n_in) of unit length; for several inputs the highest is the unit matrix.
 
     Without that, the columns of A could be multiples of each other, and every number a root.
     """
@@ -89,7 +94,7 @@ def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
 
 
 def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
-    """Polynomials in z with the lowest coefficient 1, which keeps most computational poles unstable.
+    """Poles and participations by polynomials in z with the lowest coefficient 1, which makes noise poles unstable.
 
     Guillaume, Verboven et al., A poly-reference implementation of the least-squares complex frequency-domain estimator
     (IMAC 2003); Cauberghe (2004) on the constraint. The lines are reduced to triangles once, for all orders.
@@ -110,12 +115,12 @@ def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[Comp
         found, rows = roots(coefficients, family)
         with np.errstate(divide="ignore"):
             poles = np.log(found) / interval
-        inside = np.isfinite(poles) & (np.abs(poles.imag) < NEAR_NYQUIST * np.pi / interval) & (poles != 0)
+        inside = np.isfinite(poles) & (np.abs(poles.imag) < NYQUIST_MARGIN * np.pi / interval) & (poles != 0)
         yield poles[inside], rows[inside]
 
 
 def _outputs(lines: Lines, *, measured: bool = False) -> Iterator[tuple[ComplexArray, FloatArray]]:
-    """Transfer functions of one output, (n_f, n_in), in the form of receptances, with the weights of their lines."""
+    """Yield, output by output, transfer functions as receptances (n_f, n_in) and weights of the lines (n_f,)."""
     for o, power in enumerate(lines.powers):
         factor = np.ones((len(lines.s), len(power))) if measured else lines.s[:, None] ** power
         weights = lines.weights[:, o] * np.abs(factor)
@@ -131,7 +136,7 @@ def _equations(numerator: ComplexArray, weight: FloatArray, values: ComplexArray
 
 
 def _eliminated(equations: FloatArray, numerators: int) -> FloatArray:
-    """Equations in the denominator alone."""
+    """Equations for the denominator alone, with the numerators eliminated."""
     return _triangle(equations)[numerators:, numerators:]
 
 

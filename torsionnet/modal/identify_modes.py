@@ -1,4 +1,4 @@
-"""Modes from frequency responses, from the diagram to the result."""
+"""Identification of modes from frequency responses: stabilisation diagram, choice of poles, refinement."""
 
 from __future__ import annotations
 
@@ -9,19 +9,24 @@ from numpy.typing import ArrayLike
 
 from torsionnet.core.threads import one_thread
 from torsionnet.modal.method_choice import stabilisation
-from torsionnet.modal.modal_estimate import ModalEstimate, assembled
+from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
 from torsionnet.modal.poles import as_poles
 from torsionnet.modal.refinement import refine
 from torsionnet.modal.remarks import about_fit
 from torsionnet.modal.residues import expand
-from torsionnet.modal.selection import Selected, Selection, select
+from torsionnet.modal.selection import SelectedPoles, Selection, select
 from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import ComplexArray, Lines, left_out, lines_of
+from torsionnet.modal.spectral_lines import ComplexArray, Lines, band_notes, lines_of
 from torsionnet.modal.stabilisation import Stabilisation
 from torsionnet.response import FrequencyResponse
 
-CLOSE = 0.5
+CLOSE_MODES = 0.5
+"""Distance of two poles, over the sum of their decay rates, below which modes count as close.
+
+Residues of close modes are split badly between them; a larger value leaves more poles unrefined.
+"""
 METHODS = {"rational": "rational fraction", "lscf": "least-squares complex frequency"}
+"""Name of each method in titles of results."""
 
 
 @one_thread()
@@ -43,7 +48,7 @@ def identify_modes(
         Calculated or estimated; receptances, mobilities, accelerances, ratios of angles and the like. All its transfer
         functions are of one test and share their poles.
     settings : Settings, optional
-        Those of the diagram, where one is given.
+        Left out where a diagram is given, which has its own.
     selection : "order", "clusters", int or sequence of (int, float), optional
         ``"order"``: all poles of the order with the least Schwarz criterion (BIC). ``"clusters"``: the poles that stay
         in frequency, damping and shape over ``criteria.least_orders`` orders in a row, within the band. A number: all
@@ -87,7 +92,7 @@ def identify_modes(
 def fit_poles(
     response: FrequencyResponse, poles: ArrayLike, settings: Settings | None = None, *, refined: bool = False
 ) -> ModalEstimate:
-    """Shapes and residues of given poles, in rad/s; the poles stay unless ``refined``.
+    """Modal estimate with given poles in rad/s: shapes and residues are fitted, poles only if ``refined``.
 
     Examples
     --------
@@ -99,7 +104,7 @@ def fit_poles(
     """
     chosen = settings or Settings()
     given = as_poles(poles)
-    selected = Selected(given, np.ones((len(given), len(response.inputs)), dtype=complex), (), "given poles")
+    selected = SelectedPoles(given, np.ones((len(given), len(response.inputs)), dtype=complex), (), "given poles")
     estimate = _fitted(response, lines_of(response, chosen), chosen, selected, refined=refined, free=True)
     return replace(estimate, method="given poles", notes=(*estimate.notes, *about_fit(estimate)))
 
@@ -113,7 +118,7 @@ def _fitted(
     response: FrequencyResponse,
     lines: Lines,
     settings: Settings,
-    chosen: Selected,
+    chosen: SelectedPoles,
     *,
     refined: bool,
     free: bool = False,
@@ -121,7 +126,7 @@ def _fitted(
     poles, errors, notes = (
         chosen.poles,
         (np.full(len(chosen.poles), np.nan),) * 2,
-        list(left_out(response, settings.band)),
+        list(band_notes(response, settings.band)),
     )
     together = not free and lines.values.shape[2] > 1 and _any_close(poles)
     if together:
@@ -129,14 +134,14 @@ def _fitted(
     elif refined:
         better = refine(lines, poles, settings)
         poles, errors = better.poles, (better.frequency_errors, better.damping_errors)
-        if not better.settled:
+        if not better.converged:
             notes.append("warning: the refinement did not settle; fewer poles or a narrower band may help")
     expansion = expand(lines, poles, settings, chosen.participations if together else None)
-    return assembled(response, lines, expansion, tuple(notes), errors)
+    return estimate_from_expansion(response, lines, expansion, tuple(notes), errors)
 
 
 def _any_close(poles: ComplexArray) -> bool:
-    apart = np.abs(poles[:, None] - poles)
-    limit = CLOSE * (np.abs(poles.real)[:, None] + np.abs(poles.real))
-    np.fill_diagonal(apart, np.inf)
-    return bool((apart < limit).any())
+    distance = np.abs(poles[:, None] - poles)
+    limit = CLOSE_MODES * (np.abs(poles.real)[:, None] + np.abs(poles.real))
+    np.fill_diagonal(distance, np.inf)
+    return bool((distance < limit).any())

@@ -1,4 +1,4 @@
-"""Whether poles are worth their unknowns: Schwarz's criterion (BIC)."""
+"""Schwarz criterion (BIC) of fits with different numbers of poles: misfit against number of unknowns."""
 
 from __future__ import annotations
 
@@ -11,52 +11,59 @@ from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, Lines
 
 ROUND_OFF = 1e-9
-MOST_ALIKE = 0.95
+"""Residual, over the response, below which a fit is exact: a smaller one is rounding and must not favour more poles."""
+LARGEST_CORRELATION = 0.95
+"""Correlation of neighbouring lines that is assumed at most: at 1 the number of equations would be 0."""
 
 
-def alike(left: ComplexArray) -> float:
-    """Correlation of what a fit leaves over, (n_f, ...), at neighbouring lines: a window makes them alike."""
+def line_correlation(left: ComplexArray) -> float:
+    """Correlation, 0 to 0.95, of the residuals (n_f, ...) of a fit at neighbouring lines, as windows cause."""
     total = max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).tiny)
-    return float(np.clip(np.sum(left[1:] * left[:-1].conj()).real / total, 0, MOST_ALIKE))
+    return float(np.clip(np.sum(left[1:] * left[:-1].conj()).real / total, 0, LARGEST_CORRELATION))
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
-    """The criterion for fits of the same lines; the least is the best.
+class BicCriterion:
+    """Schwarz criterion (BIC) for fits of the same lines; the fit with the lowest value is the best.
 
     Attributes
     ----------
     lines : Lines
     noise : (n_f, n_out, n_in) complex array
-        What the best fit leaves over, weighted; where it is alike at neighbouring lines they count for less.
+        Weighted residuals of the best fit; where neighbouring lines are correlated they count for less.
     """
 
     lines: Lines
     noise: ComplexArray
 
-    def criterion(self, left: ComplexArray, poles: int) -> float:
-        """Of what a fit with so many poles, both of each pair, leaves over; below the round-off nothing is gained."""
+    def value(self, left: ComplexArray, poles: int) -> float:
+        """Schwarz criterion of a fit with weighted residuals ``left`` and so many poles, both of each pair."""
         count, outputs, inputs = left.shape
         size = np.mean(np.abs(self.lines.weights * self.lines.values) ** 2, axis=0)
         squares = np.maximum(np.mean(np.abs(left) ** 2, axis=0), ROUND_OFF**2 * size)
-        same = alike(self.noise)
+        same = line_correlation(self.noise)
         equations = 2 * count * (1 - same) / (1 + same)
         unknowns = poles * (outputs + inputs)
         return float(equations * np.log(squares).sum() + unknowns * np.log(max(2, equations * squares.size)))
 
 
-def worth_keeping(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> list[int]:
-    """Places of the poles that stay when the least useful is dropped as long as that lowers the criterion."""
+def significant_poles(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> list[int]:
+    """Indices of the poles left when the least useful pole is dropped as long as that lowers the criterion."""
     kept = list(range(len(poles)))
-    left = left_over(lines, poles, rows, settings)
-    judge = Judge(lines, left)
-    best = judge.criterion(left, count_of(poles))
+    left = weighted_residuals(lines, poles, rows, settings)
+    criterion = BicCriterion(lines, left)
+    best = criterion.value(left, pole_count(poles))
     while len(kept) > 1:
         trials = []
         for place in kept:
             rest = [other for other in kept if other != place]
             trials.append(
-                (judge.criterion(left_over(lines, poles[rest], rows[rest], settings), count_of(poles[rest])), place)
+                (
+                    criterion.value(
+                        weighted_residuals(lines, poles[rest], rows[rest], settings), pole_count(poles[rest])
+                    ),
+                    place,
+                )
             )
         least, place = min(trials)
         if least >= best:
@@ -66,20 +73,20 @@ def worth_keeping(lines: Lines, poles: ComplexArray, rows: ComplexArray, setting
     return kept
 
 
-def left_over(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> ComplexArray:
-    """What the best residues of given poles leave over, weighted, (n_f, n_out, n_in)."""
+def weighted_residuals(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> ComplexArray:
+    """Weighted residuals (n_f, n_out, n_in) of a fit with given poles and their best residues."""
     expansion = expand(lines, poles, settings, rows)
     return np.asarray(lines.weights * (lines.values - expansion.values(lines.s, lines.powers)))
 
 
-def count_of(poles: ComplexArray) -> int:
-    """Poles with both of each pair."""
+def pole_count(poles: ComplexArray) -> int:
+    """Number of poles, both of each conjugate pair counted."""
     return int(np.sum(1 + (poles.imag != 0)))
 
 
 def best_order(lines: Lines, left: list[ComplexArray]) -> int:
-    """Place of the order, from 0, with the least criterion; ``left`` is what each order leaves over."""
+    """Index of the order, from 0, with the lowest criterion; ``left`` are the weighted residuals of each order."""
     squares = [np.log(np.maximum(np.mean(np.abs(each) ** 2, axis=0), np.finfo(float).tiny)).sum() for each in left]
-    judge = Judge(lines, left[int(np.argmin(squares))])
+    criterion = BicCriterion(lines, left[int(np.argmin(squares))])
     inputs = lines.values.shape[2]
-    return int(np.argmin([judge.criterion(each, (place + 1) * inputs) for place, each in enumerate(left)]))
+    return int(np.argmin([criterion.value(each, (place + 1) * inputs) for place, each in enumerate(left)]))

@@ -1,4 +1,4 @@
-"""Identified modes beside those of a model."""
+"""Pairs of identified modes and modes of a model, with errors of frequency and damping, and MAC."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import ModalEstimate
-from torsionnet.modal.poles import as_poles, cleaned, damping_ratios, natural_frequencies, upper_half
+from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response import SI, Column, Conventions, Modes, Table
 from torsionnet.response.mode_numbers import OSCILLATORY, REAL, mode_numbers
 
 IntArray: TypeAlias = NDArray[np.int_]
 
-FARTHEST = 0.5
+LARGEST_POLE_DISTANCE = 0.5
+"""Distance of poles, over ``|lambda|`` of the model, above which modes are no pair: the default of ``match``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +30,11 @@ class Match:
     Attributes
     ----------
     identified, model : (n_pairs,) int arrays
-        Places of the partners, from 0, in the order of the identified modes.
+        Indices of the partners, from 0, in the order of the identified modes.
     identified_poles, model_poles : complex arrays
         All poles, rad/s.
     mac : (n_identified, n_model) array or None
-        Of the shapes at common sensors; None where there are fewer than two.
+        MAC of the shapes at common sensors; None where there are fewer than two.
     title : str
     notes : tuple of str
     """
@@ -48,20 +49,20 @@ class Match:
 
     @property
     def frequency_errors(self) -> FloatArray:
-        """Identified over model natural frequency less 1, one per pair."""
+        """Relative errors of the natural frequencies: identified over model, less 1; shape (n_pairs,)."""
         found, model = self._partners()
         return np.asarray(natural_frequencies(found) / natural_frequencies(model) - 1)
 
     @property
     def damping_errors(self) -> FloatArray:
-        """Identified over model damping ratio less 1, one per pair."""
+        """Relative errors of the damping ratios: identified over model, less 1; shape (n_pairs,)."""
         found, model = self._partners()
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(damping_ratios(found) / damping_ratios(model) - 1)
 
     @property
     def model_numbers(self) -> tuple[int | None, ...]:
-        """Numbers of the modes of the model as in its own tables; real poles have none."""
+        """Mode numbers of the model as in its own tables; None for real poles."""
         return mode_numbers([OSCILLATORY if pole.imag > 0 else REAL for pole in self.model_poles])
 
     def _name(self, place: int) -> int | str:
@@ -71,7 +72,7 @@ class Match:
         return self.identified_poles[self.identified], self.model_poles[self.model]
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row per pair, then the modes without a partner."""
+        """Table with a row for each pair, then for each mode without a partner."""
         columns = (
             Column("identified"),
             Column("model"),
@@ -92,9 +93,9 @@ class Match:
         )
         errors = zip(self.frequency_errors, self.damping_errors, strict=True)
         for i, m, (df, dz) in zip(self.identified, self.model, errors, strict=True):
-            alike = None if self.mac is None else float(self.mac[i, m])
+            similarity = None if self.mac is None else float(self.mac[i, m])
             numbers = (f[0][i] * scale, f[1][m] * scale, 100 * df, z[0][i], z[1][m], 100 * dz)
-            yield (int(i) + 1, self._name(m), *(float(number) for number in numbers), alike)
+            yield (int(i) + 1, self._name(m), *(float(number) for number in numbers), similarity)
         for i in sorted(set(range(len(f[0]))) - {*self.identified.tolist()}):
             yield (i + 1, None, float(f[0][i] * scale), None, None, float(z[0][i]), None, None, None)
         for m in sorted(set(range(len(f[1]))) - {*self.model.tolist()}):
@@ -107,12 +108,12 @@ def match(
     *,
     shapes: ArrayLike | None = None,
     at: Mapping[str, str] | None = None,
-    farthest: float = FARTHEST,
+    farthest: float = LARGEST_POLE_DISTANCE,
 ) -> Match:
     """Pair identified modes with those of a model, and compare them.
 
-    Against a measured torque compare with ``drivetrain.modes(measured_input=...)``: those are other poles than the
-    drivetrain's own.
+    Against a measured torque compare with ``drivetrain.modes(measured_input=...)``: its poles are not those of the
+    whole drivetrain.
 
     Parameters
     ----------
@@ -120,12 +121,12 @@ def match(
     model : Modes or (n_model,) complex array
         Modes of a drivetrain (rigid-body modes are left out), or poles in rad/s.
     shapes : (n_out, n_model) array, optional
-        Of poles given as numbers: angles at the outputs of the estimate.
+        For a model given by poles: angles at the outputs of the estimate.
     at : dict, optional
-        Of :class:`~torsionnet.Modes`: output of the estimate -> node at which it measures. Outputs that have the name
-        of a node need no entry.
+        For a model given by :class:`~torsionnet.Modes`: output of the estimate -> node at which it measures. Outputs
+        that have the name of a node need no entry.
     farthest : float, optional
-        Modes are no pair if their poles are farther apart than this part of the model's ``|lambda|``.
+        Modes are no pair if their poles are farther apart than this share of the model's ``|lambda|``.
 
     Returns
     -------
@@ -149,24 +150,24 @@ def match(
     [0.16, 0.06]
     """
     poles, known = _of_model(estimate, model, shapes, at)
-    apart = np.abs(estimate.poles[:, None] - poles) / np.abs(poles)
-    alike = None if known is None else mac(*known)
-    cost = apart if alike is None else apart + np.nan_to_num(1 - alike, nan=1.0)
-    rows, columns = _assigned(np.where(apart <= farthest, cost, np.inf))
-    notes = () if alike is not None else ("no MAC: it takes the shapes at two or more common sensors",)
+    distance = np.abs(estimate.poles[:, None] - poles) / np.abs(poles)
+    similarity = None if known is None else mac(*known)
+    cost = distance if similarity is None else distance + np.nan_to_num(1 - similarity, nan=1.0)
+    rows, columns = _assigned(np.where(distance <= farthest, cost, np.inf))
+    notes = () if similarity is not None else ("no MAC: it takes the shapes at two or more common sensors",)
     title = f"{estimate.title}: identified modes against the model"
-    return Match(rows, columns, estimate.poles, poles, alike, title, notes)
+    return Match(rows, columns, estimate.poles, poles, similarity, title, notes)
 
 
 def _of_model(
     estimate: ModalEstimate, model: Modes | ArrayLike, shapes: ArrayLike | None, at: Mapping[str, str] | None
 ) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray] | None]:
-    """Poles of the model, and the shapes of both at common sensors."""
+    """Poles of the model in rad/s, and the shapes of estimate and model at common sensors (None: fewer than two)."""
     if isinstance(model, Modes):
         return _of_modes(estimate, model, at)
     if shapes is None:
         return as_poles(model), None
-    given = cleaned(np.atleast_1d(np.asarray(model, dtype=complex)))
+    given = without_rounding(np.atleast_1d(np.asarray(model, dtype=complex)))
     rows = np.asarray(shapes, dtype=complex)
     if rows.shape != (len(estimate.outputs), len(given)):
         size = f"{len(estimate.outputs)} outputs by {len(given)} poles"
@@ -194,7 +195,7 @@ def _of_modes(
 
 
 def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
-    """As many pairs as are allowed (finite cost), of the least total cost."""
+    """Rows and columns of the most pairs with finite cost, at the lowest total cost."""
     from scipy.optimize import linear_sum_assignment
 
     allowed = np.isfinite(cost)

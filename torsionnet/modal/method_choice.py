@@ -1,4 +1,4 @@
-"""Which method fits the modes: few of any damping, or many light ones."""
+"""Stabilisation diagrams, with the choice between rational fraction (few modes) and LSCF (many light ones)."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from dataclasses import replace
 
 from torsionnet.core.errors import SolveError
 from torsionnet.core.threads import one_thread
-from torsionnet.modal.information import Judge, count_of, left_over
-from torsionnet.modal.selection import Selected, Selection, select
-from torsionnet.modal.settings import HIGHEST, Method, Settings
+from torsionnet.modal.information import BicCriterion, pole_count, weighted_residuals
+from torsionnet.modal.selection import SelectedPoles, Selection, select
+from torsionnet.modal.settings import DEFAULT_HIGHEST_ORDER, Method, Settings
 from torsionnet.modal.stabilisation import Stabilisation, diagram
 from torsionnet.response import FrequencyResponse
 
 NAMES: Mapping[Method, str] = {"rational": "rational fraction", "lscf": "LSCF"}
-CLEAR = 10.0
-"""Difference of the criterion that leaves next to no support to the worse one (Kass and Raftery 1995)."""
+"""Name of each method in the sentence that explains the choice."""
+CLEAR_BIC_DIFFERENCE = 10.0
+"""Difference of BIC above which the worse method has next to no support (Kass and Raftery 1995)."""
 
 
 @one_thread()
 def stabilisation(response: FrequencyResponse, settings: Settings | None = None) -> Stabilisation:
-    """Poles of all orders up to the highest, and which of them stay from one order to the next.
+    """Stabilisation diagram of a response: poles of all orders, and which of them stay from order to order.
 
     Parameters
     ----------
@@ -51,13 +52,13 @@ def stabilisation(response: FrequencyResponse, settings: Settings | None = None)
 
 
 def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
-    """That of the two diagrams whose modes have the lower criterion; the simpler method unless it is clear."""
+    """Diagram of the method whose modes have the lower BIC; the rational fraction unless the difference is clear."""
     plans: tuple[tuple[Method, Selection, int], ...] = (
-        ("rational", "order", min(HIGHEST["rational"], settings.order)),
+        ("rational", "order", min(DEFAULT_HIGHEST_ORDER["rational"], settings.order)),
         ("lscf", "clusters", settings.order),
     )
     found: dict[Method, Stabilisation] = {}
-    taken: dict[Method, Selected] = {}
+    taken: dict[Method, SelectedPoles] = {}
     failure: SolveError | None = None
     for method, rule, order in plans:
         try:
@@ -73,15 +74,15 @@ def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
         (other,) = NAMES.keys() - taken.keys()
         return replace(found[only], choice=f"{NAMES[only]}, since {NAMES[other]} finds no stable pole")
     better = _advantage(found["rational"], taken["rational"], taken["lscf"])
-    best, rest = tuple(NAMES)[:: -1 if better > CLEAR else 1]
-    how = f"{abs(better):.4g} higher" if abs(better) > CLEAR else "no better"
+    best, rest = tuple(NAMES)[:: -1 if better > CLEAR_BIC_DIFFERENCE else 1]
+    how = f"{abs(better):.4g} higher" if abs(better) > CLEAR_BIC_DIFFERENCE else "no better"
     return replace(found[best], choice=f"{NAMES[best]} rather than {NAMES[rest]}, whose BIC is {how}")
 
 
-def _advantage(diagram: Stabilisation, taken: Selected, other: Selected) -> float:
-    """By how much the criterion of the second poles is lower, judged by the same noise."""
+def _advantage(diagram: Stabilisation, taken: SelectedPoles, other: SelectedPoles) -> float:
+    """BIC of the first poles less that of the second, both with the noise of the better fit."""
     both = (taken, other)
-    left = [left_over(diagram.lines, one.poles, one.participations, diagram.settings) for one in both]
-    judge = Judge(diagram.lines, min(left, key=lambda one: float((abs(one) ** 2).sum())))
-    first, second = (judge.criterion(rest, count_of(one.poles)) for rest, one in zip(left, both, strict=True))
+    left = [weighted_residuals(diagram.lines, one.poles, one.participations, diagram.settings) for one in both]
+    criterion = BicCriterion(diagram.lines, min(left, key=lambda one: float((abs(one) ** 2).sum())))
+    first, second = (criterion.value(rest, pole_count(one.poles)) for rest, one in zip(left, both, strict=True))
     return first - second

@@ -1,4 +1,4 @@
-"""Identified modes as a result."""
+"""Result of an identification of modes: poles, residues, shapes, standard errors, tables."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class ModalEstimate:
     lower, upper : (n_out, n_in) arrays
         Residual terms for what is below and above the band.
     outputs, inputs : tuple of Channel
-        As measured.
+        Channels as measured.
     frequencies : (n_f,) array
-        Hz; the lines the fit has used.
+        Frequencies of the lines of the fit, Hz.
     contributions : (n_modes,) array
-        Root mean square of a mode's share over that of the responses.
+        Root mean square of the contribution of each mode, over that of the responses.
     misfit : (n_out, n_in) array
-        Root mean square of what the fit leaves over that of the response.
+        Root mean square of the residual of the fit, over that of the response.
     frequency_errors, damping_errors : (n_modes,) arrays
-        Standard errors, Hz and 1; nan where none is known. They hold random errors alone.
+        Standard errors, Hz and 1; nan where none is known. Random errors only.
     method : str
     title : str
     notes : tuple of str
@@ -70,29 +70,29 @@ class ModalEstimate:
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """``|lambda| / 2 pi`` in Hz."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz."""
         return pole_numbers.natural_frequencies(self.poles)
 
     @cached_property
     def damped_frequencies(self) -> FloatArray:
-        """``Im lambda / 2 pi`` in Hz; 0 for real poles."""
+        """Damped frequencies ``Im lambda / 2 pi`` in Hz; 0 for real poles."""
         return np.asarray(self.poles.imag / (2 * np.pi))
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """``-Re lambda / |lambda|``; 1 for a real pole."""
+        """Damping ratios ``-Re lambda / |lambda|``; 1 for a real pole."""
         return pole_numbers.damping_ratios(self.poles)
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """``"oscillatory"`` or ``"real pole"``, as of :class:`torsionnet.Modes`."""
+        """Kind of each mode, ``"oscillatory"`` or ``"real pole"``, as of :class:`torsionnet.Modes`."""
         return pole_numbers.kinds(self.poles)
 
     @cached_property
     def shapes(self) -> ComplexArray:
-        """(n_out, n_modes): angles at the sensors, 1 at the one that moves most; torques in N m for such an angle.
+        """Mode shapes (n_out, n_modes): angles at the sensors, the largest being 1, and torques in N m for that angle.
 
-        The best shape of rank one in the residues of all inputs.
+        Each is the best shape of rank one in the residues of all inputs.
         """
         moving = np.array([channel.unit != "N*m" for channel in self.outputs])
         found = np.zeros((len(self.outputs), len(self)), dtype=complex)
@@ -104,14 +104,14 @@ class ModalEstimate:
         return found
 
     def shape_at(self, output: str) -> ComplexArray:
-        """The row of ``shapes`` of a sensor."""
+        """Angles or torques of all modes at one sensor: its row of ``shapes``, (n_modes,)."""
         names = [channel.name for channel in self.outputs]
         if output not in names:
             raise UsageError(f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}')
         return np.asarray(self.shapes[names.index(output)])
 
     def response(self, frequencies: FloatArray) -> FrequencyResponse:
-        """The transfer functions of the fit at any frequencies in Hz."""
+        """Transfer functions of the fit at any frequencies in Hz, shape (n_f,)."""
         f = np.asarray(frequencies, dtype=float)
         expansion = Expansion(self.poles, self.residues, self.lower, self.upper)
         values = expansion.values(2j * np.pi * f, powers_of(self.outputs, self.inputs))
@@ -119,16 +119,16 @@ class ModalEstimate:
 
     @cached_property
     def synthesised(self) -> FrequencyResponse:
-        """The transfer functions of the fit at its own lines."""
+        """Transfer functions of the fit at its own lines."""
         return self.response(self.frequencies)
 
     def only(self, modes: NDArray[np.bool_]) -> ModalEstimate:
-        """Only some modes."""
+        """Copy with only some modes, given by a mask of shape (n_modes,)."""
         names = ("poles", "residues", "contributions", "frequency_errors", "damping_errors")
         return replace(self, **{name: getattr(self, name)[modes] for name in names})
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row per mode, with standard errors where there are any, phase collinearity and contribution."""
+        """Table with a row for each mode: frequency and damping with standard errors, MPC, contribution."""
         scale, unit = conventions.frequency_scale, conventions.frequency
         columns = (
             Column("mode"),
@@ -159,7 +159,7 @@ class ModalEstimate:
         return Table(f"{self.title}: modes by {self.method}", columns, rows, self.notes)
 
     def shape_table(self) -> Table:
-        """One row per sensor: magnitude and phase of every shape."""
+        """Table with a row for each sensor: magnitude and phase of every mode shape."""
         columns = [Column("sensor")]
         for mode in range(len(self)):
             columns += [Column(f"|shape {mode + 1}|"), Column(f"phase {mode + 1}", "deg")]
@@ -189,7 +189,7 @@ class ModalEstimate:
         return self.table().to_html()
 
 
-def assembled(
+def estimate_from_expansion(
     response: FrequencyResponse,
     lines: Lines,
     expansion: Expansion,
@@ -197,7 +197,7 @@ def assembled(
     errors: tuple[FloatArray, FloatArray] | None = None,
     method: str = "",
 ) -> ModalEstimate:
-    """The result that an expansion over the lines of a response gives."""
+    """Modal estimate from an expansion fitted to the lines of a response, with contributions and misfit."""
     modes = range(len(expansion.poles))
     factor = lines.s[:, None, None] ** lines.powers * lines.balance
     shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in modes]

@@ -1,4 +1,4 @@
-"""Modes read from peaks: the height, the place and the width at half power."""
+"""Peak picking: natural frequency, damping ratio and residue of each mode from its peak and half-power width."""
 
 from __future__ import annotations
 
@@ -9,35 +9,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import SolveError
-from torsionnet.modal.modal_estimate import ModalEstimate, assembled
-from torsionnet.modal.remarks import LEAST_LINES, line_spacing
+from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
+from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import FloatArray, Lines, left_out, lines_of
+from torsionnet.modal.spectral_lines import FloatArray, Lines, band_notes, lines_of
 from torsionnet.response import FrequencyResponse
 
-TOO_DAMPED = 0.10
-LOPSIDED = 1.25
+HALF_POWER_DAMPING_LIMIT = 0.10
+"""Damping ratio up to which the half-power width reads it right; above, a warning is given."""
+LARGEST_ASYMMETRY = 1.25
+"""Ratio of the two halves of a half-power width, over that of one mode alone, above which neighbours are assumed.
+
+A smaller value warns of the slopes of distant modes, too.
+"""
 MOST_DAMPED = 0.3826
 """Damping ratio at which a receptance no longer falls to half power below its peak."""
-
-RISE = 1.1
+SECOND_PEAK_RISE = 1.1
+"""Magnitude, over the lowest on the way down from a peak, from which on there is another peak; less may be noise."""
 
 
 @dataclass(frozen=True)
 class PickedPeak:
-    """A peak and its edges at half power.
+    """Peak of a magnitude curve with its half-power points.
 
     Attributes
     ----------
     line : int
-        Where it is highest.
+        Index of the highest line.
     frequency : float
-        Hz, between lines.
+        Frequency of the peak, interpolated between lines, Hz.
     edges : (float, float)
-        Hz; nan where the curve does not fall to half power.
+        Frequencies of the half-power points in Hz; nan where the curve does not fall so far.
     shared : bool
-        The curve rises again before it has fallen to half power.
+        Whether the curve rises again before it has fallen to half power.
     """
 
     line: int
@@ -47,7 +52,7 @@ class PickedPeak:
 
     @property
     def damping_ratio(self) -> float:
-        """Half the width over the frequency; twice the one half where the other is not there."""
+        """Damping ratio from the half-power width, or from one half of the width where there is only one."""
         low, high = self.frequency - self.edges[0], self.edges[1] - self.frequency
         if np.isnan(low) or np.isnan(high):
             return float((high if np.isnan(low) else low) / self.frequency)
@@ -57,7 +62,7 @@ class PickedPeak:
 def peak_picking(
     response: FrequencyResponse, *, band: tuple[float, float] | None = None, prominence: float = 3.0
 ) -> ModalEstimate:
-    """Natural frequencies from the peaks, damping ratios from their width at half power.
+    """Modes by peak picking: natural frequencies from peaks, damping ratios from their half-power widths.
 
     Good for light damping and modes far apart; remarks say where a peak is neither. Several transfer functions are
     read from one curve, the root mean square of all of them, each divided by its own.
@@ -65,7 +70,7 @@ def peak_picking(
     Parameters
     ----------
     response : FrequencyResponse
-        Peaks are those of the quantity measured: an accelerance's lie above a receptance's where damping is strong.
+        Peaks are taken in the quantity measured: an accelerance's lie above a receptance's where damping is strong.
     band : (float, float), optional
         Hz.
     prominence : float, optional
@@ -74,7 +79,7 @@ def peak_picking(
     Returns
     -------
     ModalEstimate
-        Residues are those of each mode on its own at its peak, without residual terms.
+        Residues are fitted to each mode alone at its peak, without residual terms.
 
     Raises
     ------
@@ -99,16 +104,20 @@ def peak_picking(
         raise SolveError(f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes")
     good = [peak for peak in peaks if 0 < peak.damping_ratio < 1]
     if not good:
-        raise SolveError("no peak falls to half power within the band: nothing can be read; fit the modes instead")
+        raise SolveError(
+            "no peak falls to half power within the band, so that no damping can be read; fit the modes instead"
+        )
     lost = [peak for peak in peaks if peak not in good]
-    notes = left_out(response, band)
+    notes = band_notes(response, band)
     notes += tuple(remark for peak in good for remark in _remarks(peak, frequencies))
     notes += tuple(f"warning: the peak at {peak.frequency:.4g} Hz has no half-power points; left out" for peak in lost)
-    return assembled(response, lines, _one_by_one(lines, good), notes, method="peak picking with half power")
+    return estimate_from_expansion(
+        response, lines, _one_by_one(lines, good), notes, method="peak picking with half power"
+    )
 
 
 def mean_magnitude(lines: Lines) -> FloatArray:
-    """Root mean square over all transfer functions, each divided by its root mean square over the lines, (n_f,)."""
+    """Mean magnitude (n_f,) of all transfer functions, each divided by its root mean square over the lines."""
     return np.asarray(np.sqrt(np.mean(np.abs(lines.values * lines.balance) ** 2, axis=(1, 2))))
 
 
@@ -127,11 +136,11 @@ def _read(frequencies: FloatArray, curve: FloatArray, line: int) -> PickedPeak:
 
 
 def _edge(frequencies: FloatArray, curve: FloatArray, level: float) -> tuple[float, bool]:
-    """Where a curve that starts at a peak crosses a level, and whether it has risen to another peak before."""
+    """Frequency at which a curve from a peak falls to a level (nan: never), and whether it rises again before."""
     below = np.flatnonzero(curve < level)
     end = int(below[0]) if len(below) else len(curve) - 1
     lowest = np.minimum.accumulate(curve[: end + 1])
-    shared = bool((curve[: end + 1] > RISE * lowest).any())
+    shared = bool((curve[: end + 1] > SECOND_PEAK_RISE * lowest).any())
     if not len(below):
         return float("nan"), shared
     pair = [end, end - 1]
@@ -139,7 +148,7 @@ def _edge(frequencies: FloatArray, curve: FloatArray, level: float) -> tuple[flo
 
 
 def _summit(frequencies: FloatArray, curve: FloatArray, line: int) -> float:
-    """Between lines: the inverse of the squared height is a parabola there."""
+    """Frequency of a peak in Hz between lines, from the parabola through the inverse squared magnitudes."""
     f, y = frequencies[line - 1 : line + 2], curve[line - 1 : line + 2] ** -2
     a, b = f - f[1], y - y[1]
     bend = (b[2] / a[2] - b[0] / a[0]) / (a[2] - a[0])
@@ -151,27 +160,27 @@ def _summit(frequencies: FloatArray, curve: FloatArray, line: int) -> float:
 
 def _remarks(peak: PickedPeak, frequencies: FloatArray) -> Iterator[str]:
     f, zeta = peak.frequency, peak.damping_ratio
-    if zeta > TOO_DAMPED:
+    if zeta > HALF_POWER_DAMPING_LIMIT:
         yield (
             f"warning: {100 * zeta:.1f} % at {f:.4g} Hz is too damped for half power, which reads right up to some "
-            f"{100 * TOO_DAMPED:g} %: fit the modes instead"
+            f"{100 * HALF_POWER_DAMPING_LIMIT:g} %: fit the modes instead"
         )
     if np.isnan(peak.edges).any():
         side = "below" if np.isnan(peak.edges[0]) else "above"
         yield f"warning: the peak at {f:.4g} Hz has no half-power point {side} it; damping is read from the other side"
         return
     width, spacing = peak.edges[1] - peak.edges[0], line_spacing(frequencies, f)
-    if width < LEAST_LINES * spacing:
+    if width < FEWEST_PEAK_LINES * spacing:
         yield (
-            f"warning: half-power bandwidth of {width:.3g} Hz at {f:.4g} Hz is under {LEAST_LINES} lines of "
+            f"warning: half-power bandwidth of {width:.3g} Hz at {f:.4g} Hz is under {FEWEST_PEAK_LINES} lines of "
             f"{spacing:.3g} Hz: its damping reads high; use longer segments"
         )
-    elif peak.shared or _lopsided(peak):
+    elif peak.shared or _is_asymmetric(peak):
         yield f"warning: the peak at {f:.4g} Hz is not that of one mode alone: neighbours falsify its damping"
 
 
-def _lopsided(peak: PickedPeak) -> bool:
-    """Whether the halves of the width are not those of the single mode that has this width."""
+def _is_asymmetric(peak: PickedPeak) -> bool:
+    """Whether the halves of the half-power width are more unequal than those of a single mode."""
     from scipy.optimize import brentq
 
     width = (peak.edges[1] - peak.edges[0]) / peak.frequency
@@ -184,13 +193,13 @@ def _lopsided(peak: PickedPeak) -> bool:
         return True
     low, high = _halves(brentq(wider, 0.0, MOST_DAMPED))
     ratio = (peak.frequency - peak.edges[0]) / (peak.edges[1] - peak.frequency) * high / low
-    return not 1 / LOPSIDED < ratio < LOPSIDED
+    return not 1 / LARGEST_ASYMMETRY < ratio < LARGEST_ASYMMETRY
 
 
 def _halves(zeta: float) -> tuple[float, float]:
     """Distances of the half-power points of a receptance from its peak, over the peak's frequency."""
-    top, reach = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
-    return 1 - math.sqrt(max(1 - reach / top, 0)), math.sqrt(1 + reach / top) - 1
+    top, half = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
+    return 1 - math.sqrt(max(1 - half / top, 0)), math.sqrt(1 + half / top) - 1
 
 
 def _one_by_one(lines: Lines, peaks: list[PickedPeak]) -> Expansion:

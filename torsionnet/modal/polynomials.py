@@ -1,11 +1,11 @@
-"""Two families of polynomials with real coefficients, and the roots of what is made of them.
+"""Polynomial bases, powers of z and orthogonal polynomials of s, and roots of matrix polynomials in them.
 
-Powers of z on the unit circle, and polynomials in s that are orthogonal over the lines of a measurement (Forsythe's, as
-in Richardson and Formenti, IMAC 1982). On the imaginary axis the latter are even or odd, so that
+Powers of z are on the unit circle; the polynomials in s are orthogonal over the lines of a measurement (Forsythe's, as
+in Richardson and Formenti, IMAC 1982). On the imaginary axis these are even or odd, so that
 
     s p_k = b_(k+1) p_(k+1) - b_k p_(k-1)
 
-with one real coefficient for each degree. Numbers never pass through powers of s.
+with one real coefficient for each degree. No powers of s are formed, which would lose digits.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Polynomials of degree 0 to n.
+    """Basis of polynomials of degree 0 to n, with their values at the lines.
 
     Attributes
     ----------
     values : (n_f, n + 1) complex array
-        At the lines.
+        Value of each polynomial at each line.
     up, down : (n,) arrays
         ``x p_k = up[k] p_(k+1) + down[k] p_(k-1)``.
     """
@@ -35,12 +35,12 @@ class Family:
 
 
 def powers(z: ComplexArray, degree: int) -> Family:
-    """1, z, z^2, ..."""
+    """Basis of the powers 1, z, z^2, ... up to a degree."""
     return Family(z[:, None] ** np.arange(degree + 1), np.ones(degree), np.zeros(degree))
 
 
 def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
-    """Orthonormal polynomials of an imaginary s under the given weights.
+    """Basis of orthonormal polynomials of an imaginary s under the given weights.
 
     >>> s = 1j * np.linspace(1, 2, 50)
     >>> values = orthogonal(s, np.ones(50), 3).values
@@ -53,7 +53,7 @@ def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
     steps = np.zeros(degree + 1)
     for k in range(degree):
         raised = omega * real[:, k] - (steps[k] * real[:, k - 1] if k else 0.0)
-        # The recurrence alone loses orthogonality at high degrees; those of like parity are all that overlap.
+        # The recurrence alone loses orthogonality at high degrees; only those of like parity overlap.
         same = real[:, (k + 1) % 2 : k + 1 : 2]
         raised -= same @ (same.T @ (weights**2 * raised))
         steps[k + 1] = np.linalg.norm(weights * raised)
@@ -62,7 +62,7 @@ def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
 
 
 def roots(coefficients: FloatArray, family: Family) -> tuple[ComplexArray, ComplexArray]:
-    """Where a matrix polynomial ``sum A_k p_k`` is singular, and its row vectors there.
+    """Roots of a matrix polynomial ``sum A_k p_k``, where it is singular, and its row vectors there.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is left of transfer functions after the best residues for a given denominator, and its derivatives."""
+"""Residuals of transfer functions with the best residues for a given denominator, and their derivatives."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
-FARTHEST = 30.0
-"""Logarithm of a coefficient, for lines up to 1 rad/s, beyond which nothing changes any more."""
+LARGEST_LOGARITHM = 30.0
+"""Logarithm of a coefficient, for lines up to 1 rad/s, beyond which a fit no longer depends on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """The problem in the logarithms of the denominator's coefficients: they stay positive, the poles stable.
+    """Least-squares problem in the logarithms of the coefficients of the denominator, so that poles stay stable.
 
     Attributes
     ----------
@@ -31,24 +31,24 @@ class Projection:
 
     @property
     def unknowns(self) -> int:
-        """Coefficients, residues and residual terms."""
+        """Number of unknowns: coefficients, residues and residual terms."""
         pairs = self.lines.values.shape[1] * self.lines.values.shape[2]
         ends = self.settings.has_lower + self.settings.has_upper
         return int(sum(self.sizes) * (1 + pairs) + ends * pairs)
 
-    def left(self, logarithms: FloatArray) -> FloatArray:
-        """Real parts of all transfer functions, then imaginary parts, pair after pair."""
+    def residuals(self, logarithms: FloatArray) -> FloatArray:
+        """Weighted residuals, transfer function by transfer function: all real parts, then all imaginary parts."""
         return np.concatenate([residual for _, residual, _ in self._pairs(logarithms)])
 
-    def complex_left(self, logarithms: FloatArray) -> ComplexArray:
-        """(n_f, n_out, n_in)."""
+    def complex_residuals(self, logarithms: FloatArray) -> ComplexArray:
+        """Weighted residuals as complex numbers, shape (n_f, n_out, n_in)."""
         _, outputs, inputs = self.lines.values.shape
-        parts = self.left(logarithms).reshape(outputs, inputs, 2, -1)
+        parts = self.residuals(logarithms).reshape(outputs, inputs, 2, -1)
         return np.asarray((parts[:, :, 0] + 1j * parts[:, :, 1]).transpose(2, 0, 1))
 
-    def slopes(self, logarithms: FloatArray) -> FloatArray:
-        """Derivative of :meth:`left` in Kaufman's form, (n_equations, n_coefficients)."""
-        moved = self._moved(coefficients_of(logarithms))
+    def jacobian(self, logarithms: FloatArray) -> FloatArray:
+        """Jacobian of :meth:`residuals` in Kaufman's form, (n_equations, n_coefficients)."""
+        moved = self._column_derivatives(coefficients_of(logarithms))
         blocks = []
         for factor, _, (basis, solution) in self._pairs(logarithms):
             change = np.stack([factor * (columns @ solution[own]) for own, columns in moved], axis=1)
@@ -57,7 +57,7 @@ class Projection:
         return np.vstack(blocks)
 
     def _pairs(self, logarithms: FloatArray) -> list[tuple[ComplexArray, FloatArray, tuple[FloatArray, FloatArray]]]:
-        """Of each transfer function: its factor, what is left, an orthonormal basis and the residues."""
+        """Factor, residuals, and (orthonormal basis, residues) of each transfer function."""
         lines = self.lines
         columns = self._columns(coefficients_of(logarithms))
         found = []
@@ -74,7 +74,7 @@ class Projection:
         return found
 
     def _columns(self, coefficients: FloatArray) -> ComplexArray:
-        """1 / q and s / q of each factor q, then the residual terms."""
+        """Columns (n_f, n) of the fit: 1 / q and s / q of each factor q, then the residual terms."""
         s = self.lines.s
         columns = []
         for own, value in self._values(coefficients):
@@ -84,7 +84,7 @@ class Projection:
         return np.stack(columns, axis=1)
 
     def _values(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
-        """Place of each factor among the coefficients, and its value at the lines."""
+        """Slice of the coefficients of each factor of the denominator, and its value at the lines."""
         s, place, found = self.lines.s, 0, []
         for size in self.sizes:
             own = slice(place, place + size)
@@ -92,8 +92,8 @@ class Projection:
             place += size
         return found
 
-    def _moved(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
-        """Derivative of the own columns to the logarithm of every coefficient, with the place of these columns."""
+    def _column_derivatives(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
+        """Derivatives of the columns with respect to the logarithm of each coefficient, and slices of the columns."""
         s, found = self.lines.s, []
         for own, value in self._values(coefficients):
             size = own.stop - own.start
@@ -104,5 +104,5 @@ class Projection:
 
 
 def coefficients_of(logarithms: FloatArray) -> FloatArray:
-    """The coefficients; a pole that the lines do not hold can run off without end."""
-    return np.asarray(np.exp(np.clip(logarithms, -FARTHEST, FARTHEST)))
+    """Coefficients from their logarithms, limited because a pole that the lines do not define may grow for ever."""
+    return np.asarray(np.exp(np.clip(logarithms, -LARGEST_LOGARITHM, LARGEST_LOGARITHM)))

@@ -1,4 +1,4 @@
-"""Poles to the least weighted squares of the transfer functions themselves, with standard errors.
+"""Refinement of poles: least weighted squares of the transfer functions themselves, with standard errors.
 
 The linear fits minimise squares of an equation, which noise biases. Here the squares of ``H - model`` are minimised
 over the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An
@@ -15,14 +15,17 @@ from torsionnet.modal.projection import Projection, coefficients_of
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
-EXACT = 1e-12
-MOST_CORRELATED = 0.95
+SMALLEST_VALUE = 1e-12
+"""Coefficient, and residual over the response, that is assumed at least: their logarithm and inverse are needed."""
+LARGEST_CORRELATION = 0.95
+"""Correlation of neighbouring lines that is assumed at most: at 1 standard errors would be infinite."""
 ROUNDS = 2
+"""Fits, the second with weights from the residuals of the first; more change the weights little."""
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """Refined poles, by size.
+    """Refined poles, sorted by magnitude, with standard errors.
 
     Attributes
     ----------
@@ -30,17 +33,17 @@ class Refined:
         rad/s.
     frequency_errors, damping_errors : (n,) arrays
         Standard errors of the natural frequency in Hz and of the damping ratio.
-    settled : bool
+    converged : bool
     """
 
     poles: ComplexArray
     frequency_errors: FloatArray
     damping_errors: FloatArray
-    settled: bool
+    converged: bool
 
 
 def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
-    """Start from given stable poles; the weight of each transfer function is then set by what it leaves over."""
+    """Refined poles and standard errors from stable start poles in rad/s, with weights from the residuals."""
     import scipy.optimize
 
     scale = float(np.abs(lines.s).max())
@@ -49,16 +52,16 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
     for _ in range(ROUNDS):
         problem = Projection(scaled, sizes, settings)
         found = scipy.optimize.least_squares(
-            problem.left,
-            np.log(np.maximum(start, EXACT)),
-            problem.slopes,
+            problem.residuals,
+            np.log(np.maximum(start, SMALLEST_VALUE)),
+            problem.jacobian,
             method="lm",
             xtol=1e-13,
             ftol=1e-14,
             gtol=1e-14,
         )
         start = coefficients_of(found.x)
-        left = problem.complex_left(found.x)
+        left = problem.complex_residuals(found.x)
         scaled = _reweighted(scaled, left)
     covariance = _covariance(Projection(scaled, sizes, settings), found.x, left)
     roots, slopes = roots_of(sizes, start)
@@ -69,9 +72,9 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
 
 
 def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
-    """Degrees of the factors of the denominator, and their coefficients one after the other.
+    """Degrees of the factors of the denominator with given poles, and their coefficients in a row.
 
-    (b, c) of each conjugate pair, real poles two by two, and (a,) of s + a for one that is left.
+    Coefficients are (b, c) of s^2 + b s + c for a conjugate pair or two real poles, (a,) of s + a for a last real pole.
     """
     factors: list[tuple[float, ...]] = [(-2 * pole.real, abs(pole) ** 2) for pole in poles if pole.imag != 0]
     real = sorted(-pole.real for pole in poles if pole.imag == 0)
@@ -82,7 +85,7 @@ def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
 
 
 def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Poles, one of each pair, and their derivatives to the logarithms of the coefficients, (n, n_coefficients)."""
+    """Poles (n,), one of each pair, and derivatives (n, n_coefficients) by the logarithms of the coefficients."""
     poles: list[complex] = []
     slopes: list[ComplexArray] = []
     place = 0
@@ -100,25 +103,25 @@ def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexA
 
 
 def _reweighted(lines: Lines, left: ComplexArray) -> Lines:
-    """Weights such that what is left over of each transfer function has a mean square of 1."""
+    """Copy of the lines with weights that give the residuals of each transfer function a mean square of 1."""
     size = np.sqrt(np.mean(np.abs(left) ** 2, axis=0))
-    floor = EXACT * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
+    floor = SMALLEST_VALUE * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
     return replace(lines, weights=lines.weights / np.maximum(size, floor))
 
 
 def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> FloatArray:
-    """Of the logarithms; enlarged where what is left over is alike at neighbouring lines, as after a window."""
-    slopes = problem.slopes(point)
+    """Covariance of the logarithms, enlarged where residuals of neighbouring lines correlate, as after a window."""
+    slopes = problem.jacobian(point)
     normal = slopes.T @ slopes
     along = np.sum(left[1:] * left[:-1].conj()).real / max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).tiny)
-    alike = float(np.clip(along, 0, MOST_CORRELATED))
-    over = problem.left(point)
+    correlation = float(np.clip(along, 0, LARGEST_CORRELATION))
+    over = problem.residuals(point)
     variance = float(over @ over) / max(1, len(over) - problem.unknowns)
-    return np.asarray(np.linalg.pinv(normal, hermitian=True) * variance * (1 + alike) / (1 - alike))
+    return np.asarray(np.linalg.pinv(normal, hermitian=True) * variance * (1 + correlation) / (1 - correlation))
 
 
 def _errors(poles: ComplexArray, slopes: ComplexArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Standard errors of ``|lambda|`` and of ``-Re lambda / |lambda|``."""
+    """Standard errors of ``|lambda|`` in rad/s and of the damping ratio ``-Re lambda / |lambda|``."""
     size = np.abs(poles)[:, None]
     along = (poles.conj()[:, None] * slopes).real / size
     damping = -slopes.real / size + poles.real[:, None] * along / size**2

@@ -1,4 +1,4 @@
-"""What a reader of identified modes should be told."""
+"""Warnings about identified modes: outside the band, uncertain, computational, too narrow, badly fitted."""
 
 from __future__ import annotations
 
@@ -12,24 +12,29 @@ from torsionnet.modal.spectral_lines import FloatArray
 if TYPE_CHECKING:
     from torsionnet.modal.modal_estimate import ModalEstimate
 
-LEAST_LINES = 3
-BEYOND = 2.0
-MOST_MISFIT = 0.1
-LARGE_ERROR = 0.1
-FEW_ORDERS = 2
+FEWEST_PEAK_LINES = 3
+"""Lines within a half-power bandwidth below which a window may have widened the peak, so that a warning is given."""
+FAR_OUTSIDE_BAND = 2.0
+"""Ratio of a natural frequency to an end of the band beyond which a pole stands for residual terms, not for a mode."""
+LARGEST_MISFIT = 0.1
+"""Residual of a fit, over the response, above which a warning is given."""
+LARGEST_ERROR = 0.1
+"""Standard error, over its value, above which a frequency or damping ratio is called uncertain."""
+FEWEST_ORDERS = 2
+"""Orders of the diagram at which a pole is seen; fewer may be a computational pole."""
 
 
 def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[str, ...]:
-    """Warnings about a fit: what is beyond the band, uncertain, computational, narrow; and how much is left over."""
+    """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit."""
     found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *_narrow(estimate)]
     worst = float(np.max(estimate.misfit))
-    if worst > MOST_MISFIT:
+    if worst > LARGEST_MISFIT:
         found.append(f"warning: the fit leaves {worst:.0%} of a response over; more orders or another band may help")
     return tuple(found)
 
 
 def line_spacing(frequencies: FloatArray, near: float) -> float:
-    """Distance in Hz of the lines around a frequency."""
+    """Spacing in Hz of the lines around a frequency."""
     if len(frequencies) < 2:
         return float("nan")
     place = int(np.clip(np.searchsorted(frequencies, near), 1, len(frequencies) - 1))
@@ -47,7 +52,9 @@ def _places(estimate: ModalEstimate, chosen: Sequence[int]) -> str:
 def _beyond(estimate: ModalEstimate) -> Iterator[str]:
     low, high = estimate.frequencies[[0, -1]]
     f = estimate.natural_frequencies
-    outside = [mode for mode in range(len(estimate)) if not low / BEYOND <= f[mode] <= high * BEYOND]
+    outside = [
+        mode for mode in range(len(estimate)) if not low / FAR_OUTSIDE_BAND <= f[mode] <= high * FAR_OUTSIDE_BAND
+    ]
     if outside:
         yield (
             f"warning: far outside the band of {low:g} to {high:g} Hz: {_places(estimate, outside)}; it stands for "
@@ -57,14 +64,14 @@ def _beyond(estimate: ModalEstimate) -> Iterator[str]:
 
 def _uncertain(estimate: ModalEstimate) -> Iterator[str]:
     f, z = estimate.natural_frequencies, estimate.damping_ratios
-    large = (estimate.frequency_errors > LARGE_ERROR * f) | (estimate.damping_errors > LARGE_ERROR * z)
+    large = (estimate.frequency_errors > LARGEST_ERROR * f) | (estimate.damping_errors > LARGEST_ERROR * z)
     if large.any():
-        yield f"warning: standard error above {LARGE_ERROR:.0%} at {_places(estimate, list(np.flatnonzero(large)))}"
+        yield f"warning: standard error above {LARGEST_ERROR:.0%} at {_places(estimate, list(np.flatnonzero(large)))}"
 
 
 def _rare(estimate: ModalEstimate, seen: Sequence[int], orders: int) -> Iterator[str]:
-    rare = [mode for mode, count in enumerate(seen) if count < FEW_ORDERS] if len(seen) == len(estimate) else []
-    if rare and orders > FEW_ORDERS:
+    rare = [mode for mode, count in enumerate(seen) if count < FEWEST_ORDERS] if len(seen) == len(estimate) else []
+    if rare and orders > FEWEST_ORDERS:
         yield f"warning: seen at one order of {orders} only, perhaps computational: {_places(estimate, rare)}"
 
 
@@ -73,10 +80,11 @@ def _narrow(estimate: ModalEstimate) -> Iterator[str]:
         mode
         for mode, pole in enumerate(estimate.poles)
         if pole.imag
-        and -pole.real / np.pi < LEAST_LINES * line_spacing(estimate.frequencies, estimate.natural_frequencies[mode])
+        and -pole.real / np.pi
+        < FEWEST_PEAK_LINES * line_spacing(estimate.frequencies, estimate.natural_frequencies[mode])
     ]
     if narrow:
         yield (
-            f"warning: half-power bandwidth under {LEAST_LINES} lines at {_places(estimate, narrow)}: if a window was "
-            "used, its damping reads high; use longer segments"
+            f"warning: half-power bandwidth under {FEWEST_PEAK_LINES} lines at {_places(estimate, narrow)}: if a window "
+            "was used, its damping reads high; use longer segments"
         )

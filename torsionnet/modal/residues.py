@@ -13,7 +13,9 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
-    """``H = s^p (sum R / (s - lambda) + conjugate + lower / s^2 + upper)``; a real pole has one term and a real R.
+    """Modal expansion ``H = s^p (sum R / (s - lambda) + conjugate + lower / s^2 + upper)``.
+
+    A real pole has one term and a real R.
 
     Attributes
     ----------
@@ -37,14 +39,14 @@ class Expansion:
             return np.asarray(total * each**powers + rest)
 
     def term(self, mode: int, s: ComplexArray) -> ComplexArray:
-        """What one mode gives in the form of a receptance, (n_f, n_out, n_in)."""
+        """Contribution of one mode, in the form of a receptance, (n_f, n_out, n_in)."""
         first, second = terms(self.poles[mode], s)
         residue = self.residues[mode]
         return np.asarray(first[:, None, None] * residue.real + second[:, None, None] * residue.imag)
 
 
 def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """Factors of the real and of the imaginary part of a residue; the latter is 0 for a real pole."""
+    """Factors (n_f,) of the real and of the imaginary part of a residue; the latter is 0 for a real pole."""
     one = 1 / (s - pole)
     if pole.imag == 0:
         return one, np.zeros_like(one)
@@ -53,7 +55,7 @@ def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
 
 
 def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexArray | None = None) -> Expansion:
-    """Residues and residual terms of given poles.
+    """Modal expansion with given poles: residues and residual terms by least squares.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexA
     poles : (n,) complex array
     settings : Settings
     rows : (n, n_in) complex array, optional
-        Participations of the inputs: residues are then a shape times these, which tells modes apart that have the
+        Participations of the inputs: residues are then a shape times these, which separates modes with the
         same pole. Without them every transfer function has residues of its own.
     """
     _, outputs, inputs = lines.values.shape
@@ -84,7 +86,7 @@ def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexA
 def _solve(
     lines: Lines, output: int, inputs: list[int], poles: ComplexArray, rows: ComplexArray, settings: Settings
 ) -> tuple[ComplexArray, FloatArray]:
-    """Shape (n,) at one output and its residual terms (2, n_in)."""
+    """Shape (n,) of the modes at one output, and its residual terms (2, n_in)."""
     blocks = [
         _columns(lines, output, i, poles, rows[:, place], settings, place, len(inputs))
         for place, i in enumerate(inputs)
@@ -112,7 +114,7 @@ def _columns(
     place: int,
     inputs: int,
 ) -> ComplexArray:
-    """Columns of one transfer function: real parts of the shape, imaginary parts, residual terms of every input."""
+    """Columns (n_f, n) of the fit of one transfer function: real and imaginary parts of the shape, residual terms."""
     s = lines.s
     pairs = [terms(pole, s) for pole in poles]
     real = [row.real * a + row.imag * b for row, (a, b) in zip(rows, pairs, strict=True)]

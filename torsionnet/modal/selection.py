@@ -1,4 +1,4 @@
-"""Which poles of a stabilisation diagram are modes."""
+"""Choice of the poles of a stabilisation diagram that are modes: by order, by clusters, or by hand."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.modal.information import best_order, worth_keeping
+from torsionnet.modal.information import best_order, significant_poles
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.spectral_lines import ComplexArray
 from torsionnet.modal.stabilisation import Stabilisation
@@ -18,18 +18,18 @@ Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, 
 
 
 @dataclass(frozen=True, eq=False)
-class Selected:
-    """Chosen poles.
+class SelectedPoles:
+    """Poles chosen from a stabilisation diagram.
 
     Attributes
     ----------
     poles : (n,) complex array
-        rad/s, by size.
+        rad/s, sorted by magnitude.
     participations : (n, n_in) complex array
     seen : tuple of int
-        At how many orders of the diagram each is found.
+        Number of orders of the diagram at which each pole is found.
     rule : str
-        In words.
+        Rule of the choice in words, for titles.
     """
 
     poles: ComplexArray
@@ -39,12 +39,13 @@ class Selected:
 
 
 Place: TypeAlias = tuple[int, int]
-"""Index of an order, index of a pole in it."""
+"""Index of an order, and index of a pole in that order."""
 
 FARTHEST_PICK = 0.2
+"""Distance of a pole from a frequency picked by hand, over that frequency, above which the pick is refused."""
 
 
-def select(diagram: Stabilisation, selection: Selection) -> Selected:
+def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
     """See :func:`torsionnet.modal.identify_modes`."""
     if selection == "clusters":
         places = clusters(diagram)
@@ -53,7 +54,7 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
             raise SolveError(f"no pole is {rule}; look at the stabilisation diagram and choose by hand")
     elif selection == "order" or isinstance(selection, int):
         index = (
-            best_order(diagram.lines, [order.left for order in diagram.orders])
+            best_order(diagram.lines, [order.residuals for order in diagram.orders])
             if selection == "order"
             else _order(diagram, selection) - 1
         )
@@ -72,11 +73,11 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
 
 
 def clusters(diagram: Stabilisation) -> list[Place]:
-    """One pole of each chain of poles that stay in frequency, damping and shape over enough orders within the band.
+    """Places of one pole for each chain of poles that stay stable over enough orders within the band.
 
-    A chain takes each pole to its partner at the order before, the longest chains first. The pole nearest to the median
-    of a chain stands for it. A chain of the same frequency and damping as another is a mode of its own only if both
-    are there at one order.
+    A chain leads from each pole to its partner at the order before, the longest chains first; the pole nearest to its
+    median represents it. A chain with frequency and damping of another is a separate mode only if some order has poles
+    of both.
     """
     low, high = np.abs(diagram.lines.s[[0, -1]])
     enough = diagram.settings.criteria.enough(len(diagram.orders))
@@ -127,7 +128,7 @@ def _chains(diagram: Stabilisation) -> Iterator[list[Place]]:
             chain = [(index, pole)]
             while diagram.orders[chain[-1][0]].stable[chain[-1][1]]:
                 at, own = chain[-1]
-                chain.append((at - 1, int(diagram.orders[at].before[own])))
+                chain.append((at - 1, int(diagram.orders[at].partners[own])))
             yield chain
 
 
@@ -160,7 +161,7 @@ def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iter
         index = _order(diagram, order) - 1
         known = natural_frequencies(diagram.orders[index].poles)
         if not len(known):
-            raise UsageError(f"order {order} has no stable pole")
+            raise UsageError(f"order {order} has no stable pole; choose another order")
         nearest = int(np.abs(known - frequency).argmin())
         if abs(known[nearest] / frequency - 1) > FARTHEST_PICK:
             there = ", ".join(f"{value:.4g}" for value in known)
@@ -168,13 +169,13 @@ def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iter
         yield index, nearest
 
 
-def _collected(diagram: Stabilisation, places: list[Place], rule: str, *, automatic: bool) -> Selected:
-    """The poles at these places; of those that a rule has found only what is worth its unknowns."""
+def _collected(diagram: Stabilisation, places: list[Place], rule: str, *, automatic: bool) -> SelectedPoles:
+    """Poles at the given places; of an automatic choice only poles that lower the criterion (BIC)."""
     places = sorted(places, key=lambda place: abs(diagram.orders[place[0]].poles[place[1]]))
     poles = np.array([diagram.orders[index].poles[pole] for index, pole in places])
     rows = np.array([diagram.orders[index].participations[pole] for index, pole in places])
-    kept = worth_keeping(diagram.lines, poles, rows, diagram.settings) if automatic else list(range(len(places)))
-    return Selected(poles[kept], rows[kept], tuple(_seen(diagram, places[number]) for number in kept), rule)
+    kept = significant_poles(diagram.lines, poles, rows, diagram.settings) if automatic else list(range(len(places)))
+    return SelectedPoles(poles[kept], rows[kept], tuple(_seen(diagram, places[number]) for number in kept), rule)
 
 
 def _seen(diagram: Stabilisation, place: Place) -> int:

@@ -1,4 +1,4 @@
-"""How modes are fitted to frequency responses."""
+"""Settings of a fit of modes to frequency responses: method, order, band, residual terms, weights, criteria."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ Method: TypeAlias = Literal["auto", "rational", "lscf"]
 Residuals: TypeAlias = Literal["both", "lower", "upper", "none"]
 Weights: TypeAlias = Literal["uniform", "relative", "coherence"]
 
-HIGHEST = {"auto": 40, "rational": 10, "lscf": 40}
+DEFAULT_HIGHEST_ORDER = {"auto": 40, "rational": 10, "lscf": 40}
+"""Highest order of the polynomials by method; two orders are one oscillatory mode."""
 
 
 @dataclass(frozen=True)
 class Criteria:
-    """When a pole counts as the same at two orders.
+    """Criteria by which a pole at one order counts as the same at the next.
 
     Attributes
     ----------
@@ -26,7 +27,7 @@ class Criteria:
     shape : float
         Least MAC of the shapes.
     least_orders : int
-        So many orders in a row make a cluster; by default a tenth of the orders of the diagram, at least 4.
+        Orders in a row that make a cluster; by default a tenth of the orders of the diagram, at least 4.
     """
 
     frequency: float = 0.01
@@ -43,7 +44,7 @@ class Criteria:
             raise UsageError(f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}")
 
     def enough(self, orders: int) -> int:
-        """Orders in a row that make a cluster in a diagram of so many."""
+        """Number of orders in a row that make a cluster, in a diagram of ``orders`` orders."""
         return max(4, orders // 10) if self.least_orders is None else self.least_orders
 
 
@@ -54,12 +55,12 @@ class Settings:
     Attributes
     ----------
     method : {"auto", "rational", "lscf"}
-        ``"auto"``: both, and the one with the lower Schwarz criterion (BIC); the rational fraction unless it is clear.
-        ``"rational"``: a quotient of polynomials in s = j omega, orthogonal over the lines, solved again and again with
-        the denominator found before as weight; for few modes of any damping, overdamped ones too. ``"lscf"``: least
+        ``"auto"``: the method with the lower Schwarz criterion (BIC); the rational fraction unless that is clear.
+        ``"rational"``: a quotient of polynomials in s = j omega, orthogonal over the lines, solved repeatedly with the
+        last denominator as weight; for few modes of any damping, overdamped ones too. ``"lscf"``: least
         squares of complex frequency, polynomials in z = exp(j omega / (2 f_max)); for many modes of light damping.
     highest_order : int, optional
-        Of the polynomials; an oscillatory mode takes two orders, a real pole one. By default 10 or 40, which
+        Order of the polynomials; an oscillatory mode takes two orders, a real pole one. By default 10 or 40, which
         ``auto`` takes for each.
     band : (float, float), optional
         Hz; by default all frequencies above 0 up to where a test says that it can be used.
@@ -98,13 +99,15 @@ class Settings:
 
     @property
     def order(self) -> int:
-        """The highest order."""
-        return HIGHEST[self.method] if self.highest_order is None else self.highest_order
+        """Highest order of the polynomials."""
+        return DEFAULT_HIGHEST_ORDER[self.method] if self.highest_order is None else self.highest_order
 
     @property
     def has_lower(self) -> bool:
+        """Whether a residual term stands for modes below the band."""
         return self.residuals in ("both", "lower")
 
     @property
     def has_upper(self) -> bool:
+        """Whether a residual term stands for modes above the band."""
         return self.residuals in ("both", "upper")

@@ -1,4 +1,4 @@
-"""The lines of a frequency response as a fit sees them: s, values, weights, and what a mode looks like in them."""
+"""Lines of a frequency response for a fit of modes: s, values, weights, and powers of s to receptances."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
 ORDERS = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
-LEAST_LINES = 4
-CERTAIN = 1 - 1e-6
+"""Power of s by which each unit of motion differs from an angle."""
+FEWEST_LINES = 4
+"""Lines below which modes are not fitted: one mode with residual terms has as many complex unknowns."""
+HIGHEST_COHERENCE = 1 - 1e-6
+"""Coherence that is assumed at most: at 1 the weight of a line would be infinite."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """What is fitted.
+    """Lines of all transfer functions of a test, with weights, as a fit of modes takes them.
 
     Attributes
     ----------
@@ -31,7 +34,7 @@ class Lines:
         j omega in rad/s, without 0.
     values : (n_f, n_out, n_in) complex array
     powers : (n_out, n_in) int array
-        The transfer function is ``s**power`` times one of the form of a receptance.
+        Each transfer function is ``s**power`` times a receptance.
     weights : (n_f, n_out, n_in) array
         Inverse of the uncertainty, up to a factor.
     """
@@ -43,13 +46,13 @@ class Lines:
 
     @property
     def balance(self) -> FloatArray:
-        """Factor of each pair, (n_out, n_in), that makes unlike quantities comparable."""
+        """Inverse root mean square of each transfer function, (n_out, n_in), which makes quantities comparable."""
         size = np.sqrt(np.mean(np.abs(self.values) ** 2, axis=0))
         return np.asarray(1 / np.where(size > 0, size, 1.0))
 
 
 def power(output: Channel, input: Channel) -> int:
-    """Power of s that leads from the form of a receptance to this transfer function.
+    """Power of s between a receptance and a transfer function with these channels.
 
     Angles over torques, angles over angles and torque ratios have that form themselves; velocities and accelerations
     have s and s^2 in front. A torque over an angle grows like an acceleration.
@@ -66,28 +69,30 @@ def power(output: Channel, input: Channel) -> int:
 
 
 def powers_of(outputs: Sequence[Channel], inputs: Sequence[Channel]) -> NDArray[np.int_]:
-    """(n_out, n_in) of :func:`power`."""
+    """Powers of s between receptances and transfer functions, (n_out, n_in); see :func:`power`."""
     return np.array([[power(output, into) for into in inputs] for output in outputs], dtype=int)
 
 
 def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
-    """The lines in the band that can be used.
+    """Lines of a response that a fit uses: in the band, above 0 Hz, finite, with weights.
 
     Raises
     ------
     UsageError
-        There are too few, they all hold nothing or have no phase, or coherence is asked for where there is none.
+        Too few lines, a response that is zero or has no phase, or weights by a coherence that is not there.
     """
     if not response.has_phase:
-        raise UsageError("modes are fitted to complex responses; this one has magnitudes only")
+        raise UsageError(
+            "modes are fitted to complex responses; this response has magnitudes only, give its phases too"
+        )
     powers = powers_of(response.outputs, response.inputs)
     low, high = settings.band or (0.0, response.usable_up_to or np.inf)
     chosen = response.between(low, high)
     usable = (chosen.frequencies > 0) & np.isfinite(chosen.values).all(axis=(1, 2))
-    if usable.sum() < LEAST_LINES:
+    if usable.sum() < FEWEST_LINES:
         where = "" if settings.band is None and np.isinf(high) else f" from {low:g} to {high:g} Hz"
         raise UsageError(
-            f"a fit of modes needs at least {LEAST_LINES} frequencies above 0{where}, there are {usable.sum()}"
+            f"a fit of modes needs at least {FEWEST_LINES} frequencies above 0{where}, there are {usable.sum()}"
         )
     values = chosen.values[usable]
     dead = [
@@ -103,8 +108,8 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
     return Lines(s, values, powers, _weights(values, coherence, settings))
 
 
-def left_out(response: FrequencyResponse, band: tuple[float, float] | None) -> tuple[str, ...]:
-    """A note where a test says up to where it can be used and no band is given."""
+def band_notes(response: FrequencyResponse, band: tuple[float, float] | None) -> tuple[str, ...]:
+    """Note that a test is usable only up to some frequency, where no band is given; else nothing."""
     limit = response.usable_up_to
     if band is not None or limit is None or limit >= response.frequencies[-1]:
         return ()
@@ -123,5 +128,5 @@ def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Setti
         raise UsageError(
             'weights="coherence" need a coherence, which only an estimate from recordings has; use "uniform"'
         )
-    certain = np.clip(coherence, 0, CERTAIN)
+    certain = np.clip(coherence, 0, HIGHEST_COHERENCE)
     return np.asarray(relative * np.sqrt(certain / (1 - certain)))

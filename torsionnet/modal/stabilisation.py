@@ -1,4 +1,4 @@
-"""Poles over the order of the fit: those of the structure stay, those of the noise wander."""
+"""Stabilisation diagram: poles of fits of rising order, of which modes stay and poles of noise wander."""
 
 from __future__ import annotations
 
@@ -30,42 +30,42 @@ class Order:
     shapes : (n, n_out) complex array
         Residues of the input in which a mode takes part most, each transfer function divided by its root mean square;
         of a single output those of all inputs.
-    before : (n,) int array
-        Its partner at the order before; -1 if there is none.
+    partners : (n,) int array
+        Index of the partner of each pole at the order before; -1 if there is none.
     frequency, damping, shape : (n,) bool arrays
-        Whether that pole is the same by each criterion.
-    left : (n_f, n_out, n_in) complex array
-        What the fit leaves over, weighted.
+        Whether the partner is the same by each criterion.
+    residuals : (n_f, n_out, n_in) complex array
+        Weighted residuals of the fit.
     """
 
     order: int
     poles: ComplexArray
     participations: ComplexArray
     shapes: ComplexArray
-    before: NDArray[np.int_]
+    partners: NDArray[np.int_]
     frequency: NDArray[np.bool_]
     damping: NDArray[np.bool_]
     shape: NDArray[np.bool_]
-    left: ComplexArray = field(repr=False)
+    residuals: ComplexArray = field(repr=False)
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Same frequency, damping and shape as at the order before."""
+        """Whether each pole has frequency, damping and shape of its partner at the order before, (n,)."""
         return np.asarray(self.frequency & self.damping & self.shape)
 
 
 @dataclass(frozen=True, eq=False)
 class Stabilisation:
-    """Stabilisation diagram.
+    """Stabilisation diagram: stable poles of every order of a fit.
 
     Attributes
     ----------
     response : FrequencyResponse
     settings : Settings
-        With the method that was taken.
+        Settings with the method that was chosen.
     orders : tuple of Order
     choice : str
-        Why this method, where it was chosen.
+        Reason for the method, where ``auto`` chose it.
     """
 
     response: FrequencyResponse
@@ -75,11 +75,11 @@ class Stabilisation:
     choice: str = ""
 
     def at(self, order: int) -> Order:
-        """The poles of one order."""
+        """Poles of one order, counted from 1."""
         return self.orders[order - 1]
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row per pole and order, with what stayed since the order before."""
+        """Table with a row for each pole of each order, and what is stable since the order before."""
         columns = (
             Column("order"),
             Column("natural frequency |lambda|/2pi", conventions.frequency),
@@ -107,7 +107,7 @@ class Stabilisation:
 
 
 def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
-    """The diagram by the method of the settings; see :func:`torsionnet.modal.stabilisation`."""
+    """Stabilisation diagram by the method of the settings; see :func:`torsionnet.modal.stabilisation`."""
     lines = lines_of(response, settings)
     orders: list[Order] = []
     highest = min(settings.order, largest_order(lines, settings))
@@ -143,7 +143,7 @@ def _shapes(residues: ComplexArray) -> ComplexArray:
 def _same(
     poles: ComplexArray, shapes: ComplexArray, before: Order | None, criteria: Criteria
 ) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]]:
-    """The partner of each pole at the order before, and whether it is the same in frequency, damping and shape.
+    """Partner of each pole at the order before, and whether frequency, damping and shape agree.
 
     Partners are the pairs of poles with the least sum of distances. Modes of one pole have any combination of their
     shapes: the shape is compared with all those of poles that are the same in frequency and damping.
@@ -155,8 +155,8 @@ def _same(
     same = np.zeros((3, count), dtype=bool)
     if before is None or not len(before.poles) or not count:
         return places, (same[0], same[1], same[2])
-    apart = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
-    rows, columns = linear_sum_assignment(apart / (apart + criteria.frequency))
+    distance = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
+    rows, columns = linear_sum_assignment(distance / (distance + criteria.frequency))
     places[rows] = columns
     frequency = np.abs(np.abs(before.poles) / np.abs(poles)[:, None] - 1) <= criteria.frequency
     damping = np.abs(damping_ratios(before.poles) / damping_ratios(poles)[:, None] - 1) <= criteria.damping
@@ -170,7 +170,7 @@ def _same(
 
 
 def _within(shape: ComplexArray, others: ComplexArray) -> float:
-    """MAC of a shape with the combination of others that is likest."""
+    """MAC of a shape with the most similar combination of other shapes."""
     length = float(np.linalg.norm(shape))
     if not length or not others.any():
         return 0.0
