@@ -14,10 +14,10 @@ from modal_cases import chain_residues, pole, response_of
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, peak_picking, stabilisation
-from torsionnet.modal.fraction import largest_order
-from torsionnet.modal.information import significant_poles
+from torsionnet.modal.matrix_fraction import largest_order
 from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of, roots_of
+from torsionnet.modal.schwarz_criterion import significant_poles
 from torsionnet.modal.selection import clusters
 from torsionnet.modal.spectral_lines import lines_of, power
 from torsionnet.modal.stabilisation import Order, Stabilisation, _same

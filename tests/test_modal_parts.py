@@ -8,12 +8,12 @@ from modal_cases import chain_residues, pole, response_of
 
 from torsionnet.core.errors import UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes
-from torsionnet.modal.information import BicCriterion, line_correlation, significant_poles
 from torsionnet.modal.polynomials import orthogonal, powers, roots
 from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of
 from torsionnet.modal.remarks import line_spacing
 from torsionnet.modal.residues import expand
+from torsionnet.modal.schwarz_criterion import BicCriterion, line_correlation, significant_poles
 from torsionnet.modal.spectral_lines import Lines, lines_of
 from torsionnet.modal.stabilisation import Order, _same
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from torsionnet.core.errors import SolveError
 from torsionnet.core.threads import one_thread
-from torsionnet.modal.information import BicCriterion, pole_count, weighted_residuals
+from torsionnet.modal.schwarz_criterion import BicCriterion, pole_count, weighted_residuals
 from torsionnet.modal.selection import SelectedPoles, Selection, select
 from torsionnet.modal.settings import DEFAULT_HIGHEST_ORDER, Method, Settings
 from torsionnet.modal.stabilisation import Stabilisation, diagram

@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.modal.information import best_order, significant_poles
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
+from torsionnet.modal.schwarz_criterion import best_order, significant_poles
 from torsionnet.modal.spectral_lines import ComplexArray
 from torsionnet.modal.stabilisation import Stabilisation
 

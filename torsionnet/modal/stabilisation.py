@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import SolveError
-from torsionnet.modal.fraction import largest_order, poles_of_orders
+from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.residues import expand
 from torsionnet.modal.settings import Criteria, Settings
