@@ -85,6 +85,6 @@ def _narrow(estimate: ModalEstimate) -> Iterator[str]:
     ]
     if narrow:
         yield (
-            f"warning: half-power bandwidth under {FEWEST_PEAK_LINES} lines at {_places(estimate, narrow)}: if a window "
-            "was used, its damping reads high; use longer segments"
+            f"warning: half-power bandwidth under {FEWEST_PEAK_LINES} lines at {_places(estimate, narrow)}: if a "
+            "window was used, its damping reads high; use longer segments"
         )
