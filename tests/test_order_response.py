@@ -18,6 +18,7 @@ from torsionnet.plot import waterfall, waveform
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.responses import shared_response
+from torsionnet.solve.running import order_response as solver
 
 CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
          "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip
@@ -72,6 +73,9 @@ class TestManySpeeds:
         assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)
 
 
+FOLLOWING = {"by": "speed", "of": "a", "table": {"50 rpm": "700 N*m/rad", "400 rpm": "1200 N*m/rad"}}
+
+
 class TestConditionsOfOnePlant:
     """They share one solution where nothing but torques differs, and only there."""
 
@@ -96,8 +100,12 @@ class TestConditionsOfOnePlant:
             },
         }  # fmt: skip
 
-    def test_each_has_its_own_values(self):
-        text = json.dumps(self.model())
+    @pytest.mark.parametrize("k_b", ["900 N*m/rad", FOLLOWING], ids=["constant", "following"])
+    def test_each_has_its_own_values(self, k_b):
+        model = self.model()
+        model["parameters"]["k_b"] = k_b
+        model["operating_point"] = {"speed": {"a": "100 rpm"}}
+        text = json.dumps(model)
         shared = tn.loads(text)
         for change in self.CHANGES:
             fresh = tn.loads(text).configured(change)
@@ -110,6 +118,22 @@ class TestConditionsOfOnePlant:
         original = shared_response.frequency_response
         monkeypatch.setattr(shared_response, "frequency_response", lambda *args: solved.append(args) or original(*args))
         rig = tn.loads(json.dumps(self.model()))
+        for change in ("firing=normal", "firing=normal,coupling=stiff"):
+            rig.configured(change).order_response("a")
+        assert len(solved) == 1
+        rig.configured("coupling=soft").order_response("a")
+        assert len(solved) == 2
+
+    def test_a_misfire_is_not_solved_again_where_parameters_follow_the_speed(self, monkeypatch):
+        solved = []
+        original = solver.responses_at_own_frequencies
+        monkeypatch.setattr(
+            solver, "responses_at_own_frequencies", lambda *args: solved.append(args) or original(*args)
+        )
+        model = self.model()
+        model["parameters"]["k_b"] = FOLLOWING
+        model["operating_point"] = {"speed": {"a": "100 rpm"}}
+        rig = tn.loads(json.dumps(model))
         for change in ("firing=normal", "firing=normal,coupling=stiff"):
             rig.configured(change).order_response("a")
         assert len(solved) == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import TypeVar
 
@@ -33,3 +34,38 @@ class Memo:
         if not isinstance(known, kind):
             known = self._kept[kind, key] = make()
         return known
+
+
+RECENT_RESULTS, RECENT_BYTES = 300, 100_000_000
+"""Results that are kept, and their size together: a few hundred sets of modes, or the responses of some conditions."""
+
+
+class RecentResults:
+    """Results by their type and a key, as many as there is room for; what was not asked for longest goes first."""
+
+    def __init__(self) -> None:
+        self._results: OrderedDict[tuple[type, Hashable], tuple[object, int]] = OrderedDict()
+        self._bytes = 0
+
+    def once(self, kind: type[T], key: Hashable, make: Callable[[], T], size: Callable[[T], int]) -> T:
+        """Result of this type for the key, made where none is kept; ``size`` gives the bytes of a new one.
+
+        Examples
+        --------
+        >>> recent = RecentResults()
+        >>> recent.once(str, 3, lambda: "worked out", len), recent.once(str, 3, lambda: "not again", len)
+        ('worked out', 'worked out')
+        """
+        known, _ = self._results.get((kind, key), (None, 0))
+        if isinstance(known, kind):
+            self._results.move_to_end((kind, key))
+            return known
+        found = make()
+        taken = size(found)
+        if taken <= RECENT_BYTES:
+            self._results[kind, key] = found, taken
+            self._bytes += taken
+        while len(self._results) > RECENT_RESULTS or self._bytes > RECENT_BYTES:
+            _, (_, freed) = self._results.popitem(last=False)
+            self._bytes -= freed
+        return found

@@ -1,30 +1,60 @@
-"""The latest frequency response of a set of rows, kept for conditions that change excitations and nothing else."""
+"""Results that conditions share which change excitations and nothing else: a misfire changes torques, not the rows."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
-import numpy as np
-
-from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.memo import RecentResults
 from torsionnet.model.channels import Sensor
-from torsionnet.model.elements import Law
 from torsionnet.response.frequency_response import FloatArray, FrequencyResponse
-from torsionnet.solve.dynamic_stiffness.transfer_request import stressed_sections
 from torsionnet.solve.responses.transfer import frequency_response
 
+T = TypeVar("T")
 
-@dataclass
-class LatestResponse:
-    """What was asked last of these rows, and the answer; only one, for an answer may be large."""
 
-    laws: tuple[Law | ActionLaw, ...] = ()
-    asked: Any = None
-    frequencies: FloatArray | None = None
-    found: FrequencyResponse | None = None
+@dataclass(frozen=True, eq=False)
+class _Same:
+    """Key of an entry that may not be hashed: the same object."""
+
+    entry: object
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.entry is other.entry
+
+    def __hash__(self) -> int:
+        return id(self.entry)
+
+
+def mechanics_key(drivetrain: AssembledModel) -> Hashable:
+    """Key of all that rows and their coefficients depend on, equal in conditions that differ in excitations alone."""
+    definition = drivetrain.definition
+    return (
+        tuple(definition.active),
+        tuple(definition.parameters.items()),
+        tuple(drivetrain.exact_values.items()),
+        _Same(definition.load),
+        _Same(definition.operating_point),
+    )
+
+
+def shared_by_conditions(
+    drivetrain: AssembledModel, kind: type[T], question: Hashable, answer: Callable[[], T], size: Callable[[T], int]
+) -> T:
+    """Answer of this type to a question about the drivetrain without its excitations, worked out once.
+
+    ``question`` holds all that the answer depends on besides, what excitations contribute included; ``size`` gives
+    the bytes of an answer.
+    """
+    recent = drivetrain.assembly.system.memo.once(RecentResults, None, RecentResults)
+    return recent.once(kind, (mechanics_key(drivetrain), question), answer, size)
+
+
+def named(outputs: str | Sensor | Sequence[str | Sensor]) -> Hashable:
+    """Outputs as a part of a question, one or several."""
+    return outputs if isinstance(outputs, str | Sensor) else tuple(outputs)
 
 
 def shared_response(
@@ -33,18 +63,10 @@ def shared_response(
     inputs: Sequence[Any],
     frequencies: FloatArray,
 ) -> FrequencyResponse:
-    """As :func:`frequency_response`, but the same question on the same numbers is answered once.
+    """Frequency response as :func:`frequency_response` gives it, solved once for conditions with the same mechanics."""
 
-    A misfire changes torques, not the drivetrain: eight firing conditions need one solution.
-    """
-    latest = drivetrain.assembly.system.memo.once(LatestResponse, None, LatestResponse)
-    asked = (outputs, inputs, stressed_sections(drivetrain, (outputs,)))
-    laws: tuple[Law | ActionLaw, ...] = (*drivetrain.assembly.laws, *drivetrain.assembly.system.actions)
-    if latest.found is not None and latest.frequencies is not None:
-        alike = latest.asked == asked and np.array_equal(latest.frequencies, frequencies)
-        if alike and latest.laws == laws:
-            return latest.found
-    found = frequency_response(drivetrain, outputs, inputs, frequencies)
-    latest.laws, latest.asked = laws, asked
-    latest.frequencies, latest.found = frequencies, found
-    return found
+    def solved() -> FrequencyResponse:
+        return frequency_response(drivetrain, outputs, inputs, frequencies)
+
+    question = (named(outputs), tuple(inputs), frequencies.tobytes())
+    return shared_by_conditions(drivetrain, FrequencyResponse, question, solved, lambda found: found.values.nbytes)

@@ -29,10 +29,13 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.operating_groups import Places, at_speeds, in_arrays, solved_together
 
 SUM_ROUNDING = 1e-13
 """Size of a sum, over the sizes of its terms, below which the sum is rounding and counts as 0."""
+HELD_BYTES = 1_000_000
+"""Size at which a drivetrain with its assembly is counted among results that are kept, with a margin."""
 
 
 def mean_response(
@@ -46,9 +49,16 @@ def mean_response(
     wanted = ask(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T
-    held = _held(drivetrain)
+    held = shared_by_conditions(drivetrain, AssembledModel, "held", lambda: _held(drivetrain), lambda _: HELD_BYTES)
     values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(_held_in(held))))
-    for per_torque, places in _solved(held, reference, at, wanted, nodes):
+    solved = shared_by_conditions(
+        drivetrain,
+        tuple,
+        (reference, at.tobytes(), tuple(one.sensor for one in wanted), tuple(nodes), acting.tobytes()),
+        lambda: tuple(_solved(held, reference, at, wanted, nodes)),
+        lambda found: sum(per_torque.nbytes for per_torque, _ in found),
+    )
+    for per_torque, places in solved:
         torques_there = acting[places, None, :]
         found = (torques_there * per_torque).sum(axis=2)
         sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)

@@ -15,7 +15,8 @@ from torsionnet.core.units import RPM
 from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes
-from torsionnet.solve.running.operating_groups import at_speeds
+from torsionnet.solve.responses.shared_response import shared_by_conditions
+from torsionnet.solve.running.operating_groups import at_speeds, values_at_speeds
 
 SPEED_TOLERANCE = 1e-6
 """Relative difference up to which a critical speed agrees with the speed at which its mode was calculated.
@@ -24,6 +25,9 @@ A smaller value costs more sets of modes; speeds are shown in six figures.
 """
 MOST_ITERATIONS = 60
 """Iterations for a critical speed before it is bracketed instead; more only delay that."""
+
+MODE_BYTES = 100
+"""Size of a mode per node, with shape and texts, as it counts among results that are kept."""
 
 BRACKET_FACTOR = 1.2
 """Ratio of each trial speed to the one before while a bracket of a critical speed is sought.
@@ -57,13 +61,22 @@ class ModesOverSpeed:
         """Modes at a speed in rad/s, by rising undamped frequency."""
         inside = min(max(speed, self.speed_range[0]), self.speed_range[1])
         if inside not in self._found:
-            ((rig, _),) = at_speeds(self.drivetrain, self.reference, np.array([inside]))
-            found = vibration_modes(rig, modes(rig))
-            known = [*self.numbers, *range(len(self.numbers) + 1, len(found) + 1)]
+            known = [*self.numbers, *range(len(self.numbers) + 1, len(self._unnumbered(inside)) + 1)]
             self._found[inside] = tuple(
-                replace(mode, number=number) for mode, number in zip(found, known, strict=False)
+                replace(mode, number=number) for mode, number in zip(self._unnumbered(inside), known, strict=False)
             )
         return self._found[inside]
+
+    def _unnumbered(self, speed: float) -> tuple[VibrationMode, ...]:
+        """Vibration modes at a speed in rad/s, by rising undamped frequency."""
+
+        def found() -> tuple[VibrationMode, ...]:
+            ((rig, _),) = at_speeds(self.drivetrain, self.reference, np.array([speed]))
+            return tuple(vibration_modes(rig, modes(rig)))
+
+        (values,) = values_at_speeds(self.drivetrain, self.reference, np.array([speed])) if self.follow else ({},)
+        size = MODE_BYTES * len(self.drivetrain.nodes) ** 2
+        return shared_by_conditions(self.drivetrain, tuple, tuple(values.items()), found, lambda _: size)
 
     def settled(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
         """Mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.

@@ -19,6 +19,7 @@ from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import batch_plan
+from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.total_ratios import cached_total_ratio
 
 Settled: TypeAlias = Mapping[str, FloatArray]
@@ -26,6 +27,8 @@ Settled: TypeAlias = Mapping[str, FloatArray]
 Places: TypeAlias = NDArray[np.intp]
 """Indices of speeds in the array of all speeds."""
 Model = TypeVar("Model", bound=AssembledModel)
+PLAN_BYTES = 1_000_000
+"""Size at which a plan with its drivetrain is counted among results that are kept, with a margin."""
 
 
 def at_speeds(
@@ -53,13 +56,15 @@ def at_speeds(
     if not drivetrain.definition.following:
         yield drivetrain, np.arange(len(speeds))
         return
-    values = _values(drivetrain, reference, speeds, settled)
+    values = values_at_speeds(drivetrain, reference, speeds, settled)
     for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
         some = np.array(list(places))
         yield drivetrain.operated(values[some[0]]), some
 
 
-def _values(drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled) -> list[dict[str, float]]:
+def values_at_speeds(
+    drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
+) -> list[dict[str, float]]:
     """Values by name, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
     own = reference_node(drivetrain.definition) or reference
@@ -79,10 +84,14 @@ def in_arrays(
     None where no parameter follows the operating point, or where these change more than coefficients of laws.
     """
     following = tuple(drivetrain.definition.following)
-    plan = batch_plan(drivetrain, following) if following else None
+    if not following:
+        return None
+    (plan,) = shared_by_conditions(
+        drivetrain, tuple, ("plan", following), lambda: (batch_plan(drivetrain, following),), lambda _: PLAN_BYTES
+    )
     if plan is None:
         return None
-    values = _values(drivetrain, reference, speeds, settled)
+    values = values_at_speeds(drivetrain, reference, speeds, settled)
     batch = plan.batch({name: [one[name] for one in values] for name in following})
     return None if (batch.impossible | batch.apart).any() else batch
 

@@ -25,7 +25,7 @@ from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.solve.dynamic_stiffness.posed import twisted_law
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered, stressed_sections
-from torsionnet.solve.responses.shared_response import shared_response
+from torsionnet.solve.responses.shared_response import named, shared_by_conditions, shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
 from torsionnet.solve.running.operating_groups import SPEEDS_PER_BLOCK, Settled, at_speeds, in_arrays, solved_together
 from torsionnet.solve.running.settling import settled_by_vibration
@@ -286,7 +286,15 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
     """Order response at some speeds, of a batch with one variant per speed."""
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
-        return responses_at_own_frequencies(batch, request, frequencies)
+        values = tuple((name, column.tobytes()) for name, column in batch.values.items())
+        question = (named(outputs), loads.inputs, values, frequencies.shape, frequencies.tobytes())
+        return shared_by_conditions(
+            batch.drivetrain,
+            np.ndarray,
+            question,
+            lambda: responses_at_own_frequencies(batch, request, frequencies),
+            lambda found: found.nbytes,
+        )
 
     request = remembered(batch.drivetrain, outputs, list(loads.inputs), None)
     return loads.response(*_at_own(solved, request, loads.hertz))
@@ -346,7 +354,7 @@ def _at_own(
     frequencies[still] = 1.0  # any value: the response there is set to 0 below
     values = solved(request, frequencies)
     warn_infinite(values, np.ones(frequencies.shape), frequencies)
-    values[still] = 0.0
+    values = np.where(still[:, :, None, None], 0.0, values)
     return _forward(values[:, where.ravel()], hertz), tuple(reading.channel for reading in request.outputs)
 
 

@@ -1,0 +1,33 @@
+"""Results that are kept for a while: by key and type, within a number and a size."""
+
+from __future__ import annotations
+
+import pytest
+
+from torsionnet.core import memo
+from torsionnet.core.memo import RecentResults
+
+
+@pytest.mark.parametrize(("number", "room"), [(2, 100), (10, 8)])
+def test_what_was_not_asked_for_longest_goes_first(monkeypatch, number, room):
+    monkeypatch.setattr(memo, "RECENT_RESULTS", number)
+    monkeypatch.setattr(memo, "RECENT_BYTES", room)
+    recent, made = RecentResults(), []
+
+    def ask(key):
+        recent.once(str, key, lambda: made.append(key) or "four", len)
+
+    for key in "abacab":
+        ask(key)
+    assert "".join(made) == "abcb"
+
+
+def test_what_is_larger_than_all_room_is_not_kept(monkeypatch):
+    monkeypatch.setattr(memo, "RECENT_BYTES", 3)
+    recent = RecentResults()
+    assert [recent.once(str, 1, lambda text=text: text, len) for text in ("four", "five", "ten", "six")] == [
+        "four",
+        "five",
+        "ten",
+        "ten",
+    ]
