@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from torsionnet.core.entries.alternatives import given, one_at_most, one_exactly
+from torsionnet.core.entries.alternatives import given_entries, one_at_most, one_exactly
 
 
 @dataclass
@@ -36,4 +36,4 @@ def test_the_sentence_names_what_it_is_about_and_shows_the_form():
     assert both.message == "the film is given by a or by b, not both"
     (none,) = one_exactly(Entries(), "a", "b", of="the film", form="{a: 1}")
     assert none.message == "the film is given by a or b, one of the two: {a: 1}"
-    assert given(Entries(0, None, (1,)), "c", "b", "a") == ["c", "a"]
+    assert given_entries(Entries(0, None, (1,)), "c", "b", "a") == ["c", "a"]

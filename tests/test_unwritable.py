@@ -69,7 +69,7 @@ def test_a_full_disk_leaves_no_figures(tmp_path, monkeypatch, after):
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
 def test_a_pipe_that_nobody_reads(tmp_path, monkeypatch):
-    monkeypatch.setattr(atomic, "PATIENCE", 0.2)
+    monkeypatch.setattr(atomic, "PIPE_TIMEOUT", 0.2)
     pipe = tmp_path / "pipe.csv"
     os.mkfifo(pipe)
     assert f"{pipe}: nobody has opened this pipe for reading within 0.2 s" in told(*MODES, pipe)

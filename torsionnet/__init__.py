@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 from torsionnet.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
-_named, _attribute, _ = offered(
+_named, _attribute, _ = lazy_exports(
     __name__,
     {
         "Adaptive": "torsionnet.solve.responses.grid",

@@ -17,7 +17,7 @@ from types import FrameType
 
 import torsionnet as tn
 from fuzz.kinds import EXPECTED, Kind
-from torsionnet.core.errors import visible
+from torsionnet.core.errors import printable_text
 from torsionnet.io.foreign import process
 
 SMALL = 10_000
@@ -67,8 +67,8 @@ def _used(kind: Kind, path: Path) -> tuple[str, str]:
     try:
         kind.use(path)
     except EXPECTED as error:
-        text = str(error) if isinstance(error, tn.ModelError) else visible(str(error))
-        if not text or visible(text) != text or _TRACE.search(text):
+        text = str(error) if isinstance(error, tn.ModelError) else printable_text(str(error))
+        if not text or printable_text(text) != text or _TRACE.search(text):
             return "failure", f"raw text of {type(error).__name__} at {_innermost(error)}"
         return "error", ""
     except Exception as error:  # noqa: BLE001  (whatever it is, it is a finding)

@@ -1,8 +1,8 @@
 """Virtual test benches: tests that run on a model instead of a rig, with an exciter, sensors and data acquisition."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Acquisition": "torsionnet.model.bench",

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.bench.exciter_torque import ExciterOutput, exciter_output, quantised
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
@@ -174,7 +174,7 @@ def _filtered(values: FloatArray, acquisition: Acquisition) -> FloatArray:
     """Values behind the anti-alias low-pass, which has settled at the first value; delayed as in a real one."""
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
-    sections = butter(ANTI_ALIAS_ORDER, present(acquisition.anti_alias), fs=acquisition.rate, output="sos")
+    sections = butter(ANTI_ALIAS_ORDER, not_none(acquisition.anti_alias), fs=acquisition.rate, output="sos")
     settled = sosfilt_zi(sections) * values[0]
     return np.asarray(sosfilt(sections, values, zi=settled)[0])
 

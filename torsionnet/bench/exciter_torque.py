@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.model.bench import Exciter
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.excitation.excitation import Excitation
@@ -31,7 +31,9 @@ def exciter_output(excitation: Excitation, exciter: Exciter, sampling_rate: floa
     the analog output; the torque follows it with a first-order lag and is bent by the harmonics.
     """
     wanted = excitation.samples(sampling_rate)
-    raised = compensated_set_point(wanted, present(exciter.bandwidth), sampling_rate) if exciter.compensated else wanted
+    raised = (
+        compensated_set_point(wanted, not_none(exciter.bandwidth), sampling_rate) if exciter.compensated else wanted
+    )
     set_point, notes = _limited(raised, exciter)
     followed = (
         first_order_lag(set_point, exciter.bandwidth, sampling_rate, wanted[0]) if exciter.bandwidth else set_point
@@ -93,7 +95,7 @@ def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple
             notes.append(f"warning: set-point clipped at the {what} of {limit:g} N*m {share}; {peak}")
             set_point = np.clip(set_point, -limit, limit)
     if exciter.bits is not None:
-        set_point = quantised(set_point, 2 * present(exciter.full_scale) / 2**exciter.bits)
+        set_point = quantised(set_point, 2 * not_none(exciter.full_scale) / 2**exciter.bits)
     return set_point, tuple(notes)
 
 

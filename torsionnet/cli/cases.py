@@ -13,7 +13,7 @@ from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import load_model
 from torsionnet.cli.options import SETTINGS
 from torsionnet.cli.terminal import message, print_faults
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
@@ -99,7 +99,7 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
     available = rig.configurations
     if not configurations:
         if available:
-            names = listed(available, CONFIGURATIONS_NAMED, ", ...")
+            names = comma_list(available, CONFIGURATIONS_NAMED, ", ...")
             message("note", f"parameters as written; configurations: {names} (-c NAME, or -c all)")
         return [""]
     if EVERY in configurations and EVERY not in available:

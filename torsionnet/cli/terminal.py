@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.core.errors import visible
+from torsionnet.core.errors import printable_text
 from torsionnet.core.number_text import bracketed, finite
 
 if TYPE_CHECKING:
@@ -32,12 +32,12 @@ SCREEN_WIDTH = 120
 def message(kind: str, text: str) -> None:
     """Print a message on stderr after its kind, as "note" or "error"."""
     head = click.style(f"{kind}:", fg=COLOURS.get(kind), bold=True) if _coloured(sys.stderr) else f"{kind}:"
-    click.echo(f"{head} {visible(text)}", err=True)
+    click.echo(f"{head} {printable_text(text)}", err=True)
 
 
 def print_line(text: str = "") -> None:
     """Print a line on stdout."""
-    click.echo(visible(text))
+    click.echo(printable_text(text))
 
 
 def print_file_written(path: str) -> None:
@@ -89,13 +89,15 @@ def table_width(table: Table) -> int:
 
 def _safe(table: Table) -> Table:
     """Copy of a table with control characters in its texts made visible."""
-    return replace(table, title=visible(table.title), rows=tuple(tuple(map(_safe_cell, row)) for row in table.rows))
+    return replace(
+        table, title=printable_text(table.title), rows=tuple(tuple(map(_safe_cell, row)) for row in table.rows)
+    )
 
 
 def _safe_cell(cell: Any) -> Any:
     if isinstance(cell, tuple):
         return tuple(map(_safe_cell, cell))
-    return visible(cell) if isinstance(cell, str) else cell
+    return printable_text(cell) if isinstance(cell, str) else cell
 
 
 def _coloured(stream: Any) -> bool:

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-PATIENCE = 10.0
+PIPE_TIMEOUT = 10.0
 """Seconds for which writing to a pipe waits for a reader; long enough for a program that starts meanwhile."""
 
 
@@ -94,7 +94,7 @@ def _opened(target: Path) -> BinaryIO:
     """Stream to a pipe or device, open for writing; waits a limited time for a reader of a pipe."""
     if not stat.S_ISFIFO(target.stat().st_mode):
         return target.open("wb")
-    until = time.monotonic() + PATIENCE
+    until = time.monotonic() + PIPE_TIMEOUT
     while True:
         try:
             handle = os.open(target, os.O_WRONLY | os.O_NONBLOCK)
@@ -102,7 +102,7 @@ def _opened(target: Path) -> BinaryIO:
             if error.errno != errno.ENXIO:
                 raise
             if time.monotonic() > until:
-                text = f"nobody has opened this pipe for reading within {PATIENCE:g} s"
+                text = f"nobody has opened this pipe for reading within {PIPE_TIMEOUT:g} s"
                 raise OSError(errno.ENXIO, text, str(target)) from None
             time.sleep(0.02)
             continue

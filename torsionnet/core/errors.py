@@ -16,7 +16,7 @@ from typing import TypeAlias
 Path: TypeAlias = tuple[str | int, ...]
 """Path to an entry of a model: keys and indices from the outside in."""
 
-LEAST_LIKENESS = 0.6
+LEAST_SIMILARITY = 0.6
 """Smallest ``difflib`` ratio (0 to 1) at which a known name is suggested for a misspelled one; lower values suggest
 names that have nothing in common."""
 
@@ -76,9 +76,9 @@ class Fault:
         return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
 
     def __str__(self) -> str:
-        said = f"{self.severity}: {visible(self.text)}"
+        said = f"{self.severity}: {printable_text(self.text)}"
         if self.position is None:
-            where = visible(".".join(str(part) for part in self.path))
+            where = printable_text(".".join(str(part) for part in self.path))
             return f"{where}: {said}" if where else said
         others = [(one, "used here") for one in self.used_at]
         others += [(self.defined_at, "defined here")] if self.defined_at else []
@@ -87,14 +87,14 @@ class Fault:
 
 
 def _located(position: Position) -> str:
-    return f"{visible(position.file)}:{position.line}:{position.column}"
+    return f"{printable_text(position.file)}:{position.line}:{position.column}"
 
 
 def _excerpt(position: Position) -> str:
     if not position.source:
         return ""
     start, end = position.column - 1, min(position.end_column - 1, len(position.source))
-    before, marked, after = (visible(part) for part in _cut(position.source, start, end))
+    before, marked, after = (printable_text(part) for part in _cut(position.source, start, end))
     line = f"{before}{marked}{after}"
     return f"\n{position.line:5d} | {line}\n      | {' ' * len(before)}{'^' * max(1, len(marked))}"
 
@@ -103,10 +103,10 @@ def _cut(text: str, start: int, end: int) -> tuple[str, str, str]:
     return text[:start], text[start:end], text[max(start, end) :]
 
 
-def visible(text: str) -> str:
+def printable_text(text: str) -> str:
     r"""Text of a file made safe to show: characters that steer a terminal or turn the reading direction are escaped.
 
-    >>> print(visible("a\x1b[31mb\u202ec"))
+    >>> print(printable_text("a\x1b[31mb\u202ec"))
     a\x1b[31mb\u202ec
     """
     return text if text.isprintable() else _STEERING.sub(_written_out, text)
@@ -182,9 +182,9 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
         (promise, other)
         for other in known
         if other
-        and (promise := 2 * (letters & _letters(other)).bit_count() / (len(wanted) + len(other))) >= LEAST_LIKENESS
+        and (promise := 2 * (letters & _letters(other)).bit_count() / (len(wanted) + len(other))) >= LEAST_SIMILARITY
     ]
-    best = (LEAST_LIKENESS, "")
+    best = (LEAST_SIMILARITY, "")
     matcher = SequenceMatcher(b=wanted)
     for promise, other in sorted(promising, reverse=True):
         if promise < best[0]:
@@ -215,10 +215,10 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     return _question(nearest(name, candidates))
 
 
-def meant_or(name: str, candidates: Iterable[str], rest: str) -> str:
+def suggestion_or(name: str, candidates: Iterable[str], rest: str) -> str:
     """Question whether the nearest candidate was meant, if there is any, followed by ``rest``.
 
-    >>> meant_or("gerbox", ["gearbox"], "known: gearbox"), meant_or("x", ["gearbox"], "known: gearbox")
+    >>> suggestion_or("gerbox", ["gearbox"], "known: gearbox"), suggestion_or("x", ["gearbox"], "known: gearbox")
     ('; did you mean "gearbox"? known: gearbox', '; known: gearbox')
     """
     return f"{did_you_mean(name, candidates)}; {rest}".replace("?; ", "? ")

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Literal
 
 import torsionnet.core.units as units
 from torsionnet.core.errors import TorsionnetError, did_you_mean
-from torsionnet.core.number_range import exact_sqrt, limited
+from torsionnet.core.number_range import exact_sqrt, float_if_long
 from torsionnet.core.units import DIMENSIONS, Dimension
 
 _SUM, _PRODUCT, _UNARY, _ATOM = 1, 2, 3, 4
@@ -222,7 +222,7 @@ class Rule:
 
 def _quotient(compound: Compound, _: Algebra, left: Any, right: Any) -> Any:
     _refuse_zero(right, compound.operands[1])
-    return limited(left / right)
+    return float_if_long(left / right)
 
 
 def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> Any:
@@ -231,7 +231,7 @@ def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> An
     if exponent < 0:
         _refuse_zero(base, source)
     if exponent.denominator == 1:
-        return limited(base**exponent.numerator)
+        return float_if_long(base**exponent.numerator)
     if isinstance(base, int | float | Fraction) and base < 0:
         raise ExpressionError(f'"{source}" is {float(base):g}; a negative number has no square root here')
     return algebra.sqrt(base) ** exponent.numerator
@@ -291,9 +291,9 @@ def _apart(operand: Expression) -> str:
 
 
 RULES = {
-    "+": Rule(_SUM, lambda _, __, left, right: limited(left + right), _common_kind, _infix),
-    "-": Rule(_SUM, lambda _, __, left, right: limited(left - right), _common_kind, _infix),
-    "*": Rule(_PRODUCT, lambda _, __, left, right: limited(left * right), _combined_kind, _infix),
+    "+": Rule(_SUM, lambda _, __, left, right: float_if_long(left + right), _common_kind, _infix),
+    "-": Rule(_SUM, lambda _, __, left, right: float_if_long(left - right), _common_kind, _infix),
+    "*": Rule(_PRODUCT, lambda _, __, left, right: float_if_long(left * right), _combined_kind, _infix),
     "/": Rule(_PRODUCT, _quotient, _combined_kind, _infix),
     "negative": Rule(
         _UNARY,

@@ -1,7 +1,7 @@
 """Lazy imports: packages whose public names are imported at first use, so that starting up stays quick.
 
-What a package offers is said once, in the table that it hands to :func:`offered`. The stub beside it, in which type
-checkers and editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
+Each package hands a table of its public names to :func:`lazy_exports`. The stub beside it, in which type checkers and
+editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ TABLES: dict[str, dict[str, str]] = {}
 """Public names of every package: package -> name -> where it comes from, ``module:name`` or a module."""
 
 
-def offered(
+def lazy_exports(
     package: str, homes: Mapping[str, str], modules: Iterable[str] = ()
 ) -> tuple[list[str], Callable[[str], object], Callable[[], list[str]]]:
     """Return ``__all__``, ``__getattr__`` and ``__dir__`` of a package that imports its names at first use.
@@ -30,7 +30,7 @@ def offered(
 
     Examples
     --------
-    >>> names, get, _ = offered("torsionnet.core", {"Fault": "torsionnet.core.errors"}, ["torsionnet.core.units"])
+    >>> names, get, _ = lazy_exports("torsionnet.core", {"Fault": "torsionnet.core.errors"}, ["torsionnet.core.units"])
     >>> names, get("Fault").__name__, get("units").__name__
     (['Fault', 'units'], 'Fault', 'torsionnet.core.units')
     """

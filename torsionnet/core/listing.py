@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 
-def listed(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:
+def comma_list(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:
     """Text of names with commas between them, shortened to the first of them where there are many.
 
     Parameters
@@ -21,7 +21,7 @@ def listed(names: Iterable[object], most: int | None = None, more: str = " and {
 
     Examples
     --------
-    >>> listed("abcd"), listed("abcd", 2), listed("abcd", 2, ", ..."), listed("", none="none")
+    >>> comma_list("abcd"), comma_list("abcd", 2), comma_list("abcd", 2, ", ..."), comma_list("", none="none")
     ('a, b, c, d', 'a, b and 2 more', 'a, b, ...', 'none')
     """
     words = [str(name) for name in names]

@@ -25,7 +25,7 @@ MOST_BITS = 4096
 has all the digits that matter."""
 
 
-def limited(value: Any) -> Any:
+def float_if_long(value: Any) -> Any:
     """Value unchanged, but converted to a float where it is an exact fraction of too many digits."""
     if isinstance(value, Fraction) and value.numerator.bit_length() + value.denominator.bit_length() > MOST_BITS:
         return float(value)

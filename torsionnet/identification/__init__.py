@@ -1,8 +1,8 @@
 """Identification of the parameters of a drivetrain from measurements, with standard errors and lack of fit."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Candidate": "torsionnet.identification.model_choice",

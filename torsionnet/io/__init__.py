@@ -1,8 +1,8 @@
 """Files of other programs, of records and of responses. Each function reads or writes whole files, or returns text."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "from_tors": "torsionnet.io.tors_reading",

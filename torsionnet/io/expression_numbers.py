@@ -9,7 +9,7 @@ from math import pi
 from typing import Any
 
 from torsionnet.core.expressions import Algebra, Compound, Expression, Name, Number
-from torsionnet.core.number_range import exact_sqrt, limited
+from torsionnet.core.number_range import exact_sqrt, float_if_long
 from torsionnet.model.elements import Values
 
 
@@ -112,6 +112,6 @@ def _square_root(number: ExpressionNumber) -> ExpressionNumber:
 
 def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
     """A result; what depends on no parameter and is exact needs no expression."""
-    value = limited(value)
+    value = float_if_long(value)
     is_plain = isinstance(value, Fraction | int) and not expression.names
     return ExpressionNumber(value, Number(value) if is_plain else expression)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import declared, port, write_parts
 from torsionnet.io.modelica_syntax import ModelicaExpressions, factor
@@ -26,7 +26,7 @@ def _compliant(element: Any, net: Net, words: ModelicaExpressions, entrance: str
 
 
 def _gear(element: Gear, net: Net, words: ModelicaExpressions) -> None:
-    ratio = _quotient(element.teeth) if element.teeth else words.expression(present(element.ratio))
+    ratio = _quotient(element.teeth) if element.teeth else words.expression(not_none(element.ratio))
     support = ", useSupport=true" if element.housing else ""
     name = declared(element, net, "IdealGear", f"ratio={ratio}{support}")
     net.points.join(_compliant(element, net, words, port(element, "first")), f"{name}.flange_a")
@@ -40,7 +40,7 @@ def _quotient(teeth: Any) -> str:
 
 
 def _planetary(element: Planetary, net: Net, words: ModelicaExpressions) -> None:
-    ratio = _quotient(element.teeth) if element.teeth else words.expression(present(element.ratio))
+    ratio = _quotient(element.teeth) if element.teeth else words.expression(not_none(element.ratio))
     name = declared(element, net, "IdealPlanetary", f"ratio={ratio}")
     net.points.join(_compliant(element, net, words, port(element, "sun")), f"{name}.sun")
     for side in ("ring", "carrier"):

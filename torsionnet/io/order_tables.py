@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.delimited.dialect import encoding_of
+from torsionnet.core.delimited.dialect import detect_encoding
 from torsionnet.core.errors import UsageError
 from torsionnet.model.excitations.measured_columns import MeasuredLines, measured_lines
 from torsionnet.model.excitations.order_table_file import read_order_table
@@ -63,7 +63,7 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
 def _cells(path: Path) -> list[list[str]]:
     """Cells of every line that is neither empty nor a remark."""
     try:
-        text = path.read_text(encoding=encoding_of(path), errors="replace")
+        text = path.read_text(encoding=detect_encoding(path), errors="replace")
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from None
     return list(csv.reader(line for line in text.splitlines() if line.strip() and line[0] != "#"))

@@ -1,8 +1,8 @@
 """Modes identified from frequency responses without a model, and compared with the modes of a model."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "CircleFit": "torsionnet.modal.circle_fit",

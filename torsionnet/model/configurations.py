@@ -13,7 +13,7 @@ from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_valu
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
@@ -231,10 +231,10 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
     if "=" in part:
         axis, name = (piece.strip() for piece in part.split("=", 1))
         if axis not in axes:
-            there = listed(axes, none="none")
+            there = comma_list(axes, none="none")
             raise UsageError(f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {there}')
         if name not in axes[axis]:
-            there = listed(axes[axis], none="none")
+            there = comma_list(axes[axis], none="none")
             raise UsageError(f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {there}')
         return axis, name
     homes = [axis for axis, alternatives in axes.items() if part in alternatives]
@@ -245,7 +245,7 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
             f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
         )
     names = [name for alternatives in axes.values() for name in alternatives]
-    hint = f"there is {listed(names)}" if names else "the model has no configurations"
+    hint = f"there is {comma_list(names)}" if names else "the model has no configurations"
     raise UsageError(f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}')
 
 

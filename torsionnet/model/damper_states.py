@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.configurations import known_elements
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Values
@@ -45,7 +45,7 @@ def with_dampers(
     """
     if state not in STATES:
         known = f"choose {', '.join(STATES)}"
-        raise UsageError(f'"{state}" is no state of a damper{meant_or(state, STATES, known)}')
+        raise UsageError(f'"{state}" is no state of a damper{suggestion_or(state, STATES, known)}')
     if state == AS_MODELLED:
         return definition
     active = {element.name: element for element in definition.active}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import torsionnet.model.section_entries as sections
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import KEY, VERSION
+from torsionnet.core.entries.format_version import FORMAT_VERSION, KEY
 from torsionnet.core.entries.spec import Json, Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
@@ -154,7 +154,7 @@ class Definition(Declared):
 
     def flat_data(self) -> dict[str, Json]:
         """The same without parts: the entries of a model file with dots in its names."""
-        return {KEY: VERSION, "name": self.name, **self.written_entries()}
+        return {KEY: FORMAT_VERSION, "name": self.name, **self.written_entries()}
 
 
 def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, cast
 
 from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.expressions import Expression, Name
 from torsionnet.model.configurations import Axes, Overlay
 from torsionnet.model.definition import ELEMENTS, Definition, section_of
@@ -39,7 +39,7 @@ def with_named_entries(definition: Definition, names: Iterable[str]) -> Definiti
     for name in named:
         element, _, entry = name.rpartition(".")
         text = f"{entry.replace('_', ' ')} of {element}"
-        parameters[name] = Parameter(value=present(value_of_entry(definition, name)), description=text)
+        parameters[name] = Parameter(value=not_none(value_of_entry(definition, name)), description=text)
         entries: dict[str, Any] = {entry: Name(name)}
         elements[element] = replace(elements[element], **entries)
     axes = _with_parameters(definition, named)

@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, ExpressionError, Number
@@ -47,7 +47,7 @@ class BoundsEntry(Spec[Bounds]):
             return raw
         if not isinstance(raw, list | tuple) or len(raw) != 2:
             raise EntryError(f"bounds are [lower, upper], got {raw!r}")
-        ends = [under(index, _BOUND, end) for index, end in enumerate(raw)]
+        ends = [coerce_part(index, _BOUND, end) for index, end in enumerate(raw)]
         if ends[0].value >= ends[1].value:
             raise EntryError("the lower bound must be smaller than the upper bound")
         bounds = Bounds((float(ends[0].value), float(ends[1].value)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.element_base.speed_loops import second_ratio
 from torsionnet.model.element_base.speed_path import SpeedPath, SpeedPaths, own_node
@@ -46,7 +46,7 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
         tabled = any(isinstance(part, Law) and part.table for part in element.parts(Values(values)))
         reason = f"{element.name} has a table over frequency; give it at its own shaft, {own}" if tabled else None
         reason = reason or element.referral_fault
-        if reason is None and paths is not None and paths.between(own, present(element.referred_to)) is None:
+        if reason is None and paths is not None and paths.between(own, not_none(element.referred_to)) is None:
             reason = (
                 f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a planetary "
                 f"set with two free members; give the values of {element.name} at its own shaft"

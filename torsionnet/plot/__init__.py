@@ -1,8 +1,8 @@
 """Pictures of drivetrains and results. Each function returns a matplotlib figure and shows or writes nothing."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "STYLE": "torsionnet.plot.drawing.style",

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.plot.schematic.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
 from torsionnet.response.mode_numbers import place_of
@@ -282,8 +282,8 @@ def _legend(figure: Figure, total: int, chosen: Sequence[int], view: View, *, sc
     for kind in sorted({join.kind for join in view.axis.joins} & set(words), reverse=True):
         handles.append(Line2D([], [], color=REAL, linestyle=JOINS[kind], linewidth=1.6))
         names.append(words[kind])
-    remarks = [f"no fixed ratio to {listed(view.free, FEW_NAMES)}"] if view.free else []
-    remarks += [f"own angle of {listed(view.standing, FEW_NAMES)}"] if view.standing else []
+    remarks = [f"no fixed ratio to {comma_list(view.free, FEW_NAMES)}"] if view.free else []
+    remarks += [f"own angle of {comma_list(view.standing, FEW_NAMES)}"] if view.standing else []
     remarks += [f"{len(view.idle)} idle gear wheels not shown"] if view.idle else []
     remarks += [f"{len(chosen)} of {total} modes shown"] if len(chosen) < total else []
     handles += [Line2D([], [], linestyle="") for _ in remarks]

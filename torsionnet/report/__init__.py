@@ -6,9 +6,9 @@
 ['modes', 'validity']
 """
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Measured": "torsionnet.report.request",

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -41,7 +41,7 @@ def _refusal(model: Drivetrain, study: Study) -> str:
         return ""
     if own.name != model.name:
         return f"the study {study.title} is of {own.name}, and the report of {model.name}"
-    what = listed(differing, MOST)
+    what = comma_list(differing, MOST)
     return f"the study {study.title} is of another {own.title} than the report of {model.title}: they differ in {what}"
 
 

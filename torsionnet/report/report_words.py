@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.core.number_text import MISSING_TYPESET, typeset_unit
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.report import Pair
@@ -104,7 +104,7 @@ def capital(text: str) -> str:
 
 def named_first(names: Sequence[str], most: int = 12) -> str:
     """Names with commas; of many the first."""
-    return listed(names, most, ", … and {} more")
+    return comma_list(names, most, ", … and {} more")
 
 
 def in_common(names: Sequence[str]) -> str:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, meant_or
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
 from torsionnet.model.files.decoding import MOST_BYTES, decode
 from torsionnet.model.files.located import compose
 from torsionnet.model.files.placing import placed, presentable
@@ -94,7 +94,7 @@ def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
     if name not in known and Path(name).suffix.lower() not in IMAGES:
         rest = f"it may hold {', '.join(known)} and images ({', '.join(IMAGES)})"
         missing = [one for one in known if one not in names]
-        return fault(f"this is no part of a template{meant_or(name, missing, rest)}")
+        return fault(f"this is no part of a template{suggestion_or(name, missing, rest)}")
     if not path.is_file():
         return fault("a file is expected, not a folder or a device")
     if path.stat().st_size > MOST_BYTES:

@@ -18,7 +18,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind, Value
 from torsionnet.core.entries.spec import EntryError, Spec, entry
 from torsionnet.core.entries.words import Count, OneOf, Text
-from torsionnet.core.errors import Fault, meant_or
+from torsionnet.core.errors import Fault, suggestion_or
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
 from torsionnet.model.element_base.curves import LookupCurve
@@ -122,7 +122,7 @@ def _unknown(text: str) -> str | None:
     known = [one for texts in replaceable().values() for one in texts]
     if text in known:
         return None
-    return f'no text of a report is "{text}"{meant_or(text, known, LISTED)}'
+    return f'no text of a report is "{text}"{suggestion_or(text, known, LISTED)}'
 
 
 class Language(Text):
@@ -160,7 +160,7 @@ def _places_fault(needed: set[str], given: set[str]) -> str:
     """What is inserted into the English text has to stand in the other."""
     if more := sorted(given - needed):
         rest = f"this text has {_braced(needed)}" if needed else "nothing is inserted into this text"
-        return f"nothing is inserted at {{{more[0]}}}{meant_or(more[0], needed, rest)}"
+        return f"nothing is inserted at {{{more[0]}}}{suggestion_or(more[0], needed, rest)}"
     return f"{_braced(needed - given)} is missing: the report inserts something there" if needed - given else ""
 
 

@@ -1,8 +1,8 @@
 """Results: frequency responses, modes, tables, and the conventions in which they are shown."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Channel": "torsionnet.response.frequency_response",

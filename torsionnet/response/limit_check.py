@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.equal_remarks import gathered
@@ -54,7 +54,7 @@ def unexamined(missing: Sequence[str], known: Sequence[str], examined: Sequence[
 
 def few(names: Sequence[str]) -> str:
     """Names in a sentence, of many the first."""
-    return listed(names, MOST_NAMES)
+    return comma_list(names, MOST_NAMES)
 
 
 def used(values: FloatArray, allowed: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError, suggestion_or
 
 CITED = "as commonly cited; check your edition"
 MOST = 1.0
@@ -99,7 +99,7 @@ def margin_rule(given: str | float | MarginRule | None) -> MarginRule | None:
         return PRESETS[given]
     share = _share(given)
     if share is None:
-        hint = meant_or(str(given), PRESETS, f"there are {', '.join(PRESETS)}, or give a share as 15 %")
+        hint = suggestion_or(str(given), PRESETS, f"there are {', '.join(PRESETS)}, or give a share as 15 %")
         raise UsageError(f'no margin rule is named "{given}"{hint}')
     if not 0 < share < MOST:
         raise UsageError(f"a margin is a share between 0 and 1, as 10 % or 0.1; got {given}")

@@ -1,9 +1,9 @@
 """Recorded and simulated signals: records, processing, and the frequency responses estimated from them."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
 # Files are read in a layer above this one, which knows no files; the names have their place here all the same.
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "BurstRandom": "torsionnet.signals.excitation",

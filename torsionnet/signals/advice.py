@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray
 
@@ -102,11 +102,11 @@ def _peak_remarks(
             narrow.append(f"{frequencies[peak]:g} Hz ({width:.3g} Hz)")
     if narrow:
         yield (
-            f"half-power bandwidth under {LEAST_BINS} bins of {bin_width:g} Hz at {listed(narrow, MOST_LISTED)}: "
+            f"half-power bandwidth under {LEAST_BINS} bins of {bin_width:g} Hz at {comma_list(narrow, MOST_LISTED)}: "
             "the height reads low and the damping high; use longer segments"
         )
     if doubtful:
-        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {listed(doubtful, MOST_LISTED)}"
+        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {comma_list(doubtful, MOST_LISTED)}"
 
 
 def resolution_limit(frequencies: FloatArray, amplitude: FloatArray, step: float, steps: float = 4.0) -> float:

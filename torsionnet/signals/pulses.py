@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import NEIGHBOURS, around, without_double
 
@@ -64,13 +64,13 @@ class Pulses:
         """What was repaired, with time and number."""
         found = []
         if len(self.spurious):
-            where = listed(
+            where = comma_list(
                 [f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)], SHOWN
             )
             found.append(f"{_count(len(self.spurious))} too many left out: {where}")
         lost = self.irregular
         if lost.total:
-            where = listed(
+            where = comma_list(
                 [f"{c} after pulse {n} at {self.times[n]:.6g} s" for n, c in zip(lost.after, lost.counts, strict=True)],
                 SHOWN,
             )

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
 from torsionnet.signals.pulses import repaired_pulses
@@ -85,7 +85,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
         return
     found = gaps(times)
     if len(found):
-        where = listed([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], SHOWN)
+        where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], SHOWN)
         yield Fault(f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}", ("time",))
     spread = jitter(times)
     if spread > MOST_JITTER:
@@ -110,11 +110,11 @@ def _pulses(times: FloatArray) -> Iterator[Fault]:
     lost = found.irregular
     if lost.total:
         after = zip(found.times[lost.after], lost.counts, strict=True)
-        where = listed([f"{count} after {time:.6g} s" for time, count in after], SHOWN)
+        where = comma_list([f"{count} after {time:.6g} s" for time, count in after], SHOWN)
         text = f"{lost.total} encoder pulses are missing: {where}; angle_from_pulses() counts them"
         yield Fault(text, ("time",))
     if len(found.left_out):
-        where = listed([f"{time:.6g} s" for time in found.left_out], SHOWN)
+        where = comma_list([f"{time:.6g} s" for time in found.left_out], SHOWN)
         text = f"{len(found.left_out)} encoder pulses too many: at {where}; angle_from_pulses() leaves them out"
         yield Fault(text, ("time",))
 
@@ -143,7 +143,7 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
 
 def _not_finite(found: Stretches, recording: Recording) -> Fault:
     count = sum(last - first + 1 for first, last in found)
-    where = listed([_stretch(first, last, recording) for first, last in found], SHOWN)
+    where = comma_list([_stretch(first, last, recording) for first, last in found], SHOWN)
     return Fault(f"{count} value{'s' * (count > 1)} NaN or infinite: {where}; cut them out or mend the record")
 
 
@@ -152,7 +152,7 @@ def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterat
     found = stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
     if found:
         count = sum(last - first + 1 for first, last in found)
-        where = listed([_stretch(first, last, recording) for first, last in found], SHOWN)
+        where = comma_list([_stretch(first, last, recording) for first, last in found], SHOWN)
         at = float(np.abs(values[found[0][0]]))
         yield Fault(f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range")
 
@@ -162,17 +162,19 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
     step = step_of(signal.values)
     found = spikes(signal.values, step)
     if len(found):
-        where = listed([f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found], SHOWN)
+        where = comma_list(
+            [f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found], SHOWN
+        )
         text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
         yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning")
     still = frozen(signal.values, recording.sampling_rate, step)
     if still:
-        where = listed([_stretch(first, last, recording) for first, last in still], SHOWN)
+        where = comma_list([_stretch(first, last, recording) for first, last in still], SHOWN)
         text = f"stands still where it moves before and after: {where}"
         yield Fault(f"{text}; samples may have been lost: cut it out, or record again", (), "warning")
     again = repeated_blocks(signal.values, recording.sampling_rate, step)
     if again:
-        where = listed(
+        where = comma_list(
             (
                 f"{_stretch(block.first, block.first + block.count - 1, recording)} as "
                 f"{_stretch(block.source, block.source + block.count - 1, recording)}"
@@ -194,7 +196,7 @@ def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
         return
     found = leaps(signal.values)
     if len(found):
-        where = listed([f"{recording.time[at]:.6g} s" for at in found], SHOWN)
+        where = comma_list([f"{recording.time[at]:.6g} s" for at in found], SHOWN)
         yield Fault(f"the angle leaps by encoder steps at {where}: pulses are missing or too many", (), "warning")
 
 

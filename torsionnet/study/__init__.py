@@ -1,8 +1,8 @@
 """Studies of a drivetrain over tolerances, operating conditions and choices of its parameters."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Correlation": "torsionnet.study.space.correlation",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
 from torsionnet.assembly.twin import TWINS, twin, twin_parameters
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Action, Law, Values
@@ -162,7 +162,7 @@ class SymbolicSystem(SymbolicMatrices):
         return to_latex(self, part)
 
     def __repr__(self) -> str:
-        shown = listed(self.coordinates, MOST_SHOWN, ", ...")
+        shown = comma_list(self.coordinates, MOST_SHOWN, ", ...")
         return f"<SymbolicSystem: M, C, K over {len(self.coordinates)} coordinates, {shown}>"
 
     def _repr_latex_(self) -> str | None:

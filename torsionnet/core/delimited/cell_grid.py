@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from torsionnet.core.delimited.dialect import encoding_of
+from torsionnet.core.delimited.dialect import detect_encoding
 from torsionnet.core.errors import Fault, ModelError, Position
 
-SEPARATING = (";", "\t", "|", ",")
+CELL_SEPARATORS = (";", "\t", "|", ",")
 """Cell separators that are tried, in this order."""
-MARKS = ("#", "%", "//")
+COMMENT_MARKS = ("#", "%", "//")
 """Beginnings of comment lines."""
 MOST_ROWS = 5000
 """Largest number of rows of a sheet; a drivetrain has some hundred masses, more is some other file."""
@@ -58,23 +58,23 @@ def read_grid(path: Path) -> CellGrid:
         if file.read(4).startswith(_BINARY):
             text = f'"{path.name}" is a file of a spreadsheet program; save the sheet as CSV'
             raise ModelError([Fault(text, position=Position(path.name, 1, 1, 2))], path.name)
-    with path.open(encoding=encoding_of(path), newline=None, errors="replace") as file:
-        return grid_of(file.read().splitlines(), path.name)
+    with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
+        return parse_grid(file.read().splitlines(), path.name)
 
 
-def grid_of(lines: Sequence[str], file: str) -> CellGrid:
+def parse_grid(lines: Sequence[str], file: str) -> CellGrid:
     """Cells in lines of text, whose separator is detected.
 
-    >>> grid = grid_of(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
+    >>> grid = parse_grid(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
     >>> grid.separator, [cell.text for cell in grid.rows[1]], grid.rows[1][1].column, grid.remarks
     (';', ['disc', '0,5'], 7, ('of 2020',))
     """
-    remarks = tuple(line.lstrip("#%/ ").strip() for line in lines if line.lstrip().startswith(MARKS))
-    body = [(number, line) for number, line in enumerate(lines, 1) if not line.lstrip().startswith(MARKS)]
+    remarks = tuple(line.lstrip("#%/ ").strip() for line in lines if line.lstrip().startswith(COMMENT_MARKS))
+    body = [(number, line) for number, line in enumerate(lines, 1) if not line.lstrip().startswith(COMMENT_MARKS)]
     filled = [line for _, line in body if line.strip()]
     if len(filled) > MOST_ROWS:
         raise _refused(f"more than {MOST_ROWS} rows are no sheet of a drivetrain", file, lines)
-    separator = next((sign for sign in SEPARATING if 2 * sum(sign in line for line in filled) > len(filled)), None)
+    separator = next((sign for sign in CELL_SEPARATORS if 2 * sum(sign in line for line in filled) > len(filled)), None)
     if separator is None:
         what = "found no columns; they are separated by semicolons, commas or tabs"
         raise _refused(what if filled else "the sheet is empty", file, lines)

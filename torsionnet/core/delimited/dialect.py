@@ -68,14 +68,14 @@ class Dialect:
         )
 
 
-def sniffed(
+def detect_dialect(
     lines: Sequence[str], separator: str | None = None, decimal: str | None = None, *, stamps: bool = False
 ) -> Dialect:
     """Detect the dialect in which most lines are rows of numbers like their heading; given separators are kept.
 
-    >>> str(sniffed(["t;M", "0,1;2,5", "0,2;2,6"]))
+    >>> str(detect_dialect(["t;M", "0,1;2,5", "0,2;2,6"]))
     'cells between semicolons, decimal comma'
-    >>> str(sniffed(["t,M", '"0,1","2,5"', '"0,2","2,6"']))
+    >>> str(detect_dialect(["t,M", '"0,1","2,5"', '"0,2","2,6"']))
     'cells between commas, decimal comma'
 
     Raises
@@ -112,7 +112,7 @@ def data_start(dialect: Dialect, lines: Sequence[str]) -> int:
     return widths.index(usual[0][0]) if usual else len(lines)
 
 
-def encoding_of(path: Path) -> str:
+def detect_encoding(path: Path) -> str:
     """Encoding of a text file for ``open``, guessed from its first 64 KiB."""
     with path.open("rb") as file:
         start = file.read(1 << 16)

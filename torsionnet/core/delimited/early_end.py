@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-ENOUGH = 3
+COMPARED_ROWS = 3
 """Number of rows above the last one that must all have equally many decimals before a shorter number counts as cut;
 with fewer, numbers of varying length would be taken for cut ones."""
 _DECIMALS = re.compile(r"[+-]?\d*[.,](?P<decimals>\d+)(?P<exponent>[eEdD][+-]?\d+)?")
@@ -43,7 +43,7 @@ def _is_begun(cell: str, others: Sequence[str]) -> bool:
 def _is_shorter(cell: str, others: Sequence[str]) -> bool:
     """Whether a number has fewer decimals, or no exponent, where all rows above have equally many."""
     forms = {_form(other) for other in others}
-    if len(others) < ENOUGH or len(forms) != 1:
+    if len(others) < COMPARED_ROWS or len(forms) != 1:
         return False
     (form,) = forms
     return form is not None and (_form(cell) or (0, 0)) < form

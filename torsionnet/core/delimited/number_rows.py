@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.delimited.dialect import Dialect
-from torsionnet.core.delimited.early_end import ENOUGH, early_end
+from torsionnet.core.delimited.early_end import COMPARED_ROWS, early_end
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import Fault, ModelError, Position
 
 FloatArray = NDArray[np.float64]
-PIECE = 20_000
+LINES_PER_PIECE = 20_000
 """Lines parsed at once: larger pieces take more memory, smaller ones more calls of ``numpy.loadtxt``."""
 MOST_FAULTS = 20
 """Faults reported for one file at most; more of the same kind say nothing new."""
@@ -78,13 +78,13 @@ class NumberRows:
     def _pieces(self, columns: Sequence[int], count: int) -> Iterator[FloatArray]:
         left = count or None
         while left is None or left > 0:
-            lines = list(islice(self.stream, min(PIECE, left) if left else PIECE))
+            lines = list(islice(self.stream, min(LINES_PER_PIECE, left) if left else LINES_PER_PIECE))
             if not lines:
                 return
             values = self._parsed(lines)
             if lines[-1].strip() and not lines[-1].endswith("\n") and not self.faults:
                 self._check_end(lines)
-            self._above = lines[-ENOUGH:]
+            self._above = lines[-COMPARED_ROWS:]
             self.line += len(lines)
             self.read += len(values)
             left = None if left is None else left - len(lines)
@@ -150,7 +150,7 @@ class NumberRows:
 
     def _check_end(self, lines: list[str]) -> None:
         """Add a fault where the last line of a file without a final line end is cut."""
-        above = [self.dialect.cells(line)[: self._least] for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
+        above = [self.dialect.cells(line)[: self._least] for line in [*self._above, *lines[-1 - COMPARED_ROWS : -1]]]
         last = self.dialect.cells(lines[-1])
         text = early_end(
             last if len(last) > self.width else last[: self._least], above, self.names[: self._least], own=self.own

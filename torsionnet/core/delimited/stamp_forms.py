@@ -20,8 +20,8 @@ _CLOCK = (
 _ZONE = r"(?P<zone>Z| ?UTC| ?[+-]\d{2}:?\d{2})?"
 """Regular expression of a time zone."""
 _DATES = re.compile(_DATE)
-STAMP = re.compile(rf"(?:(?:{_DATE})(?P<joint>[Tt]| +))?{_CLOCK}{_ZONE}")
-NANO, DAY = 10**9, 86_400 * 10**9
+STAMP_PATTERN = re.compile(rf"(?:(?:{_DATE})(?P<joint>[Tt]| +))?{_CLOCK}{_ZONE}")
+NANOSECONDS_PER_SECOND, NANOSECONDS_PER_DAY = 10**9, 86_400 * 10**9
 
 
 def is_date(text: str) -> bool:
@@ -35,7 +35,7 @@ def is_stamp(text: str) -> bool:
     >>> is_stamp("2024-05-03T10:12:13.001"), is_stamp("03.05.2024 10:12:13,001"), is_stamp("10:12:13"), is_stamp("1:2")
     (True, True, True, False)
     """
-    return ":" in text and STAMP.fullmatch(text) is not None
+    return ":" in text and STAMP_PATTERN.fullmatch(text) is not None
 
 
 def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
@@ -43,19 +43,19 @@ def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
     found: list[tuple[int, ...]] = []
     for at, cell in enumerate(cells):
         if is_stamp(cell):
-            dated = at > 0 and is_date(cells[at - 1]) and not STAMP.fullmatch(cell)["joint"]  # type: ignore[index]
+            dated = at > 0 and is_date(cells[at - 1]) and not STAMP_PATTERN.fullmatch(cell)["joint"]  # type: ignore[index]
             found.append((at - 1, at) if dated else (at,))
     return found
 
 
-def form_of(found: re.Match[str]) -> tuple[str, ...]:
+def stamp_format(found: re.Match[str]) -> tuple[str, ...]:
     """Format that all time stamps of a column share: order and signs of the date, joint, zone, a.m. or p.m."""
     kind = next((name for name in ("iso", "dots", "either") if found[name]), "")
     joint = (found["joint"] or "").strip().upper()
     return kind, found["between"] or found["sign"] or "", joint, str(bool(found["zone"])), str(bool(found["half"]))
 
 
-def date_of(found: re.Match[str]) -> str:
+def written_date(found: re.Match[str]) -> str:
     """Date in a matched time stamp as it is written, empty where there is none."""
     return found["iso"] or found["dots"] or found["either"] or ""
 
@@ -66,17 +66,17 @@ def nanoseconds(found: re.Match[str]) -> int:
     half = (found["half"] or "").strip().casefold()
     if half:
         hours = hours % 12 + 12 * half.startswith("p")
-    whole = (hours * 60 + int(found["minutes"])) * 60 + int(found["seconds"]) - zone_of(found["zone"])
-    return whole * NANO + int((found["part"] or "")[:9].ljust(9, "0"))
+    whole = (hours * 60 + int(found["minutes"])) * 60 + int(found["seconds"]) - zone_offset(found["zone"])
+    return whole * NANOSECONDS_PER_SECOND + int((found["part"] or "")[:9].ljust(9, "0"))
 
 
-def zone_of(text: str | None) -> int:
+def zone_offset(text: str | None) -> int:
     """Seconds by which the clock of a time zone is ahead of UTC."""
     digits = re.sub(r"\D", "", text or "")
     return (-1 if "-" in (text or "") else 1) * (int(digits[:2]) * 60 + int(digits[2:])) * 60 if digits else 0
 
 
-def order_of(text: str) -> str:
+def day_month_order(text: str) -> str:
     """Order of day and month in a date, empty where neither number is above 12."""
     first, second = (int(part) for part in re.split(r"\D", text)[:2])
     return "dots" if first > 12 else "month first" if second > 12 else ""
@@ -94,6 +94,6 @@ def ordinal(text: str, order: str) -> int | None:
         return None
 
 
-def no_date(text: str) -> str:
+def invalid_date(text: str) -> str:
     """Message that a text is not a valid date."""
     return f'"{text}" is no date'

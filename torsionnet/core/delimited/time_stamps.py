@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.delimited.stamp_forms import (
-    DAY,
-    NANO,
-    STAMP,
-    date_of,
-    form_of,
+    NANOSECONDS_PER_DAY,
+    NANOSECONDS_PER_SECOND,
+    STAMP_PATTERN,
+    day_month_order,
+    invalid_date,
     nanoseconds,
-    no_date,
-    order_of,
     ordinal,
-    zone_of,
+    stamp_format,
+    written_date,
+    zone_offset,
 )
 
 FloatArray = NDArray[np.float64]
@@ -41,26 +41,31 @@ class StampReader:
 
     def seconds(self, texts: Sequence[str]) -> tuple[FloatArray, list[tuple[int, str]]]:
         """Seconds since the first stamp of the column, NaN for empty cells, and (index, message) of faulty stamps."""
-        if texts and not self.first and (begins := STAMP.fullmatch(texts[0])):
+        if texts and not self.first and (begins := STAMP_PATTERN.fullmatch(texts[0])):
             self._unlike(texts[0], begins)
-            self._learn_date(date_of(begins), texts[:1])
+            self._learn_date(written_date(begins), texts[:1])
         quick = self._alike(texts)
         faults: list[tuple[int, str]] = []
         if quick is not None:
             clocks, known = quick, np.ones(len(texts), dtype=bool)
         else:
             clocks, known = np.zeros(len(texts), dtype=np.int64), np.zeros(len(texts), dtype=bool)
-            matches = [STAMP.fullmatch(text) for text in texts]
+            matches = [STAMP_PATTERN.fullmatch(text) for text in texts]
             for at, (text, found) in enumerate(zip(texts, matches, strict=True)):
                 wrong = self._unlike(text, found) if text else ""
                 if wrong:
                     faults.append((at, wrong))
                 elif found:
-                    unknown = date_of(found) not in self._dates and self._learn_date(date_of(found), texts[at:])
+                    unknown = written_date(found) not in self._dates and self._learn_date(
+                        written_date(found), texts[at:]
+                    )
                     if unknown:  # no date below it can be counted either
                         faults.append((at, unknown))
                         break
-                    clocks[at], known[at] = nanoseconds(found) + self._dates.get(date_of(found), 0) * DAY, True
+                    clocks[at], known[at] = (
+                        nanoseconds(found) + self._dates.get(written_date(found), 0) * NANOSECONDS_PER_DAY,
+                        True,
+                    )
         if faults:
             return np.full(len(texts), np.nan), faults
         return self._counted(clocks, known), []
@@ -69,21 +74,21 @@ class StampReader:
         values = clocks[known]
         if self._form and not self._form[0]:  # a clock without a date passes midnight
             before = np.concatenate([[self._last] if self._begun else values[:1], values[:-1]])[: len(values)]
-            days = self._days + np.cumsum(values - before < -DAY // 2)
+            days = self._days + np.cumsum(values - before < -NANOSECONDS_PER_DAY // 2)
             self._last = int(values[-1]) if len(values) else self._last
             self._days = int(days[-1]) if len(days) else self._days
-            values = values + days * DAY
+            values = values + days * NANOSECONDS_PER_DAY
         if len(values) and not self._begun:
             self._begin, self._begun = int(values[0]), True
         found = np.full(len(clocks), np.nan)
-        found[known] = (values - self._begin) / NANO
+        found[known] = (values - self._begin) / NANOSECONDS_PER_SECOND
         return found
 
     def _unlike(self, text: str, found: re.Match[str] | None) -> str:
         """Message about a stamp whose format differs; the first stamp sets the format of all."""
         if found is None:
             return f'"{text}" is no time stamp' + (f' like "{self.first}"' if self.first else "")
-        form, mark = form_of(found), found["mark"] or ""
+        form, mark = stamp_format(found), found["mark"] or ""
         if not self.first:
             self.first, self._form = text, form
         self._mark = self._mark or mark
@@ -98,29 +103,29 @@ class StampReader:
         order = self._form[0]
         if not self._first_date:
             if order != "either" and ordinal(text, order) is None:
-                return no_date(text)
+                return invalid_date(text)
             self._first_date, self._dates[text] = text, 0
             return ""
         if order == "either":
-            later = {date_of(found) for found in map(STAMP.fullmatch, left) if found}
-            orders = {order for one in (*self._dates, *later) if (order := order_of(one))}
+            later = {written_date(found) for found in map(STAMP_PATTERN.fullmatch, left) if found}
+            orders = {order for one in (*self._dates, *later) if (order := day_month_order(one))}
             if len(orders) != 1:
                 what = "whether day or month comes first is not said" if not orders else "day and month change places"
                 return f"the date changes from {self._first_date} to {text}: {what}; write dates as 2024-05-03"
             (order,) = orders
         days, begun = ordinal(text, order), ordinal(self._first_date, order)
         if days is None or begun is None:
-            return no_date(text)
+            return invalid_date(text)
         self._dates[text] = days - begun
         return ""
 
     def _alike(self, texts: Sequence[str]) -> NDArray[np.int64] | None:
         """Nanoseconds of stamps that differ only in the digits of their times; None for all others."""
-        found = STAMP.fullmatch(texts[0]) if texts else None
-        date_text = date_of(found) if found else ""
+        found = STAMP_PATTERN.fullmatch(texts[0]) if texts else None
+        date_text = written_date(found) if found else ""
         if found is None or found["half"] or (date_text and date_text not in self._dates):
             return None
-        if form_of(found) != self._form or (found["mark"] or self._mark) != self._mark or not texts[0].isascii():
+        if stamp_format(found) != self._form or (found["mark"] or self._mark) != self._mark or not texts[0].isascii():
             return None
         try:
             rows = np.array(texts, dtype=f"S{len(texts[0]) + 1}")
@@ -140,9 +145,9 @@ class StampReader:
         length = groups[3][1] - groups[3][0]
         if length > 9:
             return None
-        whole = (hours * 60 + minutes) * 60 + seconds - zone_of(found["zone"])
-        nano = whole * NANO + part * 10 ** (9 - length)
-        return np.asarray(nano + self._dates.get(date_text, 0) * DAY, dtype=np.int64)
+        whole = (hours * 60 + minutes) * 60 + seconds - zone_offset(found["zone"])
+        nano = whole * NANOSECONDS_PER_SECOND + part * 10 ** (9 - length)
+        return np.asarray(nano + self._dates.get(date_text, 0) * NANOSECONDS_PER_DAY, dtype=np.int64)
 
 
 def _whole(digits: NDArray[np.uint8]) -> NDArray[np.int64]:

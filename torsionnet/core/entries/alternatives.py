@@ -7,7 +7,7 @@ from torsionnet.core.errors import Fault
 _COUNTS = {2: "two", 3: "three", 4: "four"}
 
 
-def given(owner: object, *names: str) -> list[str]:
+def given_entries(owner: object, *names: str) -> list[str]:
     """Names of those entries, out of the ones asked about, that have a value."""
     values = ((name, getattr(owner, name)) for name in names)
     return [name for name, value in values if value is not None and value not in ((), {})]
@@ -15,7 +15,7 @@ def given(owner: object, *names: str) -> list[str]:
 
 def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
     """Fault, at the second, that two alternative entries are given; ``of`` says of what, as "the damping"."""
-    found = given(owner, *names)
+    found = given_entries(owner, *names)
     if len(found) < 2:
         return []
     text = f"{of} is given by {found[0]} or by {found[1]}" if of else f"give {found[0]} or {found[1]}"
@@ -24,7 +24,7 @@ def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
 
 def one_exactly(owner: object, *names: str, of: str = "", form: str = "") -> list[Fault]:
     """Fault that not exactly one of several alternative entries is given; ``form`` is an example of one."""
-    if given(owner, *names):
+    if given_entries(owner, *names):
         return one_at_most(owner, *names, of=of)
     wanted = f"{', '.join(names[:-1])} or {names[-1]}, one of the {_COUNTS[len(names)]}"
     text = f"{of} is given by {wanted}" if of else f"give {wanted}"

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, under
+from torsionnet.core.entries.spec import EntryError, Plural, Schema, Spec, coerce_part
 
 _BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
 _FREQUENCY = Value("a frequency", "frequency", lower=None)
@@ -14,7 +14,7 @@ BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
 """Example of how a band is written, for messages and schemas."""
 
 
-LOWEST, HIGHEST = 1e-9, 1e9
+LOWEST_HZ, HIGHEST_HZ = 1e-9, 1e9
 """Bounds of frequencies of a band in Hz; no shaft train moves slower or faster."""
 
 
@@ -51,8 +51,8 @@ def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
     if not (0 < low < high or (is_at_zero and high > 0)):
         above = "" if from_zero else ", both above 0"
         raise EntryError(f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; got {raw!r}")
-    if not ((low >= LOWEST or is_at_zero) and low < high <= HIGHEST):
-        raise EntryError(f"a band lies between {LOWEST:g} and {HIGHEST:g} Hz, got {raw!r}")
+    if not ((low >= LOWEST_HZ or is_at_zero) and low < high <= HIGHEST_HZ):
+        raise EntryError(f"a band lies between {LOWEST_HZ:g} and {HIGHEST_HZ:g} Hz, got {raw!r}")
     return low, high
 
 
@@ -76,7 +76,7 @@ class Bands(Plural[tuple[tuple[float, float], ...]]):
     def coerce(self, raw: object) -> tuple[tuple[float, float], ...]:
         one = Band(self.description, from_zero=True)
         if isinstance(raw, list | tuple) and all(_is_band(part) for part in raw):
-            return tuple(under(index, one, part) for index, part in enumerate(raw))
+            return tuple(coerce_part(index, one, part) for index, part in enumerate(raw))
         return (one.coerce(raw),)
 
     def plain(self, value: tuple[tuple[float, float], ...]) -> list[str]:

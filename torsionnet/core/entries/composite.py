@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, TypeVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import Json, Plural, Schema, Spec, Stored_co, dotted, reference, several
+from torsionnet.core.entries.spec import Json, Plural, Schema, Spec, Stored_co, full_name, list_annotation, reference
 from torsionnet.core.errors import Fault, did_you_mean
 
 D = TypeVar("D", bound=Declared)
@@ -71,7 +71,7 @@ class Nested(Composite[D]):
 
     @property
     def accepted(self) -> str:
-        of = dotted(self.of())
+        of = full_name(self.of())
         short = f" | {dict(self.of().specs())[self.shorthand].accepted}" if self.shorthand else ""
         return f"{of} | Entries{short}"
 
@@ -138,7 +138,7 @@ class Typed(Composite[D]):
 
     @property
     def accepted(self) -> str:
-        return " | ".join([*map(dotted, self.kinds().values()), "Entries"])
+        return " | ".join([*map(full_name, self.kinds().values()), "Entries"])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -242,7 +242,7 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
 
     @property
     def accepted(self) -> str:
-        return several(self.of.accepted)
+        return list_annotation(self.of.accepted)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -269,4 +269,4 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
 
     @property
     def accepted(self) -> str:
-        return several(self.of.accepted)
+        return list_annotation(self.of.accepted)

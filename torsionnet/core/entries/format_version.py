@@ -7,21 +7,21 @@ from typing import Any
 
 from torsionnet.core.errors import Fault
 
-VERSION = 1
+FORMAT_VERSION = 1
 """Version of the file format that this release reads and writes."""
 KEY = "torsionnet"
 """Key of the version in a file."""
-VERSION_SCHEMA: dict[str, str | int] = {"const": VERSION, "description": "version of the file format"}
+VERSION_SCHEMA: dict[str, str | int] = {"const": FORMAT_VERSION, "description": "version of the file format"}
 
 
 def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
     """Faults of the format version in a file of this kind: a model, a bench, a fit."""
     version = data.get(KEY)
     if version is None:
-        text = f"the first entry of a {kind} file is {KEY}: {VERSION}, the version of the format"
+        text = f"the first entry of a {kind} file is {KEY}: {FORMAT_VERSION}, the version of the format"
         return [Fault(text, kind="missing key", about=KEY)]
-    if version != VERSION or isinstance(version, bool):
+    if version != FORMAT_VERSION or isinstance(version, bool):
         shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
-        text = f"{KEY}: is the version of the format, {VERSION} for this release; this is {shown}"
+        text = f"{KEY}: is the version of the format, {FORMAT_VERSION} for this release; this is {shown}"
         return [Fault(text, (KEY,))]
     return []

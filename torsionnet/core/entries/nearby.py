@@ -13,7 +13,7 @@ from torsionnet.core.errors import did_you_mean
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
 """Folder of the file that is being read, None where a text without a folder is read."""
-LARGEST = 8_000_000
+MOST_FILE_BYTES = 8_000_000
 """Size in bytes of the largest file that is read; a larger one would only fill the memory."""
 _SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
 
@@ -53,8 +53,8 @@ def nearby_file(name: str) -> Path:
         raise EntryError(f'there is no file "{name}" beside the model file{_others(path)}')
     if not inside:
         raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
-    if size > LARGEST:
-        raise EntryError(f'"{name}" is too large: more than {LARGEST // 1_000_000} MB')
+    if size > MOST_FILE_BYTES:
+        raise EntryError(f'"{name}" is too large: more than {MOST_FILE_BYTES // 1_000_000} MB')
     return path
 
 

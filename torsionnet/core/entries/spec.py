@@ -115,14 +115,14 @@ class Plural(Spec[Stored_co]):
         raise NotImplementedError
 
 
-def present(value: T | None) -> T:
+def not_none(value: T | None) -> T:
     """Value of an optional entry that must be given here; TypeError where it is None."""
     if value is None:
         raise TypeError("the value of an entry is missing")
     return value
 
 
-def under(key: str | int, spec: Spec[T], raw: object) -> T:
+def coerce_part(key: str | int, spec: Spec[T], raw: object) -> T:
     """Coerce one part of an entry; its faults get the key of that part."""
     try:
         return spec.coerce(raw)
@@ -152,11 +152,11 @@ def entry(spec: Spec[Any], default: Any = MISSING, *, kw_only: Any = MISSING, mu
     return field(default=default, metadata=metadata, kw_only=kw_only)
 
 
-def dotted(cls: type) -> str:
+def full_name(cls: type) -> str:
     """Full name of a class, for :attr:`Spec.accepted`."""
     return f"{cls.__module__}.{cls.__qualname__}"
 
 
-def several(accepted: str) -> str:
+def list_annotation(accepted: str) -> str:
     """Type annotation of a list of accepted values; a text does not count as a list of characters."""
     return "Scalars" if accepted == "Scalar" else f"tuple[{accepted}, ...] | list[{accepted}]"

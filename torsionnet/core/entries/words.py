@@ -22,12 +22,12 @@ def name_fault(name: str) -> str | None:
     >>> name_fault("hub"), name_fault("left.hub")
     (None, None)
     """
-    if name.isascii() and all(is_plain(piece) for piece in name.split(".")):
+    if name.isascii() and all(is_single_word(piece) for piece in name.split(".")):
         return None
     return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
 
 
-def is_plain(name: str) -> bool:
+def is_single_word(name: str) -> bool:
     """Whether a name is one word, without a dot."""
     return name.isidentifier() and not name.startswith("_")
 

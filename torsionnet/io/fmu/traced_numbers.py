@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.core.expressions import Algebra
-from torsionnet.core.number_range import limited
+from torsionnet.core.number_range import float_if_long
 from torsionnet.model.elimination import exact
 from torsionnet.solve.modes.modular import residue
 
@@ -179,7 +179,7 @@ class NumberTape:
     def operation(self, sign: str, left: Traced, right: Traced, value: Fraction, other: int) -> Traced:
         """The result of two numbers."""
         if left.is_constant and right.is_constant:
-            return self.number(limited(value))
+            return self.number(float_if_long(value))
         if sign != "/" and _order(right) < _order(left):
             left, right = right, left
         return self._recorded((sign, left, right), value, other % CHECK_PRIME)
@@ -187,7 +187,7 @@ class NumberTape:
     def _recorded(self, operation: tuple[Any, ...], value: Fraction, other: int) -> Traced:
         key = (operation[0], *(_order(part) if isinstance(part, Traced) else part for part in operation[1:]))
         if key not in self._known:
-            self._known[key] = Traced(self, exact(limited(value)), other, len(self.operations))
+            self._known[key] = Traced(self, exact(float_if_long(value)), other, len(self.operations))
             self.operations.append(operation)
         return self._known[key]
 

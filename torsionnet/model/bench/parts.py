@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry
 from torsionnet.core.entries.words import Count, Flag, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
@@ -35,7 +35,7 @@ class Shares(Spec[dict[int, float]]):
                 raise EntryError(
                     Fault(f'an order is a whole number from 2 to {self.highest}, got "{key}"', (key,), on_key=True)
                 )
-            shares[int(order)] = under(key, Value(self.description, "1"), share)
+            shares[int(order)] = coerce_part(key, Value(self.description, "1"), share)
         return shares
 
     def plain(self, value: Any) -> Json:

@@ -12,7 +12,7 @@ from torsionnet.core.delimited.cell_grid import Cell, CellGrid, read_grid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError, UsageError, nearest
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.core.units import UnitError, numeral_of, parse_number
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import SIZE
@@ -71,7 +71,7 @@ def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
 def _unknown(size: str, names: Iterable[str], file: str) -> Fault:
     known = list(dict.fromkeys(names))
     meant = nearest(size, known)
-    shown = listed(known, MOST_NAMED, ", ...")
+    shown = comma_list(known, MOST_NAMED, ", ...")
     hint = f'; did you mean "{meant}"? It has {shown}' if meant else f"; it has {shown}"
     return Fault(f'{file} has no size "{size}"{hint}', (SIZE,))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.definition import LOAD
 from torsionnet.model.elements.propeller import Propeller
@@ -28,7 +28,7 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
         return
     values = _values(external, rated)
     for screw in screws:
-        torque = present(screw.torque)
+        torque = not_none(screw.torque)
         full = next((one for one in ahead if one.node == screw.node and torque.names <= values.keys()), None)
         ratio = abs(external.ratios.get(str(screw.node), 0.0))
         if full is None or not ratio:

@@ -7,7 +7,7 @@ from typing import Any
 
 from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
 from torsionnet.model.checks.motions import held_by_actions, left_free
 from torsionnet.model.checks.referred_sensors import unreachable_shafts
@@ -51,7 +51,7 @@ def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[st
     order = [node for node in all_nodes(definition.elements.values()) if node in group]
     hint = next((text for text in (did_you_mean(node, main) for node in order[:MOST_GROUPS]) if text), "")
     verb = "is" if len(order) == 1 else "are"
-    text = f"{listed(order, MOST_NAMES)} {verb} not connected to the rest of the drivetrain{hint}"
+    text = f"{comma_list(order, MOST_NAMES)} {verb} not connected to the rest of the drivetrain{hint}"
     return Fault(text, ("elements", owner), on_key=True)
 
 
@@ -85,7 +85,7 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         owner = owners.get(nodes[0])
         verb = "moves" if len(nodes) == 1 else "move together"
         them = "it" if len(nodes) == 1 else "them"
-        text = f"{listed(nodes, MOST_NAMES)} {verb} freely, with no inertia, spring or damper to hold {them}"
+        text = f"{comma_list(nodes, MOST_NAMES)} {verb} freely, with no inertia, spring or damper to hold {them}"
         faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
     return faults
 

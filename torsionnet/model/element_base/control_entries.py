@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, dotted, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, full_name
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
@@ -59,7 +59,7 @@ class SensedEntry(Spec[SensedMotion]):
             more = "; the torque of a spring is its stiffness times {angle: [node, node]}" if quantity != hint else ""
             text = f'a controller cannot sense "{quantity}"{hint}; known: {", ".join(SENSED_QUANTITIES)}{more}'
             raise EntryError(Fault(text, (quantity,), on_key=True))
-        return SensedMotion(quantity, under(quantity, OneOrTwoNodes(""), of))
+        return SensedMotion(quantity, coerce_part(quantity, OneOrTwoNodes(""), of))
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return SensedMotion(value.quantity, tuple(map(names.node, value.nodes)))
@@ -78,7 +78,7 @@ class SensedEntry(Spec[SensedMotion]):
 
     @property
     def accepted(self) -> str:
-        return f"{dotted(SensedMotion)} | collections.abc.Mapping[str, {OneOrTwoNodes('').accepted}]"
+        return f"{full_name(SensedMotion)} | collections.abc.Mapping[str, {OneOrTwoNodes('').accepted}]"
 
 
 class OneOrTwoNodes(Spec[tuple[str, ...]]):
@@ -154,7 +154,7 @@ class ControlLawEntry(Spec[ControlLaw]):
 
     @property
     def accepted(self) -> str:
-        return f"Scalar | {dotted(ControlLaw)} | GivenTransferFunction | GivenStateSpace | Entries"
+        return f"Scalar | {full_name(ControlLaw)} | GivenTransferFunction | GivenStateSpace | Entries"
 
 
 def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:

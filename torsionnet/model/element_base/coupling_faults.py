@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import given, one_at_most
+from torsionnet.core.entries.alternatives import given_entries, one_at_most
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import RATIONAL
 from torsionnet.model.element_base.curves import is_share
@@ -42,7 +42,7 @@ def contradictions(coupling: Any) -> list[Fault]:
 
 def _source_faults(coupling: Any) -> list[Fault]:
     sources = ("stiffness", "stiffness_over_torque", "material")
-    found = given(coupling, *sources)
+    found = given_entries(coupling, *sources)
     if not found:
         return [Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True)]
     if len(found) > 1:

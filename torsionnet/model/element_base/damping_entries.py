@@ -7,7 +7,7 @@ from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Json, Schema, dotted
+from torsionnet.core.entries.spec import EntryError, Json, Schema, full_name
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Algebra, Expression
 
@@ -69,7 +69,7 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
 
     @property
     def accepted(self) -> str:
-        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
+        return f"Scalar | {full_name(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
 
 
 def _within(raw: object, dimension: str, key: str) -> Expression:
@@ -97,7 +97,7 @@ class LossFactor(QuantityKind[Expression | DampingMeasure]):
 
     @property
     def accepted(self) -> str:
-        return f"Scalar | {dotted(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
+        return f"Scalar | {full_name(DampingMeasure)} | collections.abc.Mapping[str, Scalar]"
 
     def schema(self) -> Schema:
         keys = {name: SCALAR_SCHEMA for name in MEASURES if name != "c"}

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
@@ -152,7 +152,7 @@ class LoopDrive(Element):
     def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
         """(arm node, coefficient) by which the tensioner arm shortens a span, over the radius of the first wheel."""
         levers = zip((other, one), self.levers, strict=False)
-        return [(present(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
+        return [(not_none(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
 
     def _row(self, ends: Ends) -> Any:
         """Row of the given ends relative to the housing, which carries wheels and arm."""

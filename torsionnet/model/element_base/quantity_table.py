@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Json, Schema, several
+from torsionnet.core.entries.spec import EntryError, Json, Schema, list_annotation
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
@@ -102,7 +102,7 @@ class ListOf(MultipleValues[One_co, One_co]):
 
     @property
     def accepted(self) -> str:
-        return several(self.of.accepted)
+        return list_annotation(self.of.accepted)
 
 
 def _pairs(raw: object) -> Collection[tuple[Any, Any]] | None:

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 
 
@@ -97,7 +97,7 @@ class FilmGap(ShearedShape):
         outer, inner = self.outer_diameter / 2, self.inner_diameter / 2
         faces = math.pi * (outer**4 - inner**4) / self.axial_gap if self.axial_gap else 0.0
         rims = ((outer, self.outer_gap), (inner, self.inner_gap))
-        return float(faces + sum(2 * math.pi * present(self.width) * radius**3 / gap for radius, gap in rims if gap))
+        return float(faces + sum(2 * math.pi * not_none(self.width) * radius**3 / gap for radius, gap in rims if gap))
 
 
 RUBBER_SHAPES: dict[str, type[ShearedShape]] = {cls.kind: cls for cls in (ShearedDisc, ShearedBush)}

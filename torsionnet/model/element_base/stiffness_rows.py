@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
-from torsionnet.core.entries.spec import Json, dotted
+from torsionnet.core.entries.spec import Json, full_name
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 
@@ -31,4 +31,4 @@ class TableEntry(NumberTable[StiffnessTable]):
 
     @property
     def accepted(self) -> str:
-        return f"{dotted(StiffnessTable)} | {super().accepted}"
+        return f"{full_name(StiffnessTable)} | {super().accepted}"

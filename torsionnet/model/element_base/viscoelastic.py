@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Json, Schema, entry, present
+from torsionnet.core.entries.spec import Json, Schema, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.piecewise_linear import Rows
@@ -93,7 +93,7 @@ class Viscoelastic(Declared):
     @property
     def _reference(self) -> float:
         """Reference temperature T_0 in K."""
-        return float(present(self.reference_temperature).evaluate({}))
+        return float(not_none(self.reference_temperature).evaluate({}))
 
     def temperature_fault(self, temperature: float) -> str | None:
         """Message if the moduli are not known at a temperature in K, else None."""
@@ -103,7 +103,7 @@ class Viscoelastic(Declared):
             return f"the shift of the material is known from {first} to {last}" if beyond else None
         if not self.is_shifted:
             return "the material does not say how its moduli change with temperature; give C1 and C2, or shift"
-        if present(self.C2) + temperature - self._reference <= 0:
+        if not_none(self.C2) + temperature - self._reference <= 0:
             return "so far below the reference temperature the equation of Williams, Landel and Ferry has no value"
         return None
 
@@ -113,7 +113,7 @@ class Viscoelastic(Declared):
             return 1.0
         if not self.shift:
             apart = temperature - self._reference
-            return float(10 ** (-present(self.C1) * apart / (present(self.C2) + apart)))
+            return float(10 ** (-not_none(self.C1) * apart / (not_none(self.C2) + apart)))
         import numpy as np
 
         keys, logs = zip(*((float(key.value), math.log(one.value)) for key, one in self.shift), strict=True)

@@ -10,7 +10,7 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.alternatives import one_at_most
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry, present
+from torsionnet.core.entries.spec import Spec, entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
@@ -94,7 +94,7 @@ class Clutch(Element):
 
     @property
     def _table(self) -> Rows:
-        return present(self.friction if self.torque is None else self.torque)
+        return not_none(self.friction if self.torque is None else self.torque)
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.composite import Nested, Typed
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry, present
+from torsionnet.core.entries.spec import Spec, entry, not_none
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
@@ -135,7 +135,7 @@ class FlexibleCoupling(Element):
         return rows if not is_share(rows[0][0]) or isinstance(self.T_KN, Number) else ()
 
     def _share_of(self, rows: Rows) -> Any:
-        return present(self.T_KN).evaluate({}) if is_share(rows[0][0]) else 1
+        return not_none(self.T_KN).evaluate({}) if is_share(rows[0][0]) else 1
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         sides = zip(self.nodes, (self.first_inertia, self.second_inertia), strict=True)
@@ -156,7 +156,7 @@ class FlexibleCoupling(Element):
         """Law over frequency: a table of numbers, times the stiffness that parameters may change."""
         if self.material is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
-            base = self.material.stiffness(present(self.geometry).factor, temperature)
+            base = self.material.stiffness(not_none(self.geometry).factor, temperature)
             return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
         eta = float(self._loss_factor(Values({})))
         base = stiffness_from_curves(1.0, self.frequency_factor, self.loss_over_frequency, eta)

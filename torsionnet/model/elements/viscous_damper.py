@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import given, one_at_most
+from torsionnet.core.entries.alternatives import given_entries, one_at_most
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.curves import Temperature
@@ -80,7 +80,7 @@ class ViscousDamper(Element):
     )
 
     def contradictions(self) -> list[Fault]:
-        films = given(self, *_FILMS)
+        films = given_entries(self, *_FILMS)
         if not films:
             return [Fault("a viscous_damper needs damping, a table, or silicone and gap", on_key=True)]
         if len(films) > 1:
@@ -137,7 +137,7 @@ class ViscousDamper(Element):
             return Law(row, table=self._scaled(self.table, value))
         if self.silicone is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
-            film = self.silicone.stiffness(present(self.gap).factor, temperature)
+            film = self.silicone.stiffness(not_none(self.gap).factor, temperature)
             return Law(row, table=self._scaled(film, value))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)

@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.element_base.nodes import NodeName
@@ -210,14 +210,14 @@ class ElectricMachine(OrderExcitation):
             for key, one in table.items():
                 size = (one.amplitude + one.share * torque) * np.exp(1j * one.phase)
                 if name in per_revolution:
-                    yield _Pulsation(key * present(per_revolution[name]), 0.0, size)
+                    yield _Pulsation(key * not_none(per_revolution[name]), 0.0, size)
                 else:
-                    yield _Pulsation(0.0, key * (present(self.line).frequency if name == "line" else 1), size)
+                    yield _Pulsation(0.0, key * (not_none(self.line).frequency if name == "line" else 1), size)
 
     def _of_slip(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         if self.slip:
             size = over_speed(self.slip.amplitude, speeds, "slip torque") * np.exp(1j * self.slip.phase)
-            yield _Pulsation(-2.0 * present(self.pole_pairs), 2 * self.slip.frequency, size)
+            yield _Pulsation(-2.0 * not_none(self.pole_pairs), 2 * self.slip.frequency, size)
 
     def _of_short_circuit(self) -> Iterator[_Pulsation]:
         if self.short_circuit:

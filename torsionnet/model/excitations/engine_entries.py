@@ -12,7 +12,7 @@ import numpy as np
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Path
 from torsionnet.model.element_base.nodes import NodeName
@@ -150,7 +150,7 @@ class EngineEntries(ReactingExcitation):
     def bank_places(self) -> dict[int, float]:
         """Angle of the bank of each cylinder in rad, 0 without banks."""
         banks = (self.banks or {}).values()
-        return {number: place * present(self.bank_angle) for place, bank in enumerate(banks) for number in bank}
+        return {number: place * not_none(self.bank_angle) for place, bank in enumerate(banks) for number in bank}
 
     @cached_property
     def acting_phases(self) -> dict[int, float]:
@@ -185,10 +185,10 @@ class EngineEntries(ReactingExcitation):
         """By its power, else by the mean indicated pressure of its load or of its trace."""
         load, gas = self.load, self.gas
         if load is not None and load.power is not None:
-            speed, power = present(load.rated), load.power
+            speed, power = not_none(load.rated), load.power
             return Rating(power / speed, ("load", "power"), speed, ("load", "rated"), power, load.exponent)
         if load is not None:
-            pressure = present(load.mean_indicated_pressure)
+            pressure = not_none(load.mean_indicated_pressure)
             return self._indicated(pressure, ("load", "mean_indicated_pressure"), load, "load")
         if gas is not None and gas.fired and not gas.crank_end:
             pressure = gas.fired.mean_indicated_pressure(self.crank.ratio, self.revolutions, gas.zero)

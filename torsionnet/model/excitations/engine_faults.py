@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsionnet.core.entries.alternatives import one_exactly
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, Path, UsageError
-from torsionnet.core.listing import listed
+from torsionnet.core.listing import comma_list
 from torsionnet.model.excitations.cylinder_entries import EACH
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
@@ -93,7 +93,9 @@ def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[F
     }
     for text, wrong in found.items():
         if wrong:
-            yield Fault(f"{key} {text} {listed(wrong)}; there are {listed(engine.numbers)}", (key,), on_key=True)
+            yield Fault(
+                f"{key} {text} {comma_list(wrong)}; there are {comma_list(engine.numbers)}", (key,), on_key=True
+            )
 
 
 def _angles(engine: EngineEntries) -> Iterator[Fault]:
@@ -122,10 +124,10 @@ def _cylinders(engine: EngineEntries) -> Iterator[Fault]:
     for key, numbers in lists.items():
         for index, number in enumerate(numbers):
             if number not in engine.numbers:
-                yield Fault(f"there is no cylinder {number}; there are {listed(engine.numbers)}", (key, index))
+                yield Fault(f"there is no cylinder {number}; there are {comma_list(engine.numbers)}", (key, index))
     for number in engine.factors or {}:
         if int(number) not in engine.numbers:
-            text = f"there is no cylinder {number}; there are {listed(engine.numbers)}"
+            text = f"there is no cylinder {number}; there are {comma_list(engine.numbers)}"
             yield Fault(text, ("factors", number), on_key=True)
 
 
@@ -139,7 +141,7 @@ def _gas(engine: EngineEntries) -> Iterator[Fault]:
             yield Fault(f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True)
     if gas is None:
         return
-    if gas.is_by_pressure and engine.load is None and len(gas.traces or present(gas.harmonics)) > 1:
+    if gas.is_by_pressure and engine.load is None and len(gas.traces or not_none(gas.harmonics)) > 1:
         text = "which mean indicated pressure acts? give load: {mean_indicated_pressure: 27 bar}"
         yield Fault(f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True)
     if engine.load is not None and not gas.is_by_pressure:

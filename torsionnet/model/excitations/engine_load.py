@@ -12,7 +12,7 @@ from torsionnet.core.entries.alternatives import one_exactly
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, entry, present
+from torsionnet.core.entries.spec import EntryError, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.by_pressure import MEAN_PRESSURE, mean_pressure
 from torsionnet.model.excitations.order_excitation import FloatArray
@@ -69,10 +69,10 @@ class EngineLoad(Declared):
         """
         pressure = self.mean_indicated_pressure
         if pressure is None:
-            power = present(self.power) / present(self.mechanical_efficiency)
-            work = power * 2 * math.pi * revolutions / present(self.rated)
+            power = not_none(self.power) / not_none(self.mechanical_efficiency)
+            work = power * 2 * math.pi * revolutions / not_none(self.rated)
             pressure = work / swept_volume
-        follows = (speeds / present(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds))
+        follows = (speeds / not_none(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds))
         return np.asarray(pressure * follows)
 
 

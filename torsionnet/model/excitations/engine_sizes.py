@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from torsionnet.core.entries.spec import present
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.gas_torque import GasPressure
@@ -85,7 +85,7 @@ def _crankcase(gas: GasPressure) -> Iterator[Fault]:
 
 def _peaks(gas: GasPressure) -> Iterator[Fault]:
     """Pressures of a fired and a motored trace, alone and against each other."""
-    trace = present(gas.fired)
+    trace = not_none(gas.fired)
     fired = max(trace.values)
     if fired > HIGHEST_PEAK:
         text = f"{trace.origin}a highest pressure of {fired / 1e5:.4g} bar: usual are up to {HIGHEST_PEAK / 1e5:g} bar"

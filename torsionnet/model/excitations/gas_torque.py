@@ -13,7 +13,7 @@ from torsionnet.core.entries.alternatives import one_at_most, one_exactly
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.excitations.by_pressure import ByPressure, interpolated
@@ -131,7 +131,7 @@ class GasPressure(Declared):
         elif self.traces:
             tables |= {mean: self._of_trace(trace, crank, orders) for mean, trace in self.traces.items()}
         else:
-            tables[None] = self._of_trace(present(self.fired), crank, orders)
+            tables[None] = self._of_trace(not_none(self.fired), crank, orders)
         values = np.array(list(tables.values())) + self._below_piston(crank, orders)
         known = [pressure for pressure in tables if pressure is not None]
         return values if not known or pressures is None else interpolated(known, values, pressures)
@@ -160,7 +160,7 @@ class GasPressure(Declared):
 
     def factor(self, speeds: FloatArray) -> FloatArray:
         """Gas torque at speeds in rad/s over that of the traces."""
-        return np.asarray((speeds / present(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds)))
+        return np.asarray((speeds / not_none(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds)))
 
 
 GAS = Nested("pressure in the cylinders", lambda: GasPressure, "gas")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.delimited.dialect import data_start, encoding_of, sniffed
+from torsionnet.core.delimited.dialect import data_start, detect_dialect, detect_encoding
 from torsionnet.core.delimited.headings import headings
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
@@ -24,11 +24,11 @@ def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ..
     ModelError
         With the line of the file.
     """
-    with path.open(encoding=encoding_of(path), newline=None, errors="replace") as file:
+    with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         lines = file.readlines()
     above = next((at for at, line in enumerate(lines) if line.strip() and not line.startswith(("#", "%"))), 0)
     body = lines[above:]
-    dialect = sniffed(body[:SAMPLE])
+    dialect = detect_dialect(body[:SAMPLE])
     first = data_start(dialect, body[:SAMPLE])
     if first == min(len(body), SAMPLE):
         raise _fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, above + 1, lines)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.delimited.dialect import Dialect, data_start, encoding_of, sniffed
+from torsionnet.core.delimited.dialect import Dialect, data_start, detect_dialect, detect_encoding
 from torsionnet.core.delimited.headings import Headings, headings, plain_unit
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
@@ -87,11 +87,11 @@ def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> Fault:
 
 def _rows(path: Path) -> _Rows:
     """The two columns of a file."""
-    with path.open(encoding=encoding_of(path), newline=None, errors="replace") as file:
+    with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         lines = file.readlines()
     above = next((at for at, line in enumerate(lines) if line.strip() and not line.startswith(("#", "%"))), 0)
     body = lines[above:]
-    dialect = sniffed(body[:SAMPLE])
+    dialect = detect_dialect(body[:SAMPLE])
     first = data_start(dialect, body[:SAMPLE])
     if first == min(len(body), SAMPLE):
         raise ModelError([_fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, 1, lines)])

@@ -13,7 +13,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text, name_fault
-from torsionnet.core.errors import Fault, Path, meant_or
+from torsionnet.core.errors import Fault, Path, suggestion_or
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.harmonic_torque import ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
@@ -129,7 +129,7 @@ class PropellerTorque(OrderExcitation):
             yield Fault(text, ("conditions", ZERO_PITCH), on_key=True)
         if self.condition and self.condition not in self.conditions:
             known = ", ".join(self.conditions)
-            hint = meant_or(self.condition, self.conditions, f"there are {known}" if known else "there are none")
+            hint = suggestion_or(self.condition, self.conditions, f"there are {known}" if known else "there are none")
             yield Fault(f'the propeller has no condition "{self.condition}"{hint}', ("condition",))
 
     def _wrong_zero(self) -> Iterator[Fault]:

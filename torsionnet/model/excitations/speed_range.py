@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.element_base.nodes import NodeName
 
@@ -78,7 +78,7 @@ class SpeedRange(Declared):
             return [Fault("a list of speeds has no step", ("step",), on_key=True)]
         if self.range and not self.step:
             return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True)]
-        if self.range and (self.range[1] - self.range[0]) / present(self.step) > MOST_SPEEDS:
+        if self.range and (self.range[1] - self.range[0]) / not_none(self.step) > MOST_SPEEDS:
             return [Fault(f"these are more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
         return []
 
@@ -87,7 +87,7 @@ class SpeedRange(Declared):
         """The speeds in rad/s, rising."""
         if self.list:
             return tuple(sorted(set(self.list)))
-        (low, high), step = present(self.range), present(self.step)
+        (low, high), step = not_none(self.range), not_none(self.step)
         count = int((high - low) / step * (1 + 1e-12) + 1e-9)
         found = [low + number * step for number in range(count + 1)]
         return (*found, high) if high - found[-1] > 1e-9 * high else tuple(found)

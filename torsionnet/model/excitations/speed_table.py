@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part
 from torsionnet.core.errors import Fault, Path, UsageError
 from torsionnet.core.units import RPM
 from torsionnet.model.excitations.order_excitation import FloatArray
@@ -42,7 +42,7 @@ class SpeedTable(Spec[SpeedRows]):
         if not isinstance(row, list | tuple) or len(row) != 2:
             raise EntryError(f"expected a row [speed, value], got {row!r}", (index,))
         try:
-            return under(0, _SPEED, row[0]), under(1, self.of, row[1])
+            return coerce_part(0, _SPEED, row[0]), coerce_part(1, self.of, row[1])
         except EntryError as error:
             raise EntryError([fault.under(index) for fault in error.faults]) from None
 

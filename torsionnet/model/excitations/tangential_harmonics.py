@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Json, Schema, entry, present
+from torsionnet.core.entries.spec import Json, Schema, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.by_pressure import ByPressure
 from torsionnet.model.excitations.harmonic_torque import ByOrder
@@ -47,8 +47,8 @@ class TangentialHarmonic(Declared):
     def complex_amplitude(self, phase_of: str) -> complex:
         """T in t(phi) = Re t exp(j h phi), Pa; phi is 0 at firing top dead centre."""
         if self.amplitude is None:
-            return complex(present(self.cosine), -present(self.sine))
-        return complex(self.amplitude * np.exp(1j * present(self.phase)) * (-1j if phase_of == "sine" else 1))
+            return complex(not_none(self.cosine), -not_none(self.sine))
+        return complex(self.amplitude * np.exp(1j * not_none(self.phase)) * (-1j if phase_of == "sine" else 1))
 
 
 _BY_ORDER = ByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, not_none
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import (
@@ -81,7 +81,7 @@ def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], li
         plain = isinstance(one, float) and math.isfinite(one)
         value, wrong = (one, []) if plain else PRESSURE.read(one)
         faults += [fault.under(index) for fault in wrong]
-        values += [] if wrong else [present(value)]
+        values += [] if wrong else [not_none(value)]
     return values, faults
 
 

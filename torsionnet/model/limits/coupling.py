@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
@@ -107,7 +107,7 @@ class CouplingLimit(ElementLimit):
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
         values = evidence.weighted_size(self.torque, weights)
         orders = evidence.orders([self.torque]) * weights
-        allowed = everywhere(present(self.T_KW) / self.torque_temperature_factor, evidence)
+        allowed = everywhere(not_none(self.T_KW) / self.torque_temperature_factor, evidence)
         return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 
     def _twists(self, evidence: Evidence) -> Iterator[LimitLine]:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
@@ -71,7 +71,7 @@ class FatigueLimit(ShaftLimit):
         """Strength tau_W in Pa for the number of cycles wanted."""
         if self.cycles is None or self.cycles >= self.knee:
             return float(self.fatigue_strength)
-        return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / present(self.slope)))
+        return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / not_none(self.slope)))
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import given, one_at_most
+from torsionnet.core.entries.alternatives import given_entries, one_at_most
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
@@ -49,7 +49,7 @@ class GearLimit(ElementLimit):
 
     def contradictions(self) -> list[Fault]:
         bounds = "vibratory_share", "vibratory_torque"
-        if not (given(self, *bounds) or self.hammer):
+        if not (given_entries(self, *bounds) or self.hammer):
             return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
         return one_at_most(self, *bounds)
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from torsionnet.core.entries.alternatives import one_at_most
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, present
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
@@ -47,7 +47,7 @@ class DamperLimit(ElementLimit):
     @property
     def allowed_power(self) -> float | None:
         """Allowed dissipated power in W, None where it is not limited."""
-        per_area = None if self.power_per_area is None else float(self.power_per_area * present(self.area))
+        per_area = None if self.power_per_area is None else float(self.power_per_area * not_none(self.area))
         return float(self.power) if self.power is not None else per_area
 
     def seen(self, subject: LimitSubject) -> list[Sensor]:

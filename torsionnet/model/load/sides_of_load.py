@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Input, parse_pair
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.load_section import Load
@@ -70,4 +70,4 @@ def unknown_driver(definition: Definition, name: str) -> str | None:
     if name in definition.excitations or all(node in nodes for node in torque_place(name).nodes):
         return None
     known = [*definition.excitations, *nodes]
-    return f'no node or excitation is named "{name}"{meant_or(name, known, "driven_by has nodes or excitations")}'
+    return f'no node or excitation is named "{name}"{suggestion_or(name, known, "driven_by has nodes or excitations")}'

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
 from torsionnet.core.entries.spec import Schema
-from torsionnet.core.entries.words import is_plain
+from torsionnet.core.entries.words import is_single_word
 from torsionnet.core.expression_reading import check_name
 from torsionnet.model.element_base.nodes import NodeName
 
@@ -25,7 +25,7 @@ def _use() -> type[Use]:
 
 def use_name_fault(name: str) -> str | None:
     """Message that a name is not allowed for a use or a part, or None."""
-    if name.isascii() and is_plain(name):
+    if name.isascii() and is_single_word(name):
         return None
     return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import Fault, Path, UsageError, meant_or
-from torsionnet.core.listing import listed
+from torsionnet.core.errors import Fault, Path, UsageError, suggestion_or
+from torsionnet.core.listing import comma_list
 from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report.report_plan import Pair, ReportPlan
@@ -38,7 +38,7 @@ def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
         is_written_out = what != "input or node" and parse_sensor(name) is not None
         is_written_out |= what != "sensor or node" and set(parse_pair(name) or "?") <= nodes
         if name and name not in names and not is_written_out:
-            text = f'no {what} is named "{name}"{meant_or(name, names, _declared(definition, what))}'
+            text = f'no {what} is named "{name}"{suggestion_or(name, names, _declared(definition, what))}'
             yield Fault(text, kind="unknown name", about=name)
 
 
@@ -50,13 +50,13 @@ def _orders(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
     for index, name in enumerate(plan.orders):
         if name not in definition.sensors and name not in nodes and parse_sensor(name) is None:
             names = [*definition.sensors, *nodes]
-            text = f'no sensor or node is named "{name}"{meant_or(name, names, _declared(definition, "sensor"))}'
+            text = f'no sensor or node is named "{name}"{suggestion_or(name, names, _declared(definition, "sensor"))}'
             yield Fault(text, ("orders", index), kind="unknown name", about=name)
 
 
 def _declared(definition: Definition, what: str) -> str:
     tables = {table: getattr(definition, f"{table}s") for table in ("input", "sensor") if table in what}
-    return "; ".join(f"{table}s: {listed(names, none='none')}" for table, names in tables.items())
+    return "; ".join(f"{table}s: {comma_list(names, none='none')}" for table, names in tables.items())
 
 
 def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:

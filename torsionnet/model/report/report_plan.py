@@ -12,7 +12,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.report.sections import SECTIONS
 
 ANGLES = ("rad", "deg")
@@ -106,7 +106,7 @@ def section_fault(name: Any) -> str:
     """Message that there is no section of that name in a report, or an empty text."""
     if name in SECTIONS:
         return ""
-    return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
+    return f'no section is named "{name}"{suggestion_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
 class SectionName(Spec[str]):

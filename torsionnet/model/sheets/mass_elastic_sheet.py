@@ -89,8 +89,8 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
 def sheet_of(grid: CellGrid) -> MassElasticSheet:
     """Mass-elastic sheet from cells that are already read.
 
-    >>> from torsionnet.core.delimited.cell_grid import grid_of
-    >>> grid = grid_of(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
+    >>> from torsionnet.core.delimited.cell_grid import parse_grid
+    >>> grid = parse_grid(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
     >>> sheet = sheet_of(grid)
     >>> [mass.name for mass in sheet.masses], float(sheet.links[0].stiffness.si)
     (['Zyl_1', 'Schwungrad'], 2100000.0)

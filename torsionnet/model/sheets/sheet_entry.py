@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.entries.nearby import nearby_file
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, dotted
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, full_name
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
 
@@ -39,4 +39,4 @@ class SheetEntry(Spec[MassElasticSheet]):
 
     @property
     def accepted(self) -> str:
-        return f"str | pathlib.Path | {dotted(MassElasticSheet)}"
+        return f"str | pathlib.Path | {full_name(MassElasticSheet)}"

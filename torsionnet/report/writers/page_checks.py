@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from jinja2 import TemplateSyntaxError, nodes
 
-from torsionnet.core.errors import Fault, meant_or
+from torsionnet.core.errors import Fault, suggestion_or
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.writers.templating import environment_of, shipped_blocks
 
@@ -35,7 +35,7 @@ def _explained(message: str) -> str:
     tag = _UNKNOWN_TAG.match(message)
     if not tag:
         return message.rstrip(".")
-    return f'no tag is named "{tag[1]}"{meant_or(tag[1], _TAGS, "known: " + ", ".join(_TAGS))}'
+    return f'no tag is named "{tag[1]}"{suggestion_or(tag[1], _TAGS, "known: " + ", ".join(_TAGS))}'
 
 
 def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str]]:
@@ -46,7 +46,10 @@ def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int,
         yield joined.lineno, "texts are written one after the other, not joined by ~"
     for block in tree.find_all(nodes.Block):
         if block.name not in known:
-            yield block.lineno, f'no block is named "{block.name}"{meant_or(block.name, known, f"there are {blocks}")}'
+            yield (
+                block.lineno,
+                f'no block is named "{block.name}"{suggestion_or(block.name, known, f"there are {blocks}")}',
+            )
     for node in tree.body:
         if not isinstance(node, _SILENT):
             for line in _shown(node) if isinstance(node, nodes.Output) else [node.lineno]:

@@ -19,7 +19,7 @@ from jinja2.sandbox import ImmutableSandboxedEnvironment
 from jinja2.utils import missing
 from markupsafe import Markup
 
-from torsionnet.core.errors import Fault, meant_or
+from torsionnet.core.errors import Fault, suggestion_or
 from torsionnet.report.document_tree import Cell, Inline, Picture, Report
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.writers.numbering import placed
@@ -153,7 +153,7 @@ def _marked(tool: Callable[..., str]) -> Callable[..., Markup]:
 def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> bytes:
     if name not in template.images:
         there = f"there are: {', '.join(template.images) or 'none'}"
-        raise TemplateRuntimeError(f'no image is named "{name}"{meant_or(str(name), template.images, there)}')
+        raise TemplateRuntimeError(f'no image is named "{name}"{suggestion_or(str(name), template.images, there)}')
     if not str(name).lower().endswith(endings):
         raise TemplateRuntimeError(f'"{name}" cannot be shown here; an image ends in {", ".join(endings)}')
     return template.images[name]
@@ -197,4 +197,4 @@ class _Unknown(StrictUndefined):
         name = str(self._undefined_name)
         if self._undefined_obj is not missing:
             return f'there is no "{name}" in this'
-        return f'nothing is named "{name}"{meant_or(name, NAMES, "there are " + ", ".join(NAMES))}'
+        return f'nothing is named "{name}"{suggestion_or(name, NAMES, "there are " + ", ".join(NAMES))}'

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_number
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
@@ -107,7 +107,7 @@ class Frequencies(Spec[tuple[float, ...]]):
             return self._between(raw)
         if isinstance(raw, str) or not hasattr(raw, "__iter__"):
             raise EntryError(f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, got {raw!r}")
-        return tuple(under(index, _FREQUENCY, value) for index, value in enumerate(raw))
+        return tuple(coerce_part(index, _FREQUENCY, value) for index, value in enumerate(raw))
 
     def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:
         specs: dict[str, Spec[float]] = {
@@ -117,7 +117,7 @@ class Frequencies(Spec[tuple[float, ...]]):
         }
         if raw.keys() != specs.keys():
             raise EntryError(f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}")
-        start, stop, count = (under(key, spec, raw[key]) for key, spec in specs.items())
+        start, stop, count = (coerce_part(key, spec, raw[key]) for key, spec in specs.items())
         try:
             return _steps_between(start, stop, int(count))
         except UsageError as error:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.limits_fit import limit_subject
 from torsionnet.model.definition import Definition
@@ -180,7 +180,7 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
     wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in known:
-            hint = meant_or(name, known, f"there are {', '.join(known)}")
+            hint = suggestion_or(name, known, f"there are {', '.join(known)}")
             raise UsageError(f'no limit is named "{name}"{hint}')
     return {name: known[name] for name in wanted}
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.excitations.engine_phases import unlocked_engines
@@ -403,7 +403,7 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
         raise UsageError("every excitation is switched off in this configuration; name those that are to act")
     for name in chosen:
         if name not in known:
-            hint = meant_or(name, known, f"there are {', '.join(known)}")
+            hint = suggestion_or(name, known, f"there are {', '.join(known)}")
             raise UsageError(f'no excitation is named "{name}"{hint}')
     return {name: known[name] for name in chosen}
 

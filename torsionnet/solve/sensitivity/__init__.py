@@ -1,8 +1,8 @@
 """Derivatives of responses and modes to parameters, exact: every number carries its own along."""
 
-from torsionnet.core.lazy import offered
+from torsionnet.core.lazy import lazy_exports
 
-__all__, __getattr__, __dir__ = offered(
+__all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Evaluation": "torsionnet.solve.sensitivity.parametric",

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, present, under
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry, not_none
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
@@ -29,7 +29,7 @@ class FrequencyList(Spec[tuple[float, ...]]):
     def coerce(self, raw: object) -> tuple[float, ...]:
         if not isinstance(raw, list | tuple):
             return (_FREQUENCY.coerce(raw),)
-        found = tuple(under(place, _FREQUENCY, one) for place, one in enumerate(raw))
+        found = tuple(coerce_part(place, _FREQUENCY, one) for place, one in enumerate(raw))
         if not found or any(second <= first for first, second in pairwise(found)):
             raise EntryError(f"expected a frequency or a list of frequencies that rises, got {raw!r}")
         return found
@@ -104,7 +104,7 @@ class ResponseQuantity(TransferQuantity):
         """Hz, (n_points,)."""
         if self.at is not None:
             return np.array(self.at)
-        low, high = present(self.band)
+        low, high = not_none(self.band)
         is_log = self.spacing == "log" or (self.spacing is None and 0 < 10 * low <= high)
         return np.asarray((np.geomspace if is_log else np.linspace)(low, high, self.points or DEFAULT_POINTS))
 
@@ -119,7 +119,7 @@ class ResponseQuantity(TransferQuantity):
         )
         if self.at is not None:
             return f"{what} of {self.quotient} at {', '.join(f'{one:g}' for one in self.at)} Hz"
-        low, high = present(self.band)
+        low, high = not_none(self.band)
         return f"{what} of {self.quotient} from {low:g} to {high:g} Hz, {len(self.frequencies)} points"
 
     def measure(self, model: Drivetrain) -> QuantityForm:

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Composite, Listed
 from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, entry, present
+from torsionnet.core.entries.spec import EntryError, Json, Schema, entry, not_none
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
@@ -62,7 +62,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         faults = [fault.under("rate") for fault in wrong] + [fault.under("values") for fault in others]
         if not faults and len(values) < 2:
             faults = [Fault("a torque over time has two samples or more", ("values",))]
-        return (None if faults else TorqueHistory(present(rate), values)), faults
+        return (None if faults else TorqueHistory(not_none(rate), values)), faults
 
     def plain(self, value: Any) -> Json:
         """The numbers, so that a written study can be read anywhere."""

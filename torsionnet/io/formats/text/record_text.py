@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
-from torsionnet.core.delimited.dialect import Dialect, data_start, encoding_of, sniffed
+from torsionnet.core.delimited.dialect import Dialect, data_start, detect_dialect, detect_encoding
 from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.delimited.stamp_forms import stamp_columns
@@ -36,7 +36,7 @@ READ_ONLY_ENDING = ".lvm"
 @contextlib.contextmanager
 def open_source(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
     """A text file; ``separator`` and ``decimal`` are found out, or said by a header, where they are not given."""
-    encoding = encoding_of(path)
+    encoding = detect_encoding(path)
     with path.open(encoding=encoding, newline=None) as file:
         lines = list(islice(file, SNIFFED_LINES))
         if is_labview(lines):
@@ -45,7 +45,9 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
         comments = [line for line in lines if line.startswith(("#", "%"))]
         skipped = next((at for at, line in enumerate(lines) if not line.startswith(("#", "%")) and line.strip()), 0)
         body = lines[skipped:]
-        dialect = sniffed(body if len(body) < SNIFFED_LINES - skipped else body[:-1], separator, decimal, stamps=True)
+        dialect = detect_dialect(
+            body if len(body) < SNIFFED_LINES - skipped else body[:-1], separator, decimal, stamps=True
+        )
         first = data_start(dialect, body)
         if first == len(body):
             raise ModelError([_no_data(path, lines)], path.name)
