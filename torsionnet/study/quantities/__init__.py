@@ -1,1 +1,1 @@
-"""What a study asks of every variant, each kind in a file of its own that is imported where the kind is asked for."""
+"""Quantities that a study calculates for every variant, one file for each kind, imported when the kind is used."""

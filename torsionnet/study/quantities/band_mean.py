@@ -1,4 +1,4 @@
-"""The mean of a transfer function's magnitude over a band."""
+"""The quantity ``type: band_mean``: mean magnitude of a transfer function over a frequency band."""
 
 from __future__ import annotations
 

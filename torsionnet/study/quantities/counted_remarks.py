@@ -1,14 +1,15 @@
-"""What was warned of in a study, counted by its words."""
+"""Counter of the warnings of a study by their text."""
 
 from __future__ import annotations
 
 from collections import Counter
 
 MOST_REMARKS, OTHERS = 50, "other remarks, which differ in numbers or names"
+"""Most different texts that are counted, as texts with numbers could be millions, and the text for all others."""
 
 
 def remark(known: Counter[str], text: str, count: int = 1) -> None:
-    """Count a remark; where there are many already, only that there are others.
+    """Count a warning; beyond :data:`MOST_REMARKS` texts it is counted under :data:`OTHERS`.
 
     >>> texts = Counter({f"text {number}": 1 for number in range(MOST_REMARKS)})
     >>> remark(texts, "one more", 2)

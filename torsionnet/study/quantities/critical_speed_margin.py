@@ -1,4 +1,4 @@
-"""How far natural frequencies are from what excites them."""
+"""The quantity ``type: critical_speed_margin``: distance of natural frequencies from excitation frequencies."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class CriticalSpeedMargin(StudyQuantity):
         return dict(lines), speed_range
 
     def _ranges(self, model: Drivetrain) -> Sequence[tuple[float, float]]:
-        """Frequencies that every order passes through, Hz."""
+        """Lowest and highest excitation frequency of every order in Hz."""
         lines, speed_range = self._asked(model)
         every = [line for group in lines.values() for line in group]
         found = [excited_frequencies(line, speed_range) for line in every if self._counts(line.order)]
@@ -104,7 +104,7 @@ class CriticalSpeedMargin(StudyQuantity):
         return not self.orders or any(abs(order - one) <= 1e-9 * one for one in self.orders)
 
     def _shared(self, block: VariantBlock) -> bool:
-        """Whether modes are those of the drivetrain as it stands, at all speeds."""
+        """Whether the same modes hold at all speeds and under all excitations."""
         if block.batch is None or block.model.definition.following:
             return False
         lines, _ = self._asked(block.model)
@@ -113,6 +113,6 @@ class CriticalSpeedMargin(StudyQuantity):
 
 
 def _distances(natural: FloatArray, low: float, high: float) -> FloatArray:
-    """From excitation frequencies between two, over the nearer of them; 0 inside."""
+    """Relative distances of natural frequencies from a range of excitation frequencies; 0 inside it."""
     below = 1 - natural / low if low else np.zeros_like(natural)
     return np.where(natural < low, below, np.where(natural > high, natural / high - 1, natural * 0.0))

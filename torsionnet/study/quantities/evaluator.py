@@ -1,4 +1,4 @@
-"""Quantities of any variants of one configuration, for answers that choose their variants themselves."""
+"""Evaluator of the quantities of any variants of one configuration."""
 
 from __future__ import annotations
 
@@ -17,47 +17,50 @@ from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.variant_block import GRAPH, VariantBlock
 
-SINGLY = 4
-"""Variants of a block that are solved one by one."""
-FEWEST, MOST, PARTS = 500, 2000, 32
-"""Variants of a block that are solved together: small ones cost more, large ones cannot be shared among workers."""
+SINGLE_BLOCK_SIZE = 4
+"""Variants in a block that are solved one by one: few, as a block is the smallest work for a worker."""
+FEWEST_IN_BLOCK, MOST_IN_BLOCK, BLOCKS = 500, 2000, 32
+"""Fewest and most variants in a block that are solved together, and number of blocks aimed at.
+
+Small blocks cost more for each variant, large ones cannot be shared among workers.
+"""
 
 Values = Mapping[str, FloatArray]
 """Parameter -> values (n,) in SI."""
 
 
 class BlockDesk(Protocol):
-    """Who calculates blocks of variants, and may know them from before."""
+    """Calculates blocks of variants for evaluators, or returns their values from an earlier run."""
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
-        """Of every block what :meth:`Evaluator.rows` gives."""
+        """Result of :meth:`Evaluator.rows` for every block."""
         ...
 
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Numbers (n,) that work on one variant comes to, or came to before: what else a search may ask."""
+        """Numbers (n,) that ``work`` on one variant returns, or returned in an earlier run."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluator:
-    """``evaluator({"k_2": values}) -> {"f_1": values}``.
+    """Function from parameter values to quantities of variants: ``evaluator({"k_2": values}) -> {"f_1": values}``.
 
     Attributes
     ----------
     model : Drivetrain
-        In the configuration that is meant.
+        Drivetrain in the configuration.
     names : tuple of str
-        Parameters that are varied.
+        Varied parameters.
     quantities : mapping
-        By name.
+        Name -> quantity.
     method : str
-        Of the solver of responses.
+        Method of the response solver.
     configuration : str
-        Its name.
+        Name of the configuration.
     desk : BlockDesk or None
-        Who calculates; None: this process, each time anew.
+        Calculates the blocks; None: this process does, each time anew.
     """
 
     model: Drivetrain
@@ -73,31 +76,31 @@ class Evaluator:
 
     @cached_property
     def nominal_modes(self) -> Modes:
-        """Those of the model, which modes of variants are told by."""
+        """Modes of the model with its own values, by which the modes of variants are tracked."""
         return natural_modes(self.model)[0]
 
     def block(self, values: Values) -> VariantBlock:
-        """Variants with these values, (n,) each."""
+        """Block of variants with these values, (n,) each."""
         batch = None if self.plan is None else self.plan.batch(values)
         return VariantBlock(
             self.model, values, self.quantities, batch, method=self.method, nominal=lambda: self.nominal_modes
         )
 
     def rows(self, values: Values, names: tuple[str, ...]) -> FloatArray:
-        """Quantities of some variants side by side (n, n_points of all), calculated here."""
+        """Quantities of some variants side by side (n, n_points of all), calculated in this process."""
         block = self.block(values)
         return np.concatenate([block.of(name) for name in names], axis=1)
 
     def __call__(self, values: Values, names: tuple[str, ...] = ()) -> dict[str, FloatArray]:
-        """Quantities (n,), of curves (n, n_points); all, or those of ``names``.
+        """Name -> values (n,) of a quantity, (n, n_points) of a curve, for all quantities or those in ``names``.
 
-        Variants go in blocks that follow from their number alone, so that values are the same to the last bit whoever
-        calculates them.
+        Variants are calculated in blocks whose size follows from their number alone, so that values are the same to the
+        last bit on any number of workers.
         """
         count = len(next(iter(values.values())))
         wanted = names or tuple(self.quantities)
         singly = self.plan is None or any(self._is_singly(name) for name in wanted)
-        together = SINGLY if singly else max(FEWEST, min(MOST, count // PARTS))
+        together = SINGLE_BLOCK_SIZE if singly else max(FEWEST_IN_BLOCK, min(MOST_IN_BLOCK, count // BLOCKS))
         blocks = [
             {name: column[start : start + together] for name, column in values.items()}
             for start in range(0, count, together)
@@ -113,7 +116,7 @@ class Evaluator:
         }
 
     def once(self, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]) -> FloatArray:
-        """Numbers (n,) that ``work`` on one variant comes to, or came to when ``what`` was asked before."""
+        """Numbers (n,) that ``work`` on one variant returns, or returned under the same ``what`` in an earlier run."""
         return work() if self.desk is None else self.desk.once(self, what, values, work)
 
     def _is_singly(self, name: str) -> bool:

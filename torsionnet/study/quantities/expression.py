@@ -1,4 +1,4 @@
-"""What is calculated from other quantities."""
+"""The quantity ``type: expression``: a formula of other quantities."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, re
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
+"""Operations of expressions on arrays."""
 
 
 class QuantityFormula(Spec[Expression]):
-    """An expression of other quantities."""
+    """Entry for an expression of other quantities."""
 
     def coerce(self, raw: object) -> Expression:
         if isinstance(raw, Expression):
@@ -89,7 +90,7 @@ class QuantityExpression(StudyQuantity):
         return tuple(sorted(self.of.names))
 
     def circle(self, quantities: Mapping[str, object], above: tuple[str, ...] = ()) -> tuple[str, ...]:
-        """Names of quantities that need each other, the first one twice; empty where none do."""
+        """Names of quantities that depend on each other in a circle, the first one twice; empty without a circle."""
         for name in sorted(self.of.names):
             if name in above:
                 return (*above[above.index(name) :], name)
@@ -100,7 +101,7 @@ class QuantityExpression(StudyQuantity):
         return ()
 
     def has_all(self, quantities: Mapping[str, StudyQuantity]) -> bool:
-        """Whether all that it is made of is there, and what that is made of; there is no circle."""
+        """Whether all quantities in the expression exist, and those in their expressions; there is no circle."""
         if not self.of.names <= quantities.keys():
             return False
         below = [quantities[name] for name in self.of.names]
@@ -140,7 +141,7 @@ class QuantityExpression(StudyQuantity):
 
 
 def _dimension(unit: str) -> Dimension | None:
-    """None where units are none of the field's, as dB."""
+    """Dimension of a unit; None of a unit without one, such as dB."""
     try:
         return parse_unit(unit).dimension if unit else DIMENSIONS["1"]
     except UnitError:

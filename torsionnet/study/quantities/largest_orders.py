@@ -1,4 +1,4 @@
-"""The largest vibration of running machinery over a range of speeds, of many variants, whatever the step of speeds."""
+"""Order responses of many variants, and their largest values over a range of speeds whatever the step of speeds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 def order_responses(
     block: VariantBlock, output: str, speeds: FloatArray, excitations: Sequence[str] | None = None
 ) -> Iterator[tuple[int, OrderResponse]]:
-    """Number and response of every variant that has one.
+    """Number and order response of every variant that has one.
 
     Variants whose parameters follow the operating point are solved one by one, at every speed with its own values.
     """
@@ -47,7 +47,7 @@ def order_responses(
 def responses_at(
     block: VariantBlock, output: str, question: OrderQuestion, speeds: Sequence[FloatArray]
 ) -> Iterator[OrderResponse]:
-    """Responses of every variant at speeds of its own, rad/s."""
+    """Order responses of every variant at its own speeds in rad/s."""
     loads = [question.loads(own) for own in speeds]
     moving = [one.frequencies[one.frequencies > 0] for one in loads]
     longest = max(map(len, moving))
@@ -68,7 +68,7 @@ def responses_at(
 
 
 def asked_alike(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderQuestion | None:
-    """What acts on all variants alike; None where they have rows or operating points of their own."""
+    """Excitations and speeds that all variants have in common; None where variants differ in them."""
     if block.batch is None or block.model.definition.following:
         return None
     question = OrderQuestion.of(block.model, speeds, excitations=excitations)
@@ -76,13 +76,13 @@ def asked_alike(block: VariantBlock, speeds: FloatArray, excitations: Sequence[s
 
 
 Sizes: TypeAlias = Callable[[OrderResponse], FloatArray]
-"""What is looked at of a response, (n_speeds,)."""
+"""Function from an order response to its sizes (n_speeds,), such as half the range."""
 
 
 def largest_orders(
     block: VariantBlock, output: str, speeds: FloatArray, excitations: Sequence[str] | None, sizes: Sizes
 ) -> Iterator[tuple[int, float]]:
-    """Number and largest value of every variant that has one.
+    """Number of every variant with an order response, and the largest of its sizes over the speeds.
 
     Variants whose parameters follow the operating point are solved one by one.
     """
@@ -112,27 +112,27 @@ def largest_orders(
 
 @dataclass(frozen=True, eq=False)
 class _Curve:
-    """Values (n_speeds,) at rising speeds."""
+    """Sizes (n_speeds,) at rising speeds in rad/s."""
 
     speeds: FloatArray
     values: FloatArray
 
     def with_more(self, speeds: FloatArray, values: FloatArray) -> _Curve:
-        """Both together."""
+        """Curve with the values at further speeds."""
         both = np.concatenate([self.speeds, speeds])
         order = np.argsort(both, kind="stable")
         return _Curve(both[order], np.concatenate([self.values, values])[order])
 
 
 def _all_wanted(curves: Sequence[_Curve]) -> list[FloatArray]:
-    """Speeds at which every variant has to be looked at; none at all where all are known."""
+    """Further speeds needed for each variant; an empty list where no variant needs any."""
     found = [speeds_wanted(curve.speeds, curve.values[:, None]) for curve in curves]
     return found if any(len(one) for one in found) else []
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Variants that are looked at at speeds of their own, all at once."""
+    """Order responses of several variants at their own speeds, solved together."""
 
     block: VariantBlock
     output: str
@@ -141,7 +141,7 @@ class _Search:
     places: NDArray[np.intp]
 
     def looked(self, curves: list[_Curve], speeds: list[FloatArray]) -> list[_Curve]:
-        """The curves with values at these speeds of each."""
+        """Curves with the values at further speeds of each variant."""
         some = [number for number, those in enumerate(speeds) if len(those)]
         found = list(curves)
         if some:

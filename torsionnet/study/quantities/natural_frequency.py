@@ -1,4 +1,4 @@
-"""Natural frequencies, followed from variant to variant."""
+"""The quantities ``natural_frequency`` and ``damping_ratio`` of a mode tracked from variant to variant."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MIXED = "veers: a fifth or more of its energy is that of another mode of the mod
 
 @dataclass(frozen=True, kw_only=True)
 class ModeQuantity(StudyQuantity):
-    """Base of the quantities of one mode of vibration.
+    """Base class of the quantities of one mode of vibration.
 
     ``tracked``, the default, is the mode of every variant whose shape is that of the nominal mode of this number, by
     the modal assurance criterion, wherever its frequency has gone; ``ascending`` the one of this number by size.
@@ -50,19 +50,19 @@ class ModeQuantity(StudyQuantity):
 
     @property
     def which_mode(self) -> str:
-        """Which mode, in words."""
+        """Words for the mode, such as "mode 2 by frequency"."""
         if self.order == ASCENDING:
             return f"mode {self.mode} by frequency"
         return f"mode {self.mode}, followed by its shape"
 
     def beyond(self, count: int) -> Iterator[Fault]:
-        """What is wrong where there are only so many modes."""
+        """Fault where the model has only ``count`` modes of vibration and the quantity names a higher one."""
         if self.mode > count:
             there = f"{count} mode{'s' * (count != 1)} of vibration" if count else "no mode of vibration"
             yield Fault(f"there is no mode {self.mode}; the model has {there}", ("mode",))
 
     def eigenvalue(self, block: VariantBlock) -> ComplexArray:
-        """rad/s, (n_variants,); NaN where a variant has no such vibration."""
+        """Eigenvalues of the mode in rad/s, (n_variants,); NaN where a variant has no such vibration."""
         if self.order == ASCENDING:
             return nth_vibration(block.every_mode.eigenvalues, self.mode)
         place = vibrating(block.modes.reference)[self.mode - 1]
@@ -74,7 +74,7 @@ class ModeQuantity(StudyQuantity):
 
 
 def nth_vibration(eigenvalues: ComplexArray, number: int) -> ComplexArray:
-    """The n-th by size (n_variants,) of the vibrations among eigenvalues (n_variants, n_modes), NaN without one."""
+    """Eigenvalue (n_variants,) of the n-th vibration by magnitude among (n_variants, n_modes); NaN without one."""
     vibrates = eigenvalues.imag > 0
     places = np.argsort(np.where(vibrates, np.abs(eigenvalues), np.inf), axis=1, kind="stable")
     if places.shape[1] < number:
@@ -85,7 +85,7 @@ def nth_vibration(eigenvalues: ComplexArray, number: int) -> ComplexArray:
 
 
 def vibrating(modes: Modes) -> list[int]:
-    """Places of the modes of vibration among all modes of a model, by rising ``|lambda|``."""
+    """Indices of the modes of vibration among all modes of a model, by rising ``|lambda|``."""
     return [place for place, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
 
 
@@ -138,13 +138,13 @@ class NaturalFrequency(ModeQuantity):
         return np.asarray(size[:, None] / (2 * np.pi))
 
     def undamped(self, block: VariantBlock) -> FloatArray:
-        """Of the place of the nominal mode among those above 0."""
+        """Undamped natural frequencies (n_variants, 1) in Hz, at the nominal mode's place among those above 0."""
         place, _ = undamped_place(block.model, self.mode)
         return nth_above_zero(block.every_mode.undamped_natural_frequencies, place + 1)
 
 
 def nth_above_zero(sizes: FloatArray, number: int) -> FloatArray:
-    """The n-th (n, 1) by size of values (n, n_values) above 0 in every row, NaN where there are fewer."""
+    """Value (n, 1) of the n-th smallest above 0 in every row of values (n, n_values); NaN where there are fewer."""
     rising = np.sort(np.where(sizes > 0, sizes, np.inf), axis=1)
     if rising.shape[1] < number:
         return np.full((len(sizes), 1), np.nan)

@@ -1,4 +1,4 @@
-"""Vibration of running machinery: torques, twists, stresses over its speeds."""
+"""The quantity ``type: order_torque``: vibration of a torque, twist or stress over the speeds of the machinery."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class OrderTorque(SpeedQuantity):
         return found
 
     def _alone(self, model: Drivetrain) -> OrderResponse:
-        """Of the nominal model at one speed, which is refused where all would be."""
+        """Order response of the nominal model at its first speed, which is refused where any speed would be."""
         speeds = self.at(model)
         return model.order_response(
             self.output, speeds=speeds[:1] if len(speeds) else None, excitations=self.excitations or None
@@ -108,7 +108,7 @@ class OrderTorque(SpeedQuantity):
         return SIZES[self.size or "half_range"](run) if self.order is None else self._of_one(run)
 
     def _of_one(self, run: OrderResponse) -> FloatArray:
-        """The largest amplitude of any case; of several excitations that have the order, of their sum in any case."""
+        """Largest amplitude of one order at each speed (n_speeds,), over all cases of phases between excitations."""
         assert self.order is not None
         cases = [case.amplitude_of_order(self.order) for case in run.coherent]
         lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]

@@ -1,4 +1,4 @@
-"""The largest magnitude of a transfer function in a band."""
+"""The quantities ``peak`` and ``peak_frequency``: largest magnitude of a transfer function in a band."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class PeakQuantity(TransferQuantity):
-    """Base of the quantities of the largest magnitude in a band."""
+    """Base class of the quantities of the largest magnitude in a band."""
 
     kind: ClassVar[str] = "peak in a band"
 
@@ -31,11 +31,11 @@ class PeakQuantity(TransferQuantity):
 
     @property
     def where(self) -> str:
-        """The band, in words."""
+        """Words for the band, such as "from 1 to 50 Hz"."""
         return f"from {self.band[0]:g} to {self.band[1]:g} Hz"
 
     def peaks(self, block: VariantBlock) -> FoundPeaks:
-        """Of every variant; searched once for all quantities of this band."""
+        """Largest magnitude of every variant and its frequency, searched once for all quantities of this band."""
         return block.once(("peaks", self.output, self.input, self.excitation, self.band), lambda: self._searched(block))
 
     def _searched(self, block: VariantBlock) -> FoundPeaks:

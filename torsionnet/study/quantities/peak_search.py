@@ -1,7 +1,7 @@
-"""The largest magnitude in a band, of many variants at once: local maxima of a grid, each found again on finer ones.
+"""Search of the largest magnitude in a band for many variants at once: local maxima of a grid, refined on finer ones.
 
-Neighbours on the grid are at most 1 % apart; peaks closer together may be taken for one. The sixteen that promise most
-are looked at with steps of a quarter per cent; around the four that promise most then, rounds shrink the bracket to
+Neighbours on the grid are at most 1 % apart; peaks closer together may be taken for one. The sixteen with the highest
+estimated peaks are refined with steps of a quarter per cent; around the four highest then, rounds shrink the bracket to
 2e-5 of the frequency. The last step is the vertex of a parabola through 1/|H|^2, which near a single resonance is one,
 and the value is that of H there. Measured on one mass with damping ratios from 1e-5 to 0.5: 1e-9 of the magnitude, 1e-7
 of the frequency.
@@ -18,29 +18,30 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 
-STEP = 0.01
-"""From one frequency of the grid to the next, at most."""
+GRID_STEP = 0.01
+"""Largest relative step of the grid of frequencies: peaks closer together than this may count as one."""
 CANDIDATES, FOLLOWED = 16, 4
-"""Local maxima that are looked at more closely, and how many of them are followed to the end."""
+"""Number of local maxima that are refined once, and of those that are refined to the end."""
 ROUNDS, POINTS = 4, 9
-UNDAMPED = 1e-9
-"""A parabola through 1/|H|^2 that comes down to this share of its shoulders is a peak without damping."""
+"""Rounds of refinement, each of which shrinks a bracket to a quarter, and points in a bracket."""
+UNDAMPED_SHARE = 1e-9
+"""Share of its shoulders below which the vertex of the parabola through 1/|H|^2 is a peak without damping."""
 
 
 class FoundPeaks(NamedTuple):
-    """Largest magnitudes (n,) and where they are (n,), Hz."""
+    """Largest magnitudes (n,) and their frequencies (n,) in Hz."""
 
     magnitude: FloatArray
     frequency: FloatArray
 
 
 def band_grid(low: float, high: float) -> FloatArray:
-    """Frequencies by equal factors, ends included."""
-    return np.geomspace(low, high, max(math.ceil(math.log(high / low) / STEP), POINTS) + 1)
+    """Frequencies in Hz with equal ratios of at most 1.01 from ``low`` to ``high``, both included."""
+    return np.geomspace(low, high, max(math.ceil(math.log(high / low) / GRID_STEP), POINTS) + 1)
 
 
 def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> FoundPeaks:
-    """The largest magnitudes between the ends of a grid.
+    """Search the largest magnitude of every variant between the ends of a grid.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> 
 
 
 class _Look(NamedTuple):
-    """Magnitudes at points of intervals (n, n_intervals, POINTS), Hz, and which is the largest (n, n_intervals)."""
+    """Frequencies and magnitudes in intervals (n, n_intervals, POINTS), and index of the largest (n, n_intervals)."""
 
     at: FloatArray
     values: FloatArray
@@ -88,7 +89,7 @@ def _look(magnitude: Callable[[FloatArray], FloatArray], low: FloatArray, high: 
 
 
 def _candidates(values: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Places (n, CANDIDATES) of the local maxima that promise most, the ends among them, and which are some at all."""
+    """Indices (n, CANDIDATES) of the local maxima with the highest estimates, ends included, and which are maxima."""
     rim = np.full((len(values), 1), -np.inf)
     before, after = np.hstack([rim, values[:, :-1]]), np.hstack([values[:, 1:], rim])
     promise = np.where((values >= before) & (values >= after), _promised(values), -np.inf)
@@ -97,7 +98,7 @@ def _candidates(values: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]
 
 
 def _promised(values: FloatArray) -> FloatArray:
-    """How high a peak is by a parabola through 1/|H|^2 at three points; infinite where that comes down to 0."""
+    """Estimated height of peaks by a parabola through 1/|H|^2 at three points; infinite where it reaches 0."""
     found = values.copy()
     with np.errstate(all="ignore"):
         inverse = values**-2.0
@@ -110,7 +111,7 @@ def _promised(values: FloatArray) -> FloatArray:
 
 
 def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Where the parabola around the best of the points has its vertex, and whether the peak is infinite."""
+    """Frequency of the vertex of the parabola around the largest point, and whether the peak is infinite."""
     middle = np.clip(look.best, 1, POINTS - 2)
     f_before, f_here, f_after = (_taken(look.at, middle + side) for side in (-1, 0, 1))
     with np.errstate(all="ignore"):
@@ -118,13 +119,13 @@ def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
         bend = before - 2 * here + after
         shift = np.where(bend > 0, (before - after) / (2 * bend), 0)
         bottom = here - np.where(bend > 0, (before - after) ** 2 / (8 * bend), 0)
-        infinite = (look.best == middle) & (bottom < UNDAMPED * np.maximum(before, after))
+        infinite = (look.best == middle) & (bottom < UNDAMPED_SHARE * np.maximum(before, after))
     at = f_here + np.clip(shift, -1, 1) * (f_after - f_before) / 2
     return np.where(look.best == middle, at, _taken(look.at, look.best)), infinite
 
 
 def _taken(rows: FloatArray, places: NDArray[np.intp]) -> FloatArray:
-    """One value out of each row of the last axis."""
+    """Values at one index of the last axis in each row."""
     return np.asarray(np.take_along_axis(rows, places[..., None], axis=-1)[..., 0])
 
 

@@ -1,4 +1,4 @@
-"""What a study asks of every variant: one number, or a curve over frequency or speed."""
+"""Base class of the quantities of a study: a number for every variant, or a curve over frequency or speed."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ Q = TypeVar("Q", bound="type[StudyQuantity]")
 
 @dataclass(frozen=True, eq=False)
 class QuantityForm:
-    """What a quantity comes out as.
+    """Unit of a quantity, and the points of a curve.
 
     Attributes
     ----------
     unit : str
-        As shown, "Hz", "rad/(N m)"; empty for a number without unit.
+        Unit in SI, such as "Hz" or "rad/(N*m)"; empty for a number without unit.
     over : str
-        What its points lie over, "frequency" or "speed"; empty for a single number.
+        Axis of a curve, "frequency" or "speed"; empty for a single number.
     points : (n_points,) array
         Hz or rad/s; of a single number one point, 0.
     """
@@ -45,53 +45,53 @@ class QuantityForm:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyQuantity(Declared):
-    """Base of the quantities; a class of its own for each ``type:``, registered by :func:`register_quantity`."""
+    """Base class of the quantities, one class for each ``type:``, registered by :func:`register_quantity`."""
 
     article: ClassVar[str] = "a quantity"
     singly: ClassVar[bool] = False
-    """Whether every variant is a model of its own, as nothing solves many of them together."""
+    """Whether variants are solved one by one, as no solver takes many of them together."""
 
     @property
     def asked(self) -> str:
-        """What it is, in words with names of the model in them."""
+        """Words for the quantity with names of the model in them."""
         raise NotImplementedError
 
     @property
     def made_of(self) -> frozenset[str]:
-        """Names of the other quantities that it is calculated from."""
+        """Names of the other quantities in the formula of this one."""
         return frozenset()
 
     def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
-        """What does not fit a model in one of its configurations."""
+        """Faults of the quantity with a model in one of its configurations."""
         del model, quantities
         yield from ()
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Names of the quantities that it is made of."""
+        """Names of the quantities in the formula of this one, sorted."""
         return ()
 
     def measure(self, model: Drivetrain) -> QuantityForm:
-        """Unit and points."""
+        """Unit and points of a quantity that needs no others."""
         raise NotImplementedError
 
     def measured(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> QuantityForm:
-        """Unit and points, by what the quantities are that it is made of; whoever asks has all of them."""
+        """Unit and points of the quantity, given all quantities of the study."""
         del quantities
         return self.measure(model)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        """Values (n_variants, n_points), SI units; NaN where a variant has none."""
+        """Values (n_variants, n_points) in SI; NaN where a variant has none."""
         raise NotImplementedError
 
 
 QUANTITIES: TypeRegister[type[StudyQuantity]] = TypeRegister(
     "torsionnet.study.quantities", ("natural_frequency", "peak")
 )
-"""By the word in ``type:``."""
+"""Classes of quantities by the word in ``type:``."""
 
 
 def register_quantity(cls: Q) -> Q:
-    """Make a quantity known by its ``kind``."""
+    """Class decorator that registers a quantity by its ``kind``."""
     QUANTITIES[cls.kind] = cls
     return cls

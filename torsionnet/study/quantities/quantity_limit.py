@@ -1,4 +1,4 @@
-"""What a quantity must stay below or above."""
+"""Limits of quantities: largest and smallest value allowed."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from torsionnet.core.units import CELSIUS, DIMENSIONS, Dimension, UnitError, par
 
 
 class ValueInUnit(float):
-    """A number in SI, with the dimension and the unit in which it was written; none of a bare number."""
+    """Number in SI with the dimension and the unit in which it was written; a bare number has neither."""
 
     dimension: Dimension | None = None
     unit: str = ""
 
 
 class QuantityValue(AnyNumber):
-    """A number with the unit of the quantity; stored in SI."""
+    """Entry for a number with the unit of the quantity; stored in SI."""
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, ValueInUnit):
@@ -40,7 +40,7 @@ class QuantityValue(AnyNumber):
 
 
 def wrong_unit(value: float | None, quantity: str, unit: str, path: Path) -> Iterator[Fault]:
-    """A fault where a value is written in what no value of the quantity is in; a bare number is SI."""
+    """Fault of a value whose unit has not the dimension of the quantity; a bare number is in SI."""
     dimension = value.dimension if isinstance(value, ValueInUnit) else None
     try:
         own = parse_unit(unit).dimension if unit else DIMENSIONS["1"]
@@ -52,7 +52,7 @@ def wrong_unit(value: float | None, quantity: str, unit: str, path: Path) -> Ite
 
 
 def as_written(value: float, unit: str) -> str:
-    """A value with the unit in which it was written, else with that of its quantity, in SI.
+    """Text of a value in the unit in which it was written, else in SI with the unit of its quantity.
 
     >>> as_written(QuantityValue("limit").coerce("0.5 deg/(N*m)"), "rad/(N*m)"), as_written(0.1, "")
     ('0.5 deg/(N*m)', '0.1')
@@ -91,13 +91,13 @@ class QuantityLimit(Declared):
         return []
 
     def exceeded(self, values: FloatArray) -> NDArray[np.bool_]:
-        """Where values are outside; one that could not be calculated is not inside."""
+        """Whether each value is outside the limits; a missing value (NaN) is outside."""
         low = -np.inf if self.above is None else self.above
         high = np.inf if self.below is None else self.below
         return np.asarray(~((values >= low) & (values <= high)))
 
     def beyond(self, values: FloatArray) -> NDArray[np.bool_]:
-        """Which of n variants are outside, by values (n,), or anywhere on a curve (n, n_points).
+        """Whether each variant (n,) is outside the limits, by values (n,) or at any point of a curve (n, n_points).
 
         >>> import numpy as np
         >>> QuantityLimit(below=2.0).beyond(np.array([[1.0, 3.0], [1.0, 1.5]])).tolist()

@@ -1,4 +1,4 @@
-"""What quantities over the speeds of running machinery have in common."""
+"""Base class of quantities over the speeds of the machinery."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from torsionnet.model.excitations.speed_range import SpeedBand
 from torsionnet.study.quantities.quantity import StudyQuantity
 
 OWN = ("excitations", "speeds", "every")
+"""Names of the entries that all these quantities have."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedQuantity(StudyQuantity):
-    """Base of the quantities that are looked for at all speeds of the model, or at some of them."""
+    """Base class of the quantities at all speeds of the model, or at some of them."""
 
     kind: ClassVar[str] = "over speed"
 
@@ -36,7 +37,7 @@ class SpeedQuantity(StudyQuantity):
         return declared.name in OWN
 
     def at(self, model: Drivetrain) -> FloatArray:
-        """rad/s; none where the model does not say at which speeds it is examined."""
+        """Speeds of the quantity in rad/s, (n_speeds,); empty where the model has no speeds."""
         given = model.definition.speeds
         found = np.array(given.values if given else ())
         if self.speeds is not None:
@@ -46,25 +47,25 @@ class SpeedQuantity(StudyQuantity):
 
     @staticmethod
     def is_range(model: Drivetrain) -> bool:
-        """Whether the model's speeds stand for all between them, as a list of them does not."""
+        """Whether the model's speeds are a range, which includes all speeds between them, and not a list."""
         given = model.definition.speeds
         return given is not None and not given.list
 
     @property
     def where(self) -> str:
-        """Speeds and excitations, in words."""
+        """Words for the speeds and excitations, such as "at all speeds"."""
         acting = f"under {', '.join(self.excitations)}, " if self.excitations else ""
         over = "at all speeds" if self.speeds is None else speed_words(self.speeds)
         return acting + (over if self.every == 1 else f"{over}, one of {self.every}")
 
     def nowhere(self, model: Drivetrain) -> Iterator[Fault]:
-        """What is wrong where no speed is left."""
+        """Fault where none of the model's speeds lies in the range of the quantity."""
         if model.definition.speeds is not None and not len(self.at(model)):
             yield Fault("none of the model's speeds lies in this range", ("speeds",))
 
 
 def speed_words(speeds: tuple[float, float]) -> str:
-    """A range of speeds in rad/s, in words.
+    """Words in r/min for a range of speeds in rad/s.
 
     >>> speed_words((62.83185307179586, 157.07963267948966))
     'from 600 to 1500 r/min'

@@ -1,4 +1,4 @@
-"""What quantities of a transfer function have in common: output, input, what drives."""
+"""Base class of quantities of one transfer function: output, input, excitation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class TransferQuantity(StudyQuantity):
-    """Base of the quantities of one transfer function."""
+    """Base class of the quantities of one transfer function."""
 
     kind: ClassVar[str] = "transfer function"
 
@@ -44,23 +44,23 @@ class TransferQuantity(StudyQuantity):
 
     @property
     def quotient(self) -> str:
-        """The transfer function, in words."""
+        """Words for the transfer function, such as "theta_1/T_M"."""
         driven_by = f", driven at {self.excitation}" if self.excitation else ""
         return f"{self.output}/{self.input}{driven_by}"
 
     def unit(self, model: Drivetrain) -> str:
-        """Of the output over that of the input."""
+        """Unit of the transfer function: that of the output over that of the input; empty without one."""
         request = remembered(model, self.output, self.input, self.excitation)
         found = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
         return "" if found == "1" else found
 
     def values(self, block: VariantBlock, frequencies: FloatArray) -> ComplexArray:
-        """The transfer function (n_variants, n_f) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
+        """Transfer function (n_variants, n_f) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
         return block.responses(self.output, self.input, frequencies, self.excitation)[:, :, 0, 0]
 
 
 def refusal(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
-    """Why a question is refused, if it is."""
+    """Fault with the message of the UsageError that a call raises; none where it raises none."""
     try:
         ask()
     except UsageError as error:

@@ -1,4 +1,4 @@
-"""Peaks of motion over time under a step, a ramp or a pulse of torque."""
+"""The quantity ``type: transient_peak``: peak over time under a step, a ramp or a pulse of torque."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ _VALUES = Listed("torques", Value("a torque", "torque", lower=None), form="a lis
 
 @dataclass(frozen=True)
 class TorqueHistory:
-    """Torques in N m, ``rate`` of them in a second."""
+    """Torque samples in N m at a sampling rate in Hz."""
 
     rate: float
     values: tuple[float, ...]
 
 
 class TorqueHistoryEntry(Composite[TorqueHistory]):
-    """A channel of a recording beside the file of the study, or a list of torques with their rate."""
+    """Entry for a torque over time: a channel of a recording, or a list of torques with their sampling rate."""
 
     @property
     def example(self) -> str:
@@ -65,7 +65,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         return (None if faults else TorqueHistory(not_none(rate), values)), faults
 
     def plain(self, value: Any) -> Json:
-        """The numbers, so that a written study can be read anywhere."""
+        """Rate and torques as JSON data, so that a written study can be read without the recording."""
         return {"rate": value.rate, "values": list(value.values)}
 
     def schema(self) -> Schema:
@@ -95,16 +95,17 @@ def _recorded(file: str, channel: str) -> TorqueHistory:
     return TorqueHistory(record.sampling_rate, tuple(signal.values.tolist()))
 
 
-PER_PERIOD = 40
-"""Samples for each period of the highest vibration of the nominal model, unless a rate is given."""
+SAMPLES_PER_PERIOD = 40
+"""Samples in a period of the nominal model's highest vibration, whose peaks are at most 0.3 % higher between them."""
 MOST_SAMPLES = 2_000_000
+"""Most samples of one simulation; more take much time and memory for each variant."""
 STEP = "step"
 SHAPES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
     STEP: np.ones_like,
     "ramp": lambda share: np.minimum(share, 1.0),
     "half_sine": lambda share: np.where(share < 1, np.sin(np.pi * share), 0.0),
 }
-"""Torque over its size, by time over the time that it takes."""
+"""Shapes of the torque over its size, as functions of time over the rise time."""
 READ: Mapping[str, Callable[[FloatArray], float]] = {
     "size": lambda values: float(np.abs(values).max()),
     "highest": lambda values: float(values.max()),
@@ -151,7 +152,9 @@ class TransientPeak(StudyQuantity):
     duration: float | None = entry(Value("time that is simulated", "time", exclusive=True), None)
     rate: float | None = entry(
         Value(
-            f"samples a second; default: {PER_PERIOD} in the shortest period of vibration", "frequency", exclusive=True
+            f"samples a second; default: {SAMPLES_PER_PERIOD} in the shortest period of vibration",
+            "frequency",
+            exclusive=True,
         ),
         None,
     )
@@ -203,7 +206,7 @@ class TransientPeak(StudyQuantity):
         return block.one_by_one(lambda model: READ[self.value](self._motion(model, history)))
 
     def torques(self, model: Drivetrain) -> TorqueHistory:
-        """Sample by sample, at a rate that suits the nominal model."""
+        """Torque samples, at a sampling rate that suits the nominal model."""
         if self.history is not None:
             return self.history
         assert self.torque is not None
@@ -218,7 +221,9 @@ class TransientPeak(StudyQuantity):
 
     def _rate(self, model: Drivetrain, duration: float) -> float:
         highest = float(np.max(natural_modes(model)[0].damped_frequencies, initial=0.0))
-        rate = self.rate or max(PER_PERIOD * highest, 1000 / duration, PER_PERIOD / (self.rise or np.inf))
+        rate = self.rate or max(
+            SAMPLES_PER_PERIOD * highest, 1000 / duration, SAMPLES_PER_PERIOD / (self.rise or np.inf)
+        )
         if rate * duration > MOST_SAMPLES:
             text = f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
             raise UsageError(f"{text}; give a lower rate or a shorter duration")

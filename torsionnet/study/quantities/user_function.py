@@ -1,4 +1,4 @@
-"""Quantities that a user calculates in Python; files cannot name them, since they run no code."""
+"""Quantities calculated by Python functions of the user, which study files cannot name."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OVER = ("frequency", "speed")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UserFunction(StudyQuantity):
-    """A number, or a curve, that a function calculates of every variant.
+    """Quantity that a Python function calculates for every variant: a number or a curve.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class UserFunction(StudyQuantity):
         ``of(drivetrain) -> number`` or (n_points,) array, SI units.
     unit_of_value : str
     over : str
-        Of a curve what it lies over, "frequency" or "speed".
+        Axis of a curve, "frequency" or "speed".
     points : (n_points,) array
         Hz or rad/s.
     """
@@ -86,7 +86,7 @@ class UserFunction(StudyQuantity):
 
     @property
     def called(self) -> str:
-        """Its name in messages."""
+        """Name of the function in messages."""
         return str(getattr(self.of, "__qualname__", self.of))
 
     def require_picklable(self) -> None:
@@ -95,7 +95,7 @@ class UserFunction(StudyQuantity):
         Raises
         ------
         UsageError
-            It is a lambda or stands inside another function.
+            The function is a lambda or is defined inside another function.
         """
         try:
             pickle.loads(pickle.dumps(self.of))  # noqa: S301 - what was written here
@@ -104,9 +104,9 @@ class UserFunction(StudyQuantity):
             raise UsageError(f"{self.called} cannot be handed to other processes ({error}); {where}") from None
 
     def to_data(self) -> dict[str, Json]:
-        """What tells it from another one: its name, a digest of its own code and of the values it was made with.
+        """Identity of the function as JSON data: name, digest of its code and of the values it was made with.
 
-        What it calls, and what it reads of its module, are not in it.
+        Functions that it calls, and variables of its module that it reads, are not part of it.
         """
         place = f"{getattr(self.of, '__module__', '')}.{self.called}"
         data = {"of": place, "code": _digest(self.of), "unit": self.unit_of_value}
@@ -114,7 +114,7 @@ class UserFunction(StudyQuantity):
 
 
 def _digest(of: Callable[..., Any]) -> str:
-    """The same wherever the same Python runs; empty of what is no plain function."""
+    """Digest of a function's code and default values, equal on every machine; empty where it has no code object."""
     code = getattr(of, "__code__", None)
     if code is None:
         return ""
@@ -124,7 +124,7 @@ def _digest(of: Callable[..., Any]) -> str:
 
 
 def _shown(value: Any) -> str:
-    """What a function was made with, without the place of it in memory."""
+    """Text of a value that a function was made with, without its address in memory."""
     if callable(value):
         return _digest(value)
     text = repr(value)
@@ -132,20 +132,20 @@ def _shown(value: Any) -> str:
 
 
 def _essence(code: CodeType) -> tuple[Any, ...]:
-    """Without places in files, which tell nothing of what it does."""
+    """Byte code, names and constants of a function, without file names and line numbers."""
     constants = [_essence(one) if isinstance(one, CodeType) else _in_order(one) for one in code.co_consts]
     return code.co_code, code.co_names, constants
 
 
 def _in_order(constant: Any) -> Any:
-    """A set of texts comes in another order with every start of Python."""
+    """Constant in a fixed order: the order of a set of texts differs with every start of Python."""
     return sorted(constant, key=repr) if isinstance(constant, frozenset) else constant
 
 
 def function(
     of: Callable[[Drivetrain], ArrayLike], *, unit: str = "", over: str = "", points: ArrayLike = ()
 ) -> UserFunction:
-    """A quantity that a function calculates of every variant, one by one.
+    """Make a quantity of a Python function that is called for every variant, one by one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far limits of the model are used."""
+"""The quantity ``type: utilisation``: largest value over value allowed of the limits of the model."""
 
 from __future__ import annotations
 

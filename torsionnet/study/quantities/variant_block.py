@@ -1,4 +1,4 @@
-"""Variants that are solved together, and what several quantities want to know of them."""
+"""Block of variants that are solved together, with modes and responses shared by its quantities."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from torsionnet.solve.responses.transfer import responses, warn_infinite
 from torsionnet.study.quantities.counted_remarks import remark
 
 GRAPH = "graph"
-"""The method of responses, unless another is asked for."""
+"""Default method of the response solver."""
 
 
 def single_response(
@@ -48,37 +48,37 @@ T = TypeVar("T")
 
 _NUMBER = re.compile(r"^variant \d+:? ")
 MOST_VALUES = 2_000_000
-"""Complex values of responses that are held at a time, 32 MB."""
+"""Most complex values of responses that are held at a time, 32 MB; more need more memory in each worker."""
 
 
 class Asked(Protocol):
-    """What is asked of every variant."""
+    """Quantity that can be evaluated for a block of variants."""
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        """Values (n_variants, n_points)."""
+        """Values (n_variants, n_points) of the quantity in SI."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class VariantBlock:
-    """Some variants of a drivetrain in one configuration.
+    """Block of variants of a drivetrain in one configuration.
 
     Attributes
     ----------
     model : Drivetrain
-        With its own values.
+        Drivetrain with its own values.
     values : mapping
         Parameter -> (n_variants,) array in SI.
     quantities : mapping
-        All that the study asks for, by name; one may be made of others.
+        Name -> quantity, all those of the study; one may be calculated from others.
     batch : Batch or None
-        Their coefficients, where the rows of all are those of ``model``.
+        Matrices of all variants, where they have the same coordinates as ``model``; None: variants are solved singly.
     remarks : Counter of str
-        What was warned of, and why variants have no value, with the number of times.
+        Texts of warnings and of reasons for missing values, with the number of times.
     method : str
-        Of frequency responses: one that is the same whatever the number of variants.
+        Method of frequency responses, the same whatever the number of variants.
     nominal : callable or None
-        Says the modes of ``model``, where they are kept for other blocks.
+        Returns the modes of ``model``, which other blocks share.
     """
 
     model: Drivetrain
@@ -94,11 +94,11 @@ class VariantBlock:
         return len(next(iter(self.values.values())))
 
     def single(self, index: int) -> Drivetrain:
-        """One variant as a model of its own."""
+        """Drivetrain with the values of one variant."""
         return self.model.configured(**{name: float(column[index]) for name, column in self.values.items()})
 
     def of(self, name: str) -> FloatArray:
-        """Values (n_variants, n_points) of a quantity, worked out once; NaN where no drivetrain can be."""
+        """Values (n_variants, n_points) of a quantity, calculated once; NaN where the model refuses a variant."""
         return self.once(("quantity", name), lambda: self._evaluated(self.quantities[name]))
 
     def _evaluated(self, quantity: Asked) -> FloatArray:
@@ -113,11 +113,11 @@ class VariantBlock:
 
     @property
     def impossible(self) -> NDArray[np.bool_]:
-        """Variants that no drivetrain can be."""
+        """Whether the model refuses each variant, (n_variants,)."""
         return np.zeros(len(self), dtype=bool) if self.batch is None else self.batch.impossible
 
     def parts(self, values_each: int) -> Iterator[tuple[slice, VariantBlock]]:
-        """Blocks of fewer variants where each needs so many complex values, and which variants these are."""
+        """Divide the block by memory: slices of variants and their blocks, for ``values_each`` complex values each."""
         together = max(1, MOST_VALUES // max(values_each, 1))
         if together >= len(self):
             yield slice(0, len(self)), self
@@ -129,11 +129,11 @@ class VariantBlock:
             yield which, replace(self, values=values, batch=batch, known={})
 
     def remark(self, text: str, count: int = 1) -> None:
-        """Count a remark; where there are many already, only that there are others."""
+        """Count a warning by its text."""
         remark(self.remarks, text, count)
 
     def one_by_one(self, ask: Callable[[Drivetrain], ArrayLike], n_points: int = 1) -> FloatArray:
-        """What a function says of every variant (n_variants, n_points); NaN where it cannot be asked."""
+        """Results (n_variants, n_points) of a function of a drivetrain for every variant; NaN where it fails."""
         found = np.full((len(self), n_points), np.nan)
         for index in range(len(self)):
             answer = self.asked(index, ask)
@@ -142,7 +142,7 @@ class VariantBlock:
         return found
 
     def asked(self, index: int, ask: Callable[[Drivetrain], T]) -> T | None:
-        """What a function says of one variant; None where there is no such variant or answer."""
+        """Result of a function for one variant; None where the variant is refused or the function fails."""
         try:
             return ask(self.single(index))
         except TorsionnetError as error:
@@ -151,7 +151,7 @@ class VariantBlock:
 
     @cached_property
     def every_mode(self) -> BatchedModes:
-        """All modes of every variant, in its own order."""
+        """Modes of every variant, in the order of its own eigenvalues."""
         found = single_modes(self.model, self.values) if self.batch is None else batched_modes(self.batch)
         for note in found.notes:
             self.remark(_NUMBER.sub("", note))
@@ -159,7 +159,7 @@ class VariantBlock:
 
     @cached_property
     def modes(self) -> TrackedModes:
-        """Modes in the order of those of ``model``, which they are told by."""
+        """Modes of every variant in the order of the modes of ``model`` by which they are tracked."""
         return tracked(self.every_mode, None if self.nominal is None else self.nominal())
 
     def responses(
@@ -197,7 +197,7 @@ class VariantBlock:
         return found
 
     def once(self, key: Any, work: Callable[[], T]) -> T:
-        """What is worked out once for all quantities."""
+        """Result of ``work``, calculated once for all quantities under a key."""
         if key not in self.known:
             self.known[key] = work()
         found: T = self.known[key]
