@@ -240,13 +240,13 @@ class Stub:
     correlation: np.ndarray | None
     shared: np.ndarray | None
 
-    under_noise, squares = MeasurementBlock.under_noise, MeasurementBlock.squares
+    noise_covariance, squared_correlations = MeasurementBlock.noise_covariance, MeasurementBlock.squared_correlations
 
     @property
     def count(self):
         return 2 * len(self.frequencies)
 
-    def under_shared(self, backward, _values):
+    def shared_covariance(self, backward, _values):
         return 0 if self.shared is None else backward @ self.shared @ backward.T
 
 
@@ -271,12 +271,12 @@ class TestUncertainty:
     def test_under_noise(self):
         first, second, prior = slice(0, 2), slice(2, 6), slice(6, 7)
         expected = self.whole((first, np.eye(2)), (second, self.NOISE), (prior, np.eye(1)))
-        np.testing.assert_allclose(self.problem({0: (1.0, 2.0)}).under_noise(self.BACKWARD), expected, rtol=1e-12)
+        np.testing.assert_allclose(self.problem({0: (1.0, 2.0)}).noise_covariance(self.BACKWARD), expected, rtol=1e-12)
 
     def test_under_shared(self):
         expected = self.whole((slice(2, 6), self.STEPS))
         np.testing.assert_allclose(
-            self.problem({0: (1.0, 2.0)}).under_shared(self.BACKWARD, np.zeros(1)), expected, rtol=1e-12
+            self.problem({0: (1.0, 2.0)}).shared_covariance(self.BACKWARD, np.zeros(1)), expected, rtol=1e-12
         )
 
     def test_effective_count(self):

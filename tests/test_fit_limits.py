@@ -8,7 +8,7 @@ import pytest
 from test_cli import run
 
 import torsionnet as tn
-from torsionnet.identification.natures import nature
+from torsionnet.identification.parameter_quantity import parameter_quantity
 from torsionnet.model.bench import Acquisition, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch
 
@@ -108,7 +108,7 @@ def test_a_fit_of_a_response_that_leads_nowhere_ends_with_words():
     ],
 )
 def test_natures(name, unit, bounds):
-    found = nature(rig(), name)
+    found = parameter_quantity(rig(), name)
     assert (found.unit, found.bounds) == (unit, bounds)
 
 

@@ -15,7 +15,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.identification.residuals import segments
 from torsionnet.identification.residuals.measurement_blocks import make_block
-from torsionnet.identification.residuals.operator import windowed_estimate
+from torsionnet.identification.residuals.windowed_estimate import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, write_recording
 from torsionnet.signals.decimation import usable_up_to
 
@@ -93,7 +93,7 @@ class TestAgainstScipy:
         G = drawn(found)
         expected = covariance_of(lines_of_impulses(found, lambda impulse: filtered(found, G, impulse)))
         for held in (segments.MOST_ROW_BYTES, 0):
-            monkeypatch.setattr(segments, "HELD", held)
+            monkeypatch.setattr(segments, "MOST_ROW_BYTES", held)
             close(found.input_covariance(G), expected)
 
     def test_some_of_the_lines(self, found):
@@ -107,7 +107,7 @@ from pathlib import Path
 import numpy as np
 import torsionnet as tn
 from torsionnet.model.bench import Acquisition, Plan, Transducer
-from torsionnet.identification.residuals.memory import demand
+from torsionnet.identification.residuals.memory_demand import demand
 from torsionnet.signals import LinearChirp, Welch
 
 rig = tn.load("dmf_rig")

@@ -82,7 +82,7 @@ def test_windows_under_a_stationary_input_are_put_upon_the_model():
     assert smooth.exact
     windowed, _ = smooth.smoothed(G(smooth.fine), np.zeros((len(smooth.fine), 1)))
     measured, plain = found.values[:, 0, 0], G(found.frequencies)
-    np.testing.assert_allclose(G(smooth.fine)[smooth.own], plain, rtol=1e-9)
+    np.testing.assert_allclose(G(smooth.fine)[smooth.line_indices], plain, rtol=1e-9)
     assert np.abs(plain - measured).max() > 0.25 * np.abs(measured).max()
     assert np.abs(windowed - measured).max() < 0.04 * np.abs(measured).max()
 

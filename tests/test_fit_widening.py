@@ -7,8 +7,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.identification.fit_problem import make_problem
-from torsionnet.identification.search import solved
-from torsionnet.identification.unknown import Unknown
+from torsionnet.identification.fit_search import local_optimum
+from torsionnet.identification.unknown_parameter import Unknown
 
 TRUE = 640.0
 STRING = """\
@@ -45,7 +45,7 @@ def test_length_of_a_continuous_shaft(begin, residual):
     assert fit.values["L"] == pytest.approx(TRUE, rel=1e-9)
     assert fit.verdicts == ()
     problem = make_problem(string(begin), [measured()], {"L": Unknown()}, residual)
-    assert abs(solved(problem, problem.start, "linear").x[0] - TRUE) > 5
+    assert abs(local_optimum(problem, problem.start, "linear").x[0] - TRUE) > 5
 
 
 def test_with_noise_the_interval_holds_the_length():

@@ -233,8 +233,8 @@ def stepped():
 def test_steps_of_an_encoder_widen_the_errors(stepped):
     fit = stepped(0)
     backward = np.eye(2 * len(fit.comparisons[0].frequencies))
-    assert np.trace(fit.problem.under_shared(backward, np.array(list(fit.values.values())))) > 0.02 * np.trace(
-        fit.problem.under_noise(backward)
+    assert np.trace(fit.problem.shared_covariance(backward, np.array(list(fit.values.values())))) > 0.02 * np.trace(
+        fit.problem.noise_covariance(backward)
     )
 
 

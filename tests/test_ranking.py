@@ -12,12 +12,13 @@ from test_cli import run
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.identification import fitting, load_fit, rank_causes, trying_causes
+from torsionnet.identification import cause_fits
+from torsionnet.identification import fitting, load_fit, rank_causes
 from torsionnet.identification.causes import Cause
-from torsionnet.identification.explaining import _promising as promising
+from torsionnet.identification.explanations import _promising as promising
 from torsionnet.identification.fit_problem import make_problem
-from torsionnet.identification.search import solved
-from torsionnet.identification.unknown import Unknown
+from torsionnet.identification.fit_search import local_optimum
+from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.io import read_frequency_response
 
 F = np.array([6.0, 14.0, 24.0])
@@ -192,9 +193,9 @@ def test_a_reversed_channel_is_found_along(residual):
 def test_a_gain_is_tried_both_ways():
     problem = make_problem(rig(), [reversed_test()], {"d": Unknown()}, "complex")
     gain = Cause("gain", "gain")
-    (found,) = trying_causes.tried_causes(problem, [gain], [problem.start], lambda *p: solved(*p, "linear"))
+    (found,) = cause_fits.fit_causes(problem, [gain], [problem.start], lambda *p: local_optimum(*p, "linear"))
     assert dict(zip(found.problem.names, found.values, strict=True))["gain[measurement]"] == pytest.approx(-1, abs=0.01)
-    assert trying_causes.explaining([found], trying_causes.squares(problem, problem.start)) == [found]
+    assert cause_fits.explaining_fits([found], cause_fits.sum_of_squares(problem, problem.start)) == [found]
 
 
 @pytest.mark.slow
@@ -262,10 +263,10 @@ def test_verdict_of_a_fit_and_ranking_agree():
 )
 def test_what_explains_beside_the_best(monkeypatch, misfits, squares, error, explain):
     """As of a measured thruster rig, where one value left 4.8 % and another, a hundredth of what it is, 8.4 %."""
-    monkeypatch.setattr(trying_causes, "overall_misfit", lambda problem, _: problem.misfit)
+    monkeypatch.setattr(cause_fits, "overall_misfit", lambda problem, _: problem.misfit)
     blocks = [SimpleNamespace(measurement=SimpleNamespace(error=error))]
     tried = [
-        trying_causes.Tried(
+        cause_fits.CauseFit(
             Cause("value", "k"),
             SimpleNamespace(blocks=blocks, effective_count=6.0, names=("k",), start=np.array([2.0]), misfit=misfit),
             np.array([3.0]),
@@ -273,10 +274,10 @@ def test_what_explains_beside_the_best(monkeypatch, misfits, squares, error, exp
         )
         for misfit, left in zip(misfits, squares, strict=True)
     ]
-    assert len(trying_causes.explaining(tried, 100.0)) == explain
+    assert len(cause_fits.explaining_fits(tried, 100.0)) == explain
 
 
 def test_a_value_that_runs_away_explains_nothing():
     problem = SimpleNamespace(names=("k",), start=np.array([2.0]))
-    assert trying_causes.Tried(Cause("value", "k"), problem, np.array([1.9e9]), 0.0).ended
-    assert not trying_causes.Tried(Cause("gain", "k"), problem, np.array([-2.0]), 0.0).ended
+    assert cause_fits.CauseFit(Cause("value", "k"), problem, np.array([1.9e9]), 0.0).ended
+    assert not cause_fits.CauseFit(Cause("gain", "k"), problem, np.array([-2.0]), 0.0).ended

@@ -9,10 +9,10 @@ from scipy import stats
 
 import torsionnet as tn
 from torsionnet.identification.fit import load_fit
-from torsionnet.identification.reach import reach
-from torsionnet.identification.residuals.quiet import quiet_windows
-from torsionnet.identification.residuals.steps import REST_POSITIONS, SensorSteps
-from torsionnet.identification.sources import together, two_sources
+from torsionnet.identification.interval_width import interval_half_width
+from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
+from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
+from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Multisine, Welch, decimate
 
@@ -53,7 +53,7 @@ def test_noise_of_the_torque_is_not_taken_for_more_by_a_wrong_model(wrong):
     """Where quiet windows are asked, not the lines compared."""
     block = fit_of(record(ANGLE)).problem.blocks[0]
     wrong = tn.load("dmf_rig").configured(**wrong).frequency_response("theta_1", "T_T", block.windowed.fine)
-    level, error = quiet_windows(block.windowed, wrong.values[:, 0, 0]).input_noise(1e-8)
+    level, error = unexcited_windows(block.windowed, wrong.values[:, 0, 0]).input_noise(1e-8)
     assert level == pytest.approx(METER**2 / 10, abs=4 * error)
     assert error < 0.1 * level
 
@@ -61,7 +61,7 @@ def test_noise_of_the_torque_is_not_taken_for_more_by_a_wrong_model(wrong):
 def test_under_stationary_excitation_no_window_is_quiet():
     test = record(ANGLE, Multisine(start=0.5, stop=40, period=4, periods=15, amplitude=15))
     block = fit_of(test).problem.blocks[0]
-    found = quiet_windows(block.windowed, np.ones(len(block.windowed.fine), dtype=complex))
+    found = unexcited_windows(block.windowed, np.ones(len(block.windowed.fine), dtype=complex))
     assert found.input_noise(1e-8) is None
     assert np.isinf(found.floor()).all()
 
@@ -70,7 +70,7 @@ def test_the_floor_is_the_noise_of_the_sensor_whatever_the_model():
     block = fit_of(record(ANGLE)).problem.blocks[0]
     for model in ({}, {"I_2": 0.3}):
         response = tn.load("dmf_rig").configured(**model).frequency_response("theta_1", "T_T", block.windowed.fine)
-        found = quiet_windows(block.windowed, response.values[:, 0, 0])
+        found = unexcited_windows(block.windowed, response.values[:, 0, 0])
         expected = np.radians(0.02) ** 2 / 10 + METER**2 / 10 * found.squared
         assert np.median(found.floor() / expected) == pytest.approx(1, abs=0.5)
 
@@ -79,17 +79,17 @@ def test_shares_of_noise():
     gain, rest = np.linspace(0, 4, 50), np.linspace(0, 1, 50)
     noise = np.random.default_rng(1).chisquare(2, 50) / 2
     exact = 3.0 + 2.0 * gain + rest
-    assert two_sources(exact, gain, rest) == pytest.approx((3, 2), rel=1e-6)
-    seen = two_sources(exact * noise, gain, rest, seen=(2.0, 0.01))
+    assert sensor_noise_powers(exact, gain, rest) == pytest.approx((3, 2), rel=1e-6)
+    seen = sensor_noise_powers(exact * noise, gain, rest, seen=(2.0, 0.01))
     assert seen[1] == pytest.approx(2.0, rel=0.01)
     assert seen[0] == pytest.approx(3.0, rel=0.5)
-    far = two_sources(exact * noise, gain, rest, seen=(40.0, 0.01))  # contradicts the lines: they decide
-    assert far == two_sources(exact * noise, gain, rest)
+    far = sensor_noise_powers(exact * noise, gain, rest, seen=(40.0, 0.01))  # contradicts the lines: they decide
+    assert far == sensor_noise_powers(exact * noise, gain, rest)
 
 
 def test_means_weigh_by_errors():
-    assert together([None]) is None
-    value, error = together([(1.0, 0.1), None, (2.0, 0.2)])
+    assert weighted_mean([None]) is None
+    value, error = weighted_mean([(1.0, 0.1), None, (2.0, 0.2)])
     assert value == pytest.approx((1 / 0.01 + 2 / 0.04) / (1 / 0.01 + 1 / 0.04))
     assert error == pytest.approx((1 / 0.01 + 1 / 0.04) ** -0.5)
 
@@ -136,7 +136,7 @@ def test_an_interval_holds_what_noise_and_steps_do():
         drawn = noise * stats.t.rvs(30, size=count, random_state=rng)
         drawn += sum(size * np.cos(rng.uniform(0, 2 * np.pi, count)) for size in sizes)
         error = np.sqrt(noise**2 + sum(size**2 for size in sizes) / 2)
-        half = reach(0.95, error, [(size * np.cos(phases)).tolist() for size in sizes], 30)
+        half = interval_half_width(0.95, error, [(size * np.cos(phases)).tolist() for size in sizes], 30)
         assert np.mean(np.abs(drawn) < half) == pytest.approx(0.95, abs=0.012)
 
 

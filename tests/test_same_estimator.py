@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.residuals.operator import windowed_estimate
+from torsionnet.identification.residuals.windowed_estimate import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, estimate
 
 RATE, COUNT, LATE, SIZE = 100.0, 1000, 7, 0.5

@@ -64,9 +64,9 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/signals/timing": RECORDS,
     "torsionnet/signals": ("test_advice", "test_estimation", "test_processing", "test_recordings", "test_bench"),
     "torsionnet/modal": MODAL_FIT,
-    "torsionnet/identification/residuals/operator": ("test_same_estimator", *FIT),
+    "torsionnet/identification/residuals/windowed_estimate": ("test_same_estimator", *FIT),
     "torsionnet/identification/fit_file": ("test_fit_files", "test_cli_fit"),
-    "torsionnet/identification/saving": ("test_cli_fit", *FIT),
+    "torsionnet/identification/fit_saving": ("test_cli_fit", *FIT),
     "torsionnet/identification/verdict_words": (*FIT, "test_cli_fit"),
     "torsionnet/identification": FIT,
 }

@@ -15,7 +15,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Misfit": "torsionnet.identification.lack_of_fit",
         "RankedCause": "torsionnet.identification.ranking",
         "Ranking": "torsionnet.identification.ranking",
-        "Unknown": "torsionnet.identification.unknown",
+        "Unknown": "torsionnet.identification.unknown_parameter",
         "choose_model": "torsionnet.identification.model_choice",
         "identify": "torsionnet.identification.fitting",
         "load_fit": "torsionnet.identification.fit",

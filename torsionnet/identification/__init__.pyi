@@ -13,7 +13,7 @@ from torsionnet.identification.ranking import RankedCause as RankedCause
 from torsionnet.identification.ranking import Ranking as Ranking
 from torsionnet.identification.ranking import rank_causes as rank_causes
 from torsionnet.identification.residuals.measurement import Measurement as Measurement
-from torsionnet.identification.unknown import Unknown as Unknown
+from torsionnet.identification.unknown_parameter import Unknown as Unknown
 
 __all__ = [
     "Candidate",

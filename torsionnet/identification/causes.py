@@ -11,15 +11,15 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.identification.fit_problem import FitProblem, laid_out
-from torsionnet.identification.unknown import Unknown
+from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
+from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, Spring
 
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
-FREED = ("inertia", "stiffness", "damping")
+FREED_DIMENSIONS = ("inertia", "stiffness", "damping")
 """Dimensions of element fields that are tried as causes of a misfit, besides gear ratios."""
-GONE = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
+REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
 """Field of an element that a cause of this kind replaces: the other kind of damping, or the teeth behind a ratio."""
 
 
@@ -51,7 +51,7 @@ class Cause:
         return self.kind in ("value", "ratio")
 
 
-def causes_of(problem: FitProblem) -> tuple[Cause, ...]:
+def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     """Causes of a misfit that can be tried in a fit: those that are not free already."""
     free = {extra for block in problem.blocks for extra in block.extra}
     channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
@@ -65,7 +65,7 @@ def _values(rig: AssembledModel) -> Iterator[Cause]:
     definition, seen = rig.definition, set()
     for element in definition.active:
         for field, (spec, value) in element.scalars().items():
-            known = getattr(spec, "dimension", "") in FREED or field == "ratio"
+            known = getattr(spec, "dimension", "") in FREED_DIMENSIONS or field == "ratio"
             if not known or not isinstance(value, Expression):
                 continue
             for name in _leaves(value, definition.parameters) or [f"{element.name}.{field}"]:
@@ -132,7 +132,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
         Whether another kind of damping replaces the present one; otherwise it starts at 0 in addition to it.
     """
     more = [cause.unknown for cause in causes if not cause.is_of_channel]
-    gone = {f"{cause.element}.{GONE[cause.kind]}" for cause in causes if cause.element and instead}
+    gone = {f"{cause.element}.{REPLACED_FIELDS[cause.kind]}" for cause in causes if cause.element and instead}
     flags: dict[str, Any] = {cause.unknown: True for cause in causes if cause.is_of_channel}
     unknowns = {
         **{name: one for name, one in problem.unknowns.items() if name not in gone},
@@ -148,16 +148,16 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
 
     known = dict(zip(problem.names, values.tolist(), strict=True))
     blocks = [
-        block.varied(changed(block.response.drivetrain), replace(block.measurement, **flags), tuple(unknowns))
+        block.with_model(changed(block.response.drivetrain), replace(block.measurement, **flags), tuple(unknowns))
         for block in problem.blocks
     ]
-    found = laid_out(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
+    found = lay_out_problem(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
     idle = [name for name in unknowns if not _acts(found, name)] if instead and changes else []
     if not idle:
         return found
     kept = {name: unknown for name, unknown in unknowns.items() if name not in idle}
-    blocks = [block.varied(block.response.drivetrain, block.measurement, tuple(kept)) for block in blocks]
-    return laid_out(problem.blocks[0].response.drivetrain, blocks, kept, known)
+    blocks = [block.with_model(block.response.drivetrain, block.measurement, tuple(kept)) for block in blocks]
+    return lay_out_problem(problem.blocks[0].response.drivetrain, blocks, kept, known)
 
 
 def _acts(problem: FitProblem, name: str) -> bool:

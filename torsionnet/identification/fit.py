@@ -12,15 +12,15 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_result import Compared, FitResult
+from torsionnet.identification.fit_saving import dump_fit, read_fit
+from torsionnet.identification.fit_search import LeastSquaresSolution, cannot_be_negative, residual_variance
 from torsionnet.identification.lack_of_fit import LackOfFit
-from torsionnet.identification.lack_words import lacking
-from torsionnet.identification.natures import Nature, nature
+from torsionnet.identification.lack_of_fit_words import lack_of_fit_sentences
 from torsionnet.identification.noise_bias import noise_bias
+from torsionnet.identification.parameter_quantity import ParameterQuantity, parameter_quantity
 from torsionnet.identification.profile import profile_interval
-from torsionnet.identification.saving import dump_fit, read_fit
-from torsionnet.identification.search import LeastSquaresSolution, cannot_be_negative, variance
+from torsionnet.identification.stepwise_search import large_misfit_warnings
 from torsionnet.identification.verdict_words import verdicts
-from torsionnet.identification.widening import far_off
 from torsionnet.response.recording import Recording
 
 SINGULAR_RATIO = 1e-9
@@ -88,18 +88,20 @@ def make_fit(
     records is known from their windows: a reduced chi squared below 1 does not reduce it.
     """
     plain_names = {name: name.partition("[")[0] for name in problem.names}
-    natures = {plain: nature(model, plain) for plain in plain_names.values()}
+    natures = {plain: parameter_quantity(model, plain) for plain in plain_names.values()}
     values, limits = _at_limits(problem, found.x, natures)
-    residuals, slopes = problem.both(values)
+    residuals, slopes = problem.residuals_and_jacobian(values)
     free = problem.effective_count - len(values)
-    left_over = variance(residuals, len(values), loss, found.scale)
+    left_over = residual_variance(residuals, len(values), loss, found.scale)
     factor = max(left_over, 1.0) if problem.noise_is_measured and loss == "linear" else left_over
     reach = np.linalg.norm(slopes, axis=0)
     scale = 1 / np.where(reach > 0, reach, 1.0)  # parameters without effect at the optimum are not determined
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR_RATIO * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
-    inverse = problem.under_noise(backward) + problem.under_shared(backward, values) / max(factor, np.finfo(float).tiny)
+    inverse = problem.noise_covariance(backward) + problem.shared_covariance(backward, values) / max(
+        factor, np.finfo(float).tiny
+    )
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR_RATIO)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
@@ -107,7 +109,7 @@ def make_fit(
     names, moved = problem.names, noise_bias(problem, values)
     told = verdicts(problem, values, errors, correlation, turned[lost], moved, limits)
     rejected = lack is not None and lack.rejected
-    doubts, withheld = () if rejected else far_off(problem, values), np.inf if rejected else 0.0
+    misfit_warnings, withheld = () if rejected else large_misfit_warnings(problem, values), np.inf if rejected else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),
         standard_errors=dict(zip(names, (np.hypot(errors, moved) + withheld).tolist(), strict=True)),
@@ -115,7 +117,7 @@ def make_fit(
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=(*lacking(lack), *doubts, *limits.values(), *told),
+        verdicts=(*lack_of_fit_sentences(lack), *misfit_warnings, *limits.values(), *told),
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
@@ -134,12 +136,12 @@ def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
 
 
 def _steps(problem: FitProblem, backward: FloatArray) -> dict[str, tuple[tuple[float, ...], ...]]:
-    tests = [moved.tolist() for moved in problem.under_steps(backward)]
+    tests = [moved.tolist() for moved in problem.step_shifts(backward)]
     return {name: tuple(map(tuple, found)) for name, *found in zip(problem.names, *tests, strict=True) if found}
 
 
 def _compared(problem: FitProblem, number: int, values: FloatArray) -> Compared:
-    block, place = problem.blocks[number], problem.places[number]
+    block, place = problem.blocks[number], problem.unknown_indices[number]
     predicted, _ = block.predicted(values[place])
     residual, _ = block.residuals(values[place])
     count, size = len(block.frequencies), block.deviations
@@ -160,7 +162,7 @@ def _response_unit(output: str, into: str) -> str:
 
 
 def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tuple[str, ...]:
-    labels = [f"{block.measurement.label} ({block.described})" for block in problem.blocks]
+    labels = [f"{block.measurement.label} ({block.description})" for block in problem.blocks]
     by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
@@ -182,17 +184,17 @@ def load_fit(path: str | os.PathLike[str]) -> Fit:
 
 
 def _at_limits(
-    problem: FitProblem, values: FloatArray, natures: Mapping[str, Nature]
+    problem: FitProblem, values: FloatArray, natures: Mapping[str, ParameterQuantity]
 ) -> tuple[FloatArray, dict[str, str]]:
     """Values with 0 for those that ran to zero, and by name a sentence for each that ran to zero or without end."""
-    residuals, slopes = problem.both(values)
+    residuals, slopes = problem.residuals_and_jacobian(values)
     spread = np.sqrt(float(residuals @ residuals) / max(len(residuals) - len(values), 1))
     effect = np.linalg.norm(slopes, axis=0) * np.abs(values)
     unseen = cannot_be_negative(problem) & (effect <= INVISIBLE_EFFECT * max(spread, np.finfo(float).tiny))
     ended, said = values.copy(), {}
     for index in np.flatnonzero(unseen):
         name, factor = problem.names[index], values[index] / problem.start[index]
-        kind = natures.get(name.partition("[")[0], Nature()).dimension
+        kind = natures.get(name.partition("[")[0], ParameterQuantity()).dimension
         if factor < 1 / RUNAWAY_FACTOR and problem.lower[index] == 0:
             what = kind if kind in ENDLESS_ADVICE else "parameter"
             said[name] = f"{name} runs to zero: the data do not show this {what}; leave it out"

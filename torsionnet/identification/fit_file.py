@@ -14,7 +14,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.residuals.instrument import set_points
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_blocks import default_settings
-from torsionnet.identification.unknown import Unknown
+from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load
 from torsionnet.model.files.decoding import decode

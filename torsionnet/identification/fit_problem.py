@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.natures import nature
+from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
+from torsionnet.identification.parameter_quantity import parameter_quantity
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.measurement_blocks import make_block
 from torsionnet.identification.residuals.record_block import RecordBlock
-from torsionnet.identification.sources import together, two_sources
-from torsionnet.identification.unknown import Unknown
+from torsionnet.identification.unknown_parameter import Unknown
 
 CHANNEL_UNKNOWNS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), "")}
 GAIN_BOUNDS_OF_MAGNITUDES = (0.0, np.inf)
@@ -36,7 +36,7 @@ class FitProblem:
     start, lower, upper : (n,) array
         Start values and bounds, SI.
     priors : mapping of index to (mean, standard deviation)
-    places : tuple of int arrays
+    unknown_indices : tuple of int arrays
         For each block the indices of its unknowns in the vector.
     """
 
@@ -46,24 +46,24 @@ class FitProblem:
     upper: FloatArray
     priors: Mapping[int, tuple[float, float]]
     blocks: tuple[MeasurementBlock, ...]
-    places: tuple[NDArray[np.intp], ...]
+    unknown_indices: tuple[NDArray[np.intp], ...]
     unknowns: Mapping[str, Unknown] = field(default_factory=dict)
 
     def residuals(self, values: FloatArray) -> FloatArray:
         """Weighted residuals of all measurements and priors, (n_residuals,)."""
-        return self.both(values)[0]
+        return self.residuals_and_jacobian(values)[0]
 
     def jacobian(self, values: FloatArray) -> FloatArray:
         """Derivatives of the weighted residuals by the unknowns, (n_residuals, n)."""
-        return self.both(values)[1]
+        return self.residuals_and_jacobian(values)[1]
 
-    def both(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residuals_and_jacobian(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Weighted residuals (n_residuals,) and their derivatives (n_residuals, n); the last result is cached."""
         key = values.tobytes()
         if self._known is not None and self._known[0] == key:
             return self._known[1]
         parts, slopes = [], []
-        for block, place in zip(self.blocks, self.places, strict=True):
+        for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             residual, jacobian = block.residuals(values[place])
             whole = np.zeros((len(residual), len(values)))
             np.add.at(whole.T, place, jacobian.T)
@@ -82,34 +82,34 @@ class FitProblem:
         """Weigh records by the noise estimated from what the model leaves; equal sensors share it in all tests."""
         records = [
             (block, values[place])
-            for block, place in zip(self.blocks, self.places, strict=True)
+            for block, place in zip(self.blocks, self.unknown_indices, strict=True)
             if isinstance(block, RecordBlock)
         ]
         for sensors in dict.fromkeys(block.sensors for block, _ in records):
             alike = [(block, mine) for block, mine in records if block.sensors == sensors]
             found = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
             level, gain, steps = (np.concatenate(parts) for parts in found)
-            repeated = sum(block.squares for block, _ in alike) / sum(block.count for block, _ in alike)
-            sources = two_sources(level, gain, steps, repeated)
-            seen = together(block.input_noise(mine, sources[0]) for block, mine in alike)
+            repeated = sum(block.squared_correlations for block, _ in alike) / sum(block.count for block, _ in alike)
+            sources = sensor_noise_powers(level, gain, steps, repeated)
+            seen = weighted_mean(block.input_noise(mine, sources[0]) for block, mine in alike)
             if seen:
-                sources = two_sources(level, gain, steps, repeated, seen)
+                sources = sensor_noise_powers(level, gain, steps, repeated, seen)
             for block, mine in alike:
                 block.take_sources(mine, *sources)
-        self.forget()
+        self.clear_cache()
 
     def take_measured_noise(self, values: FloatArray) -> None:
         """Weigh measurements by their noise as measured, which does not depend on the misfit of the model."""
-        for block, place in zip(self.blocks, self.places, strict=True):
+        for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             noise = block.measured_noise(values[place])
             if noise is not None:
                 block.take_measured_noise(noise)
-        self.forget()
+        self.clear_cache()
 
-    def reversed_where_nearer(self, start: FloatArray) -> FloatArray:
+    def start_with_reversed_channels(self, start: FloatArray) -> FloatArray:
         """Start values (n,) with the gain negated where that is nearer to the test (reversed channel)."""
         found = start.copy()
-        for block, place in zip(self.blocks, self.places, strict=True):
+        for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             if "gain" in block.extra and block.form != "magnitude":
                 predicted, (real, imaginary) = block.predicted(start[place])[0], np.split(block.deviations, 2)
                 if np.sum((predicted.conj() * block.measured).real / (real**2 + imaginary**2)) < 0:
@@ -126,35 +126,35 @@ class FitProblem:
         """Whether the noise level of all measurements is known from windows, not only its distribution over lines."""
         return all(isinstance(block, RecordBlock) and any(block.sources) for block in self.blocks)
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """Drop cached residuals, after the noise of a block has changed."""
         self._known = None
 
-    def under_noise(self, backward: FloatArray) -> FloatArray:
+    def noise_covariance(self, backward: FloatArray) -> FloatArray:
         """Covariance (n, n) of backward (n, n_residuals) @ residuals by noise; measurements are independent."""
         total, start = np.zeros((len(backward), len(backward))), 0
         for block in self.blocks:
-            total += block.under_noise(backward[:, start : start + block.count])
+            total += block.noise_covariance(backward[:, start : start + block.count])
             start += block.count
         return total + backward[:, start:] @ backward[:, start:].T
 
-    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+    def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         """Covariance (n, n) of backward @ residuals by errors that all lines share, as of a sensor's steps."""
         total = np.zeros((len(backward), len(backward)))
-        for block, span, place in zip(self.blocks, self.spans, self.places, strict=True):
-            total += block.under_shared(backward[:, span], values[place])
+        for block, span, place in zip(self.blocks, self.residual_slices, self.unknown_indices, strict=True):
+            total += block.shared_covariance(backward[:, span], values[place])
         return total
 
-    def under_steps(self, backward: FloatArray) -> list[FloatArray]:
-        """Errors (n, places) of backward @ residuals by the sensor steps of each record, one per rest position."""
+    def step_shifts(self, backward: FloatArray) -> list[FloatArray]:
+        """Errors (n, positions) of backward @ residuals by the sensor steps of each record, one per rest position."""
         return [
-            block.under_steps(backward[:, span])
-            for block, span in zip(self.blocks, self.spans, strict=True)
+            block.step_shifts(backward[:, span])
+            for block, span in zip(self.blocks, self.residual_slices, strict=True)
             if isinstance(block, RecordBlock) and block.sensor.size
         ]
 
     @property
-    def spans(self) -> tuple[slice, ...]:
+    def residual_slices(self) -> tuple[slice, ...]:
         """Slice of each block in the vector of residuals."""
         ends = np.cumsum([0, *(block.count for block in self.blocks)]).tolist()
         return tuple(slice(begin, end) for begin, end in pairwise(ends))
@@ -163,7 +163,7 @@ class FitProblem:
     def effective_count(self) -> float:
         """Number of independent values that the correlated residuals are worth."""
         count = sum(block.count for block in self.blocks) + len(self.priors)
-        return float(count**2 / (sum(block.squares for block in self.blocks) + len(self.priors)))
+        return float(count**2 / (sum(block.squared_correlations for block in self.blocks) + len(self.priors)))
 
     @property
     def lines(self) -> int:
@@ -185,10 +185,10 @@ def make_problem(
     if len(set(labels)) != len(labels):
         twice = sorted({label for label in labels if labels.count(label) > 1})
         raise UsageError(f"several measurements are called {', '.join(twice)}; give them names")
-    return laid_out(model, [make_block(model, one, tuple(unknowns), form) for one in measurements], unknowns)
+    return lay_out_problem(model, [make_block(model, one, tuple(unknowns), form) for one in measurements], unknowns)
 
 
-def laid_out(
+def lay_out_problem(
     model: AssembledModel,
     blocks: Sequence[MeasurementBlock],
     unknowns: Mapping[str, Unknown],
@@ -197,7 +197,7 @@ def laid_out(
     """Fit problem of blocks and unknowns; ``known`` replaces start values, by names of entries of the vector."""
     entries: dict[str, tuple[float, tuple[float, float]]] = {}
     priors: dict[str, tuple[float, float]] = {}
-    places: list[list[str]] = []
+    entries_of_blocks: list[list[str]] = []
     for block in blocks:
         mine = []
         for number, (name, unknown) in enumerate(unknowns.items()):
@@ -212,7 +212,7 @@ def laid_out(
             mine.append(entry)
             begin, span, _ = CHANNEL_UNKNOWNS[extra]
             entries[entry] = begin, GAIN_BOUNDS_OF_MAGNITUDES if extra == "gain" and block.form == "magnitude" else span
-        places.append(mine)
+        entries_of_blocks.append(mine)
     entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
     order = {entry: index for index, entry in enumerate(entries)}
     limits = np.array([bounds for _, bounds in entries.values()]).reshape(-1, 2)
@@ -223,7 +223,7 @@ def laid_out(
         upper=limits[:, 1],
         priors={order[entry]: prior for entry, prior in priors.items()},
         blocks=tuple(blocks),
-        places=tuple(np.array([order[entry] for entry in mine], dtype=np.intp) for mine in places),
+        unknown_indices=tuple(np.array([order[entry] for entry in mine], dtype=np.intp) for mine in entries_of_blocks),
         unknowns=dict(unknowns),
     )
 
@@ -231,7 +231,7 @@ def laid_out(
 def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
     start = value if unknown.start is None else unknown.start
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
-    bounds = unknown.bounds or stated or natural_bounds(model, name, start)
+    bounds = unknown.bounds or stated or physical_bounds(model, name, start)
     if not bounds[0] <= start <= bounds[1]:
         raise UsageError(
             f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}; change start or bounds"
@@ -239,7 +239,7 @@ def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> 
     return start, bounds
 
 
-def natural_bounds(model: AssembledModel, name: str, start: float) -> tuple[float, float]:
+def physical_bounds(model: AssembledModel, name: str, start: float) -> tuple[float, float]:
     """Physical bounds of a parameter, SI; without any, a value that starts above 0 stays positive."""
-    lower, upper = nature(model, name).bounds
+    lower, upper = parameter_quantity(model, name).bounds
     return (lower, upper) if np.isfinite(lower) or start <= 0 else (0.0, upper)

@@ -66,13 +66,13 @@ class FitResult:
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
         """Confidence intervals by name in SI, from Student's distribution and that of errors by sensor steps."""
-        from torsionnet.identification.reach import reach
+        from torsionnet.identification.interval_width import interval_half_width
 
         if not 0 < level < 1:
             raise UsageError(f"the confidence level is a number between 0 and 1, such as 0.95, got {level}")
         freedom, found = max(self.degrees_of_freedom, 1), {}
         for name, value in self.values.items():
-            half = reach(level, self.standard_errors[name], self.steps.get(name, ()), freedom)
+            half = interval_half_width(level, self.standard_errors[name], self.steps.get(name, ()), freedom)
             found[name] = (value - half, value + half)
         return found
 

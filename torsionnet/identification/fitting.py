@@ -12,15 +12,15 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError, UsageError, did_you_mean
 from torsionnet.core.threads import one_thread
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.identification.explaining import explanations, too_coarse
+from torsionnet.identification.explanations import coarse_sensor_remarks, explanations
 from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
+from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum, loss_weights, typical_steps
 from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.residual_forms import FORMS
-from torsionnet.identification.search import LeastSquaresSolution, solved, steps, weights
-from torsionnet.identification.unknown import Unknown, read_unknowns
-from torsionnet.identification.widening import widened
+from torsionnet.identification.stepwise_search import stepwise_optimum
+from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
@@ -95,12 +95,12 @@ def identify(
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
     begun = _starts_and_reversed(problem, starts, seed)
-    best, start = min(((solved(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
-    best = widened(problem, best, start, loss)
+    best, start = min(((local_optimum(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
+    best = stepwise_optimum(problem, best, start, loss)
     for _ in range(NOISE_ROUNDS if problem.has_records else 0):
         before = best.x
         problem.learn_noise(before)
-        best = solved(problem, before, loss)
+        best = local_optimum(problem, before, loss)
         if _moved(before, best.x) < SETTLED_CHANGE:
             break
     if not best.converged or not np.isfinite(best.cost):
@@ -115,20 +115,22 @@ def identify(
 
 def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
     """Result of the fit; if the model does not fit, weighed by measured noise and with explanations of the misfit."""
-    lack = LackOfFit(misfits(problem, best.x, weights(problem.residuals(best.x), loss, best.scale)))
+    lack = LackOfFit(misfits(problem, best.x, loss_weights(problem.residuals(best.x), loss, best.scale)))
     if not lack.rejected:
         return make_fit(model, problem, best, loss, lack)
     problem.take_measured_noise(best.x)
-    best = solved(problem, best.x, loss)
+    best = local_optimum(problem, best.x, loss)
 
     def solve(tried: FitProblem, start: FloatArray) -> LeastSquaresSolution:
-        return solved(tried, start, loss)
+        return local_optimum(tried, start, loss)
 
     def errors(tried: FitProblem, at: LeastSquaresSolution) -> Mapping[str, float]:
         return make_fit(model, tried, at, loss).standard_errors
 
     found = explanations(problem, best.x, solve, errors)
-    return make_fit(model, problem, best, loss, replace(lack, explanations=found, doubts=too_coarse(problem)))
+    return make_fit(
+        model, problem, best, loss, replace(lack, explanations=found, data_warnings=coarse_sensor_remarks(problem))
+    )
 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:
@@ -140,7 +142,7 @@ def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[Flo
     found = _starts(problem, count, seed)
     return [
         *found,
-        *(other for one in found if (other := problem.reversed_where_nearer(one)).tobytes() != one.tobytes()),
+        *(other for one in found if (other := problem.start_with_reversed_channels(one)).tobytes() != one.tobytes()),
     ]
 
 
@@ -159,13 +161,13 @@ def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
 
 
 def _check_information(problem: FitProblem) -> None:
-    residuals, slopes = problem.both(problem.start)
+    residuals, slopes = problem.residuals_and_jacobian(problem.start)
     if len(residuals) < len(problem.names):
         raise UsageError(
             f"{len(problem.names)} parameters cannot be found from {problem.lines} lines: "
             f"{', '.join(problem.names)}; measure more, or fix some of them"
         )
-    reach = np.abs(slopes).max(axis=0) * steps(problem, problem.start)
+    reach = np.abs(slopes).max(axis=0) * typical_steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
     idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE_EFFECT * seen]
     if idle:
@@ -185,6 +187,6 @@ def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
     left = max(other.chi_squared / max(count, 1), np.finfo(float).tiny)
     for block, theirs in zip(fit.problem.blocks, other.problem.blocks, strict=True):
         block.take_noise(theirs, left)
-    fit.problem.forget()
-    solution = solved(fit.problem, np.array(list(fit.values.values())), "linear")
+    fit.problem.clear_cache()
+    solution = local_optimum(fit.problem, np.array(list(fit.values.values())), "linear")
     return make_fit(model, fit.problem, solution, "linear", LackOfFit(misfits(fit.problem, solution.x)))

@@ -90,13 +90,13 @@ class LackOfFit:
         Tests of the measurements whose noise can be told apart from the model's error.
     explanations : tuple of Explanation
         Single additional unknowns with which the model would fit, the best first; only if it does not fit.
-    doubts : tuple of str
+    data_warnings : tuple of str
         Warnings about the data, in words.
     """
 
     measurements: tuple[Misfit, ...]
     explanations: tuple[Explanation, ...] = ()
-    doubts: tuple[str, ...] = ()
+    data_warnings: tuple[str, ...] = ()
 
     @property
     def rejected(self) -> bool:
@@ -112,12 +112,15 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
     under that (Satterthwaite); patterns are sums along cosines over the lines. The bias of residuals by squared noise
     is subtracted before.
     """
-    residuals, slopes = problem.both(values)
+    residuals, slopes = problem.residuals_and_jacobian(values)
     shift = noise_shift(problem, values)
     basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
     residuals = residuals * (1.0 if weights is None else weights) - shift + basis @ (basis.T @ shift)
-    found = [block.measured_noise(values[place]) for block, place in zip(problem.blocks, problem.places, strict=True)]
-    every = zip(problem.blocks, problem.spans, problem.places, found, strict=True)
+    found = [
+        block.measured_noise(values[place])
+        for block, place in zip(problem.blocks, problem.unknown_indices, strict=True)
+    ]
+    every = zip(problem.blocks, problem.residual_slices, problem.unknown_indices, found, strict=True)
     seen = [(block, span, values[place], noise) for block, span, place, noise in every if noise]
     known = [(block, span, noise) for block, span, _, noise in seen]
     covariances = [_covariance(block, noise, mine) for block, _, mine, noise in seen]
@@ -136,7 +139,7 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
 def _covariance(block: MeasurementBlock, noise: Noise, values: FloatArray) -> FloatArray:
     """Covariance of the weighted residuals by the measured noise and by systematic errors of the estimate."""
     size = np.sqrt(np.tile(noise.ratio, block.parts))
-    return np.asarray(block.likeness * np.outer(size, size) + block.beyond_noise(values))
+    return np.asarray(block.known_correlation * np.outer(size, size) + block.systematic_covariance(values))
 
 
 def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
@@ -151,7 +154,7 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     seen = sizes > ABSORBED_VARIANCE_SHARE * sizes[-1]
     pattern = float(np.mean((turned[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
     chances.append(float(stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
-    weights = block.absolute**2
+    weights = block.absolute_scale**2
     beyond = max(float((residual**2 - np.diag(covariance)) @ weights), 0.0)
     size = np.sqrt(beyond / float(np.sum(np.abs(block.measured) ** 2)))
     return Misfit(block.measurement.label, float(np.sqrt(total)), float(size), min(1.0, 2 * min(chances)))

@@ -12,7 +12,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fitting import identify, refit_with_noise_of
 from torsionnet.identification.residuals.measurement import Measurement
-from torsionnet.identification.unknown import Unknown
+from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.response import Column, Table
 
 CLEAR_AICC_DIFFERENCE, SLIGHT_AICC_DIFFERENCE = 10.0, 4.0

@@ -9,7 +9,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.residuals.record_block import RecordBlock
-from torsionnet.identification.residuals.residual_forms import of_errors, parts
+from torsionnet.identification.residuals.residual_forms import errors_in_form, parts
 
 REPORTED_BIAS = 0.5
 """Bias in standard errors above which a verdict reports it."""
@@ -18,10 +18,10 @@ REPORTED_BIAS = 0.5
 def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
     """Mean of the weighted residuals by squared noise (n_residuals,), from the sensor noise that the fit estimated."""
     shifts = np.zeros(len(problem.residuals(values)))
-    for block, span, place in zip(problem.blocks, problem.spans, problem.places, strict=True):
+    for block, span, place in zip(problem.blocks, problem.residual_slices, problem.unknown_indices, strict=True):
         if isinstance(block, RecordBlock):
             shift = _shift(block, values[place])
-            shifts[span] = of_errors(block.form, parts(shift)[:, None], block.measured)[:, 0] / block.sizes
+            shifts[span] = errors_in_form(block.form, parts(shift)[:, None], block.measured)[:, 0] / block.sizes
     return shifts
 
 
@@ -45,7 +45,9 @@ def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
     return np.asarray(on_input * own * block.predicted(values)[0])
 
 
-def biased(problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray) -> Iterator[str]:
+def noise_bias_sentence(
+    problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray
+) -> Iterator[str]:
     """Sentence on the values that noise biases by more than REPORTED_BIAS standard errors, if there are any."""
     told = [
         f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"

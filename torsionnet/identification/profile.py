@@ -39,7 +39,7 @@ class _Profile:
         assert fit.problem is not None
         self.problem, self.index = fit.problem, list(fit.values).index(name)
         self.best = np.array(list(fit.values.values()))
-        residuals, slopes = self.problem.both(self.best)
+        residuals, slopes = self.problem.residuals_and_jacobian(self.best)
         factor = fit.chi_squared / max(len(residuals) - len(self.best), 1)
         error = fit.standard_errors[name]
         known = np.isfinite(error) and error > 0

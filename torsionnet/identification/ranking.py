@@ -11,14 +11,14 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.threads import one_thread
-from torsionnet.identification.causes import causes_of
+from torsionnet.identification.cause_fits import CauseFit, explaining_fits, fit_causes, overall_misfit, sum_of_squares
+from torsionnet.identification.causes import possible_causes
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
-from torsionnet.identification.lack_words import cause_in_words
+from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum
+from torsionnet.identification.lack_of_fit_words import cause_in_words
 from torsionnet.identification.residuals.measurement import Measurement
-from torsionnet.identification.search import LeastSquaresSolution, solved
-from torsionnet.identification.trying_causes import Tried, explaining, overall_misfit, squares, tried_causes
-from torsionnet.identification.unknown import Unknown, read_unknowns
+from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.response import Column, Table
 
 
@@ -146,9 +146,9 @@ def rank_causes(
     ('I_2', 0.2)
     """
     problem, values = _prepared(model, measurements, parameters, residual)
-    whole = squares(problem, values)
-    tried = tried_causes(problem, causes_of(problem), [values], _solve)
-    good = {one.cause for one in explaining(tried, whole)}
+    whole = sum_of_squares(problem, values)
+    tried = fit_causes(problem, possible_causes(problem), [values], _solve)
+    good = {one.cause for one in explaining_fits(tried, whole)}
     ranked = [_ranked(one, whole, explains=one.cause in good) for one in tried]
     return Ranking(tuple(ranked), overall_misfit(problem, values))
 
@@ -172,11 +172,13 @@ def _prepared(
 
 def _solve(problem: FitProblem, start: FloatArray) -> LeastSquaresSolution:
     return (
-        solved(problem, start, "linear") if len(start) else LeastSquaresSolution(start, 0.0, converged=True, message="")
+        local_optimum(problem, start, "linear")
+        if len(start)
+        else LeastSquaresSolution(start, 0.0, converged=True, message="")
     )
 
 
-def _ranked(one: Tried, whole: float, *, explains: bool) -> RankedCause:
+def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
     mine = [place for place, name in enumerate(one.problem.names) if name.partition("[")[0] == one.cause.unknown]
     cause, value = one.cause, float(np.mean(one.values[mine]))
     begin = float(np.mean(one.problem.start[mine]))
@@ -188,6 +190,6 @@ def _ranked(one: Tried, whole: float, *, explains: bool) -> RankedCause:
         before=begin if cause.is_value else None,
         value=value,
         misfit=one.misfit,
-        left=one.squares / whole if whole else 0.0,
+        left=one.sum_of_squares / whole if whole else 0.0,
         explains=explains,
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.noise_bias import biased
+from torsionnet.identification.noise_bias import noise_bias_sentence
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, peaks
 
@@ -40,7 +40,7 @@ def verdicts(
         *_vague(problem, values, errors, ended),
         *_bounds(problem, values, ended),
         *_odd(problem, values),
-        *biased(problem, values, errors, moved),
+        *noise_bias_sentence(problem, values, errors, moved),
         *_narrow_peaks(problem, values),
     )
 
@@ -109,7 +109,7 @@ def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
 def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
     """RMS of model minus test over RMS of the test, of each measurement."""
     found = []
-    for block, place in zip(problem.blocks, problem.places, strict=True):
+    for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
         predicted, measured = block.predicted(values[place])[0], block.measured
         apart = np.abs(predicted) - np.abs(measured) if block.form == "magnitude" else predicted - measured
         found.append(np.sqrt(np.sum(np.abs(apart) ** 2) / np.sum(np.abs(block.measured) ** 2)))
@@ -118,7 +118,7 @@ def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 def _narrow_peaks(problem: FitProblem, values: FloatArray) -> Iterator[str]:
     """Sentence for each peak so narrow that the windows of the estimate act like damping."""
-    for block, place in zip(problem.blocks, problem.places, strict=True):
+    for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
         if isinstance(block, ResponseBlock) and block.data.coherence is not None:
             yield from _narrow(block, values[place])
 

@@ -117,7 +117,7 @@ def _lack(found: Fit) -> dict[str, Any] | None:
 def _announce(plan: FitPlan) -> None:
     """Print notes on the decimation of records, and on the memory of the fit if that is large."""
     from torsionnet.cli.memory_note import note_memory
-    from torsionnet.identification.residuals.memory import demand, total
+    from torsionnet.identification.residuals.memory_demand import memory_demand, total_memory
     from torsionnet.response.recording import Recording
     from torsionnet.signals.decimation import usable_up_to
 
@@ -129,8 +129,8 @@ def _announce(plan: FitPlan) -> None:
             if settings.decimation > 1:
                 rate = record.sampling_rate / settings.decimation
                 message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
-            demands.append(demand(record, settings, one.band or (0.0, limit)))
-    note_memory(total(demands), "narrower bands, or shorter windows (seconds), take less")
+            demands.append(memory_demand(record, settings, one.band or (0.0, limit)))
+    note_memory(total_memory(demands), "narrower bands, or shorter windows (seconds), take less")
 
 
 def _as_data(found: Fit, profiles: Intervals, true: Any) -> dict[str, Any]:

@@ -81,7 +81,9 @@ class Instrument:
         return Instrument("H1", ""), of_input
 
 
-def instrument_of(model: AssembledModel, measurement: Measurement, record: Recording, settings: Welch) -> Instrument:
+def choose_instrument(
+    model: AssembledModel, measurement: Measurement, record: Recording, settings: Welch
+) -> Instrument:
     """Instrument for a measurement: the reference asked for, else a set-point in the record, else the input.
 
     Raises

@@ -17,7 +17,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
-from torsionnet.identification.residuals.residual_forms import Form, apart
+from torsionnet.identification.residuals.residual_forms import Form, residuals_in_form
 from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
 
@@ -48,7 +48,7 @@ class MeasurementBlock(ABC):
         """Frequencies of the lines compared, Hz, (n_b,)."""
 
     @property
-    def described(self) -> str:
+    def description(self) -> str:
         """Short description of the data compared, such as '40 lines of H1'."""
         return f"{len(self.frequencies)} lines"
 
@@ -72,7 +72,7 @@ class MeasurementBlock(ABC):
         """Standard deviations by which the residuals are divided, (count,)."""
 
     @property
-    def absolute(self) -> FloatArray:
+    def absolute_scale(self) -> FloatArray:
         """Factors that turn weighted residuals into differences in the unit of the response, (count,)."""
         return self.sizes * (1.0 if self.form == "complex" else np.tile(np.abs(self.measured), self.parts))
 
@@ -81,28 +81,28 @@ class MeasurementBlock(ABC):
         """Correlation (count, count) of the weighted residuals; None where they are independent."""
         return None
 
-    def under_noise(self, backward: FloatArray) -> FloatArray:
+    def noise_covariance(self, backward: FloatArray) -> FloatArray:
         """Covariance (n, n) of backward (n, count) @ residuals by noise."""
         correlation = self.correlation
         return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
 
     @property
-    def squares(self) -> float:
+    def squared_correlations(self) -> float:
         """Sum of the squared correlations of all pairs of residuals."""
         return float(self.count if self.correlation is None else np.sum(self.correlation**2))
 
-    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+    def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         """Covariance (n, n) of backward (n, count) @ residuals by systematic errors that all lines share."""
         del values
         return np.zeros((len(backward), len(backward)))
 
-    def beyond_noise(self, values: FloatArray) -> FloatArray:
+    def systematic_covariance(self, values: FloatArray) -> FloatArray:
         """Covariance (count, count) of the weighted residuals of a correct model by systematic errors."""
-        return self.under_shared(np.eye(self.count), values)
+        return self.shared_covariance(np.eye(self.count), values)
 
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Weighted residuals, model minus test (count,), and their derivatives (count, n)."""
-        residuals, slopes = apart(self.form, *self.predicted(values), self.measured)
+        residuals, slopes = residuals_in_form(self.form, *self.predicted(values), self.measured)
         size = self.sizes
         return residuals / size, slopes / size[:, None]
 
@@ -116,16 +116,16 @@ class MeasurementBlock(ABC):
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
-        found = noise_between_lines(lines, self.likeness[:count, :count])
+        found = noise_between_lines(lines, self.known_correlation[:count, :count])
         if found is None:
             return None
         # A useless model leaves residuals that jump between lines; noise cannot exceed the measured response.
-        power = float(np.tile(found.ratio, len(residual) // count) @ self.absolute**2)
+        power = float(np.tile(found.ratio, len(residual) // count) @ self.absolute_scale**2)
         most = float(np.sum(np.abs(self.measured) ** 2))
         return replace(found, ratio=found.ratio * min(1.0, most / power)) if power > 0 else found
 
     @property
-    def likeness(self) -> FloatArray:
+    def known_correlation(self) -> FloatArray:
         """Correlation (count, count) of the weighted residuals, the identity where it is unknown."""
         return np.eye(self.count) if self.correlation is None else self.correlation
 
@@ -137,7 +137,9 @@ class MeasurementBlock(ABC):
     def take_noise(self, other: MeasurementBlock, left: float) -> None:
         """Use the weights of another fit of the same measurement, whose reduced chi squared is ``left``."""
 
-    def varied(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> MeasurementBlock:
+    def with_model(
+        self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]
+    ) -> MeasurementBlock:
         """Copy of the block with another model, other measurement flags or other parameters."""
         found, old = copy(self), self.response
         found.measurement = measurement

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.residuals.instrument import Instrument, instrument_of
+from torsionnet.identification.residuals.instrument import Instrument, choose_instrument
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.memory import MOST_BYTES, check_memory, demand
-from torsionnet.identification.residuals.operator import WindowedEstimate, windowed_estimate
+from torsionnet.identification.residuals.memory_demand import MOST_BYTES, check_memory, memory_demand
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import Form
-from torsionnet.identification.residuals.response_block import ResponseBlock, settled
+from torsionnet.identification.residuals.response_block import ResponseBlock, lowest_settled_frequency
+from torsionnet.identification.residuals.sensor_steps import SensorSteps, find_sensor_steps
 from torsionnet.identification.residuals.smoothing import smoothing
-from torsionnet.identification.residuals.steps import SensorSteps, steps_in
+from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate, windowed_estimate
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.recording import Recording
@@ -55,12 +55,12 @@ def _of_record(
     settings = measurement.settings or default_settings(data, measurement.band)
     band = measurement.band or _usable_band(data, measurement, settings)
     check_memory(measurement.label, data, settings, band)
-    names, instrument = (measurement.output, measurement.input), instrument_of(rig, measurement, data, settings)
+    names, instrument = (measurement.output, measurement.input), choose_instrument(rig, measurement, data, settings)
     windowed = windowed_estimate(data, *names, settings, band, measurement.settling, instrument)
     kept = _kept(windowed.frequencies, measurement)
     units = tuple(Channel(name, data[name].unit) for name in names)
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
-    steps = steps_in(data, *names, settings.decimation)
+    steps = find_sensor_steps(data, *names, settings.decimation)
     return RecordBlock(measurement, response, windowed, kept, steps, form=form)
 
 
@@ -75,7 +75,7 @@ def _of_response(
         windowed, kept, steps = remembered
         response = _response(rig, measurement, windowed.fine, parameters, ends)
         given = np.asarray(chosen.values[:, 0, 0])
-        return RecordBlock(measurement, response, windowed, kept, steps, form=form, given=given)
+        return RecordBlock(measurement, response, windowed, kept, steps, form=form, estimated_lines=given)
     smooth = smoothing(chosen.frequencies, chosen.estimation) if chosen.estimation else None
     response = _response(rig, measurement, smooth.fine if smooth else chosen.frequencies, parameters, ends)
     return ResponseBlock(measurement, response, chosen, smooth, form=form)
@@ -94,7 +94,7 @@ def _usable_band(data: Recording, measurement: Measurement, settings: Welch) -> 
 
 
 def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> FrequencyResponse:
-    low, high = measurement.band or (settled(data), data.usable_up_to or np.inf)
+    low, high = measurement.band or (lowest_settled_frequency(data), data.usable_up_to or np.inf)
     inside = (data.frequencies >= low) & (data.frequencies <= high) & (data.frequencies > 0)
     kept = inside & np.isfinite(data.values[:, 0, 0]) & (data.values[:, 0, 0] != 0)
     for start, stop in measurement.excluded:
@@ -163,7 +163,7 @@ def _remembered_estimate(
     instrument = Instrument(origin.estimator, signal, plain=True)
     detrend: Any = origin.detrend
     settings, band = Welch(origin.window, origin.seconds, origin.overlap, detrend), (float(f[0]), float(f[-1]))
-    if demand(origin.record, settings, band).most > MOST_BYTES:
+    if memory_demand(origin.record, settings, band).most > MOST_BYTES:
         return None
     windowed = windowed_estimate(origin.record, output, driven, settings, band, instrument=instrument)
     kept = np.asarray(np.isclose(windowed.frequencies[:, None], f, rtol=1e-9).any(axis=1), dtype=np.bool_)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.residuals.operator import WindowedEstimate
 from torsionnet.identification.residuals.segments import SegmentRows
+from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 POOLED_VALUES = 20.0
 """Independent complex noise values that an average over neighbouring lines has to contain."""
@@ -63,7 +63,7 @@ def noise_between_windows(
     """
     rows = windowed.rows.only(kept)
     w = rows.weights
-    left, predicted = (rows.segments.lines(values) for values in windowed.apart(G))
+    left, predicted = (rows.segments.lines(values) for values in windowed.residual_and_prediction(G))
     share = predicted / (w * predicted).sum(axis=0)
     rest = left - share * (w * left).sum(axis=0)
     overlap, weight = _overlaps(rows), np.abs(w) ** 2

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise, noise_between_windows
-from torsionnet.identification.residuals.operator import WindowedEstimate
-from torsionnet.identification.residuals.quiet import quiet_windows
-from torsionnet.identification.residuals.residual_forms import of_covariance, of_errors
-from torsionnet.identification.residuals.steps import REST_POSITIONS, SensorSteps
+from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form
+from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
+from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
+from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 MOST_NOISE_RATIO = 100.0
 """Largest noise power of excited windows over that of unexcited ones; a larger residual that does not follow the input
@@ -28,27 +28,27 @@ class RecordBlock(MeasurementBlock):
     ----------
     sensor : SensorSteps
         Steps of the output's sensor.
-    given : (n_b,) complex array, optional
+    estimated_lines : (n_b,) complex array, optional
         Lines of a response that was estimated before, used instead of estimating the record again.
-    moved : (places, 2 n_b) array
+    step_errors : (places, 2 n_b) array
         Errors of real and imaginary parts by the steps of the sensor, for each rest position within a step.
     """
 
     windowed: WindowedEstimate
     kept: NDArray[np.bool_]
     sensor: SensorSteps
-    given: ComplexArray | None = field(default=None, kw_only=True)
+    estimated_lines: ComplexArray | None = field(default=None, kw_only=True)
     covariance: FloatArray = field(init=False)
     sources: tuple[float, float] = field(init=False, default=(0.0, 0.0))
-    moved: FloatArray = field(init=False)
+    step_errors: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         self.covariance = self._part(self.windowed.output_covariance())
-        self.moved = np.zeros((REST_POSITIONS, len(self.covariance)))
+        self.step_errors = np.zeros((REST_POSITIONS, len(self.covariance)))
 
     @property
-    def described(self) -> str:
-        return f"{super().described} of {self.windowed.instrument}"
+    def description(self) -> str:
+        return f"{super().description} of {self.windowed.instrument}"
 
     @property
     def frequencies(self) -> FloatArray:
@@ -56,7 +56,7 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def measured(self) -> ComplexArray:
-        return np.asarray(self.windowed.measured[self.kept]) if self.given is None else self.given
+        return np.asarray(self.windowed.measured[self.kept]) if self.estimated_lines is None else self.estimated_lines
 
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         G, slopes = self._distorted(values, self.windowed.fine)
@@ -69,28 +69,30 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def sizes(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, self._whole, self.measured))))
+        return np.asarray(np.sqrt(np.diag(covariance_in_form(self.form, self._whole, self.measured))))
 
     @property
     def correlation(self) -> FloatArray:
         size = self.sizes
-        return np.asarray(of_covariance(self.form, self.covariance, self.measured) / np.outer(size, size))
+        return np.asarray(covariance_in_form(self.form, self.covariance, self.measured) / np.outer(size, size))
 
     @property
-    def squares(self) -> float:
+    def squared_correlations(self) -> float:
         """Sum of the squared correlations of all pairs of residuals by noise, without errors by sensor steps."""
-        noise = of_covariance(self.form, self.covariance, self.measured)
+        noise = covariance_in_form(self.form, self.covariance, self.measured)
         size = np.sqrt(np.diag(noise))
         return float(np.sum((noise / np.outer(size, size)) ** 2))
 
-    def under_steps(self, backward: FloatArray) -> FloatArray:
+    def step_shifts(self, backward: FloatArray) -> FloatArray:
         """Errors (n, places) of backward (n, count) @ residuals by sensor steps, one per rest position."""
-        return np.asarray(backward @ (of_errors(self.form, self.moved.T, self.measured) / self.sizes[:, None]))
+        return np.asarray(
+            backward @ (errors_in_form(self.form, self.step_errors.T, self.measured) / self.sizes[:, None])
+        )
 
-    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+    def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         del values
-        moved = self.under_steps(backward)
-        return np.asarray(moved @ moved.T / REST_POSITIONS)
+        shifts = self.step_shifts(backward)
+        return np.asarray(shifts @ shifts.T / REST_POSITIONS)
 
     @property
     def sensors(self) -> tuple[str, str, float]:
@@ -107,7 +109,7 @@ class RecordBlock(MeasurementBlock):
     def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
         """Noise power of the input from unexcited windows, and its standard error; None with too few windows."""
         G, _ = self._distorted(values, self.windowed.fine)
-        return quiet_windows(self.windowed, G).input_noise(on_output)
+        return unexcited_windows(self.windowed, G).input_noise(on_output)
 
     def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
         """Weigh the residuals by noise of these powers on output and input."""
@@ -120,11 +122,11 @@ class RecordBlock(MeasurementBlock):
     def measured_noise(self, values: FloatArray) -> Noise | None:
         G, _ = self._distorted(values, self.windowed.fine)
         supposed = (self.deviations**2).reshape(2, -1).sum(axis=0)
-        independent = self.count * len(self.frequencies) / self.squares
+        independent = self.count * len(self.frequencies) / self.squared_correlations
         between = noise_between_windows(self.windowed, G, self.kept, supposed, independent)
         if between is None:
             return super().measured_noise(values)
-        quiet = self._unit * quiet_windows(self.windowed, G).floor()[self.kept] + self._variance_of_steps
+        quiet = self._unit * unexcited_windows(self.windowed, G).floor()[self.kept] + self._variance_of_steps
         return replace(between, ratio=np.minimum(between.ratio, MOST_NOISE_RATIO * quiet / supposed))
 
     def take_measured_noise(self, noise: Noise) -> None:
@@ -134,12 +136,12 @@ class RecordBlock(MeasurementBlock):
     def take_noise(self, other: MeasurementBlock, left: float) -> None:
         del left
         assert isinstance(other, RecordBlock)
-        self.covariance, self.moved = other.covariance, other.moved
+        self.covariance, self.step_errors = other.covariance, other.step_errors
 
     @property
     def _whole(self) -> FloatArray:
         """Covariance (2 n_b, 2 n_b) of real and imaginary parts by noise and sensor steps."""
-        return np.asarray(self.covariance + self.moved.T @ self.moved / REST_POSITIONS)
+        return np.asarray(self.covariance + self.step_errors.T @ self.step_errors / REST_POSITIONS)
 
     @property
     def _unit(self) -> FloatArray:
@@ -148,13 +150,13 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def _variance_of_steps(self) -> FloatArray:
-        return np.asarray(np.mean(self.moved**2, axis=0).reshape(2, -1).sum(axis=0))
+        return np.asarray(np.mean(self.step_errors**2, axis=0).reshape(2, -1).sum(axis=0))
 
     def _take_steps(self, G: ComplexArray) -> None:
         if self.sensor.size:
-            _, motion = self.windowed.apart(G)
+            _, motion = self.windowed.residual_and_prediction(G)
             lines = self.sensor.errors(motion, self.windowed.rows.only(self.kept))
-            self.moved = np.concatenate([lines.real, lines.imag], axis=1)
+            self.step_errors = np.concatenate([lines.real, lines.imag], axis=1)
 
     def _part(self, whole: FloatArray) -> FloatArray:
         """Part of a covariance (of all lines) for the lines compared."""

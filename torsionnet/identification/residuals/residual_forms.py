@@ -21,7 +21,7 @@ def parts(values: ComplexArray | FloatArray) -> FloatArray:
     return np.concatenate([values.real, values.imag])
 
 
-def apart(
+def residuals_in_form(
     form: Form, predicted: ComplexArray, slopes: ComplexArray, measured: ComplexArray
 ) -> tuple[FloatArray, FloatArray]:
     """Residuals between prediction and test (n,) as real numbers in a form, and derivatives (.., n_p)."""
@@ -34,7 +34,7 @@ def apart(
     return (ratio.real, relative.real) if form == "magnitude" else (parts(ratio), parts(relative))
 
 
-def of_errors(form: Form, errors: FloatArray, measured: ComplexArray) -> FloatArray:
+def errors_in_form(form: Form, errors: FloatArray, measured: ComplexArray) -> FloatArray:
     """Small errors of real and imaginary parts (2 n, k) converted to a form of residuals, (.., k)."""
     if form == "complex":
         return errors
@@ -43,6 +43,6 @@ def of_errors(form: Form, errors: FloatArray, measured: ComplexArray) -> FloatAr
     return np.asarray(relative.real) if form == "magnitude" else parts(relative)
 
 
-def of_covariance(form: Form, covariance: FloatArray, measured: ComplexArray) -> FloatArray:
+def covariance_in_form(form: Form, covariance: FloatArray, measured: ComplexArray) -> FloatArray:
     """Covariance of real and imaginary parts (2 n, 2 n) converted to a form of residuals."""
-    return of_errors(form, of_errors(form, covariance, measured).T, measured)
+    return errors_in_form(form, errors_in_form(form, covariance, measured).T, measured)

@@ -17,7 +17,7 @@ from torsionnet.identification.residuals.line_noise import (
 )
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise
-from torsionnet.identification.residuals.residual_forms import of_covariance, of_errors, parts
+from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form, parts
 from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
 from torsionnet.response import FrequencyResponse
 
@@ -66,21 +66,21 @@ class ResponseBlock(MeasurementBlock):
         size = np.sqrt(self.noise) / (1.0 if self.form == "complex" else np.abs(self.measured))
         return np.tile(size, self.parts)
 
-    def under_noise(self, backward: FloatArray) -> FloatArray:
+    def noise_covariance(self, backward: FloatArray) -> FloatArray:
         lines = self._line_correlation
         if lines is None:
-            return super().under_noise(backward)
+            return super().noise_covariance(backward)
         return np.asarray(sum(part @ (lines @ part.T) for part in np.split(backward, self.parts, axis=1)))
 
     @property
-    def squares(self) -> float:
+    def squared_correlations(self) -> float:
         lines = self._line_correlation
         return self.count if lines is None else self.parts * float((lines**2).sum())
 
     @property
-    def likeness(self) -> FloatArray:
+    def known_correlation(self) -> FloatArray:
         lines = self._line_correlation
-        return super().likeness if lines is None else np.kron(np.eye(self.parts), lines.toarray())
+        return super().known_correlation if lines is None else np.kron(np.eye(self.parts), lines.toarray())
 
     @property
     def _line_correlation(self) -> csr_array | None:
@@ -88,19 +88,21 @@ class ResponseBlock(MeasurementBlock):
         averaged = averaging_of(self.data) if self.measurement.error is None else self.data.estimation
         return None if averaged is None else line_correlation(self.frequencies, averaged)
 
-    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+    def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         if self.smoothing is None or self.smoothing.exact:
-            return super().under_shared(backward, values)
-        plain = self.curve(values)[self.smoothing.own]
+            return super().shared_covariance(backward, values)
+        plain = self.curve(values)[self.smoothing.line_indices]
         doubtful = parts(SMOOTHING_ERROR_SHARE * (self.predicted(values)[0] - plain))[:, None]
-        moved = backward @ (of_errors(self.form, doubtful, self.measured) / self.sizes[:, None])
+        moved = backward @ (errors_in_form(self.form, doubtful, self.measured) / self.sizes[:, None])
         return np.asarray(moved @ moved.T)
 
-    def beyond_noise(self, values: FloatArray) -> FloatArray:
+    def systematic_covariance(self, values: FloatArray) -> FloatArray:
         if self.smoothing is None or self.smoothing.exact:
-            return super().beyond_noise(values)
-        covariance = self.smoothing.covariance(self.predicted(values)[0] - self.curve(values)[self.smoothing.own])
-        return np.asarray(of_covariance(self.form, covariance, self.measured) / np.outer(self.sizes, self.sizes))
+            return super().systematic_covariance(values)
+        covariance = self.smoothing.covariance(
+            self.predicted(values)[0] - self.curve(values)[self.smoothing.line_indices]
+        )
+        return np.asarray(covariance_in_form(self.form, covariance, self.measured) / np.outer(self.sizes, self.sizes))
 
     @property
     def remark(self) -> str:
@@ -110,7 +112,7 @@ class ResponseBlock(MeasurementBlock):
         if self.measurement.error is None and self.data.estimation is None and self._line_correlation is not None:
             usual = f"a {USUAL_WINDOW} window with {100 * USUAL_OVERLAP:.0f} % overlap"
             found.append(f"has a coherence but does not say how it was averaged: neighbours are related as by {usual}")
-        cut = 0.0 if self.measurement.band or self.smoothing is None else settled(self.data)
+        cut = 0.0 if self.measurement.band or self.smoothing is None else lowest_settled_frequency(self.data)
         if cut:
             found.append(f"is used from {cut:.3g} Hz, as a sweep passed what is below within the first window")
         return f"{self.measurement.label} {'; '.join(found)}" if found else ""
@@ -128,6 +130,6 @@ class ResponseBlock(MeasurementBlock):
         self.noise = other.noise * left
 
 
-def settled(data: FrequencyResponse) -> float:
+def lowest_settled_frequency(data: FrequencyResponse) -> float:
     """Lowest usable frequency of a sweep in Hz, after its first window; 0 with the record at hand."""
     return data.estimation.settled_from if data.estimation and data.estimation.record is None else 0.0

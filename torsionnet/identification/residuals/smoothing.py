@@ -41,7 +41,7 @@ class Smoothing:
     inverted : bool
     exact : bool
         Whether this is the exact mean effect of the windows (stationary input).
-    own : (n_b,) array of int
+    line_indices : (n_b,) array of int
         Indices of the lines in ``fine``.
     """
 
@@ -50,7 +50,7 @@ class Smoothing:
     mirrored: csr_array
     inverted: bool
     exact: bool
-    own: NDArray[np.intp]
+    line_indices: NDArray[np.intp]
 
     def smoothed(self, G: ComplexArray, slopes: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """Smoothed lines (n_b,) and derivatives (n_b, n) from a response G (n_f,) and derivatives (n_f, n)."""
@@ -61,7 +61,7 @@ class Smoothing:
 
     def covariance(self, change: ComplexArray) -> FloatArray:
         """Covariance (2 n_b, 2 n_b) of smoothing errors under a sweep; ``change`` (n_b,) is smoothed minus exact."""
-        far = np.subtract.outer(self.own, self.own) / POINTS_PER_BIN / ERROR_CORRELATION_LINES
+        far = np.subtract.outer(self.line_indices, self.line_indices) / POINTS_PER_BIN / ERROR_CORRELATION_LINES
         both = LINE_ERROR_RATIO**2 * np.outer(change, change.conj()) * np.exp(-(far**2) / 2)
         return np.block([[both.real, -both.imag], [both.imag, both.real]]) / 2
 
@@ -74,8 +74,8 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
     step = 1 / (estimation.seconds * POINTS_PER_BIN)
     offsets = np.arange(-NEIGHBOUR_BINS * POINTS_PER_BIN, NEIGHBOUR_BINS * POINTS_PER_BIN + 1)
     weights = _shares(estimation, offsets)
-    own = np.rint(frequencies / step).astype(np.intp)
-    places = own[:, None] + offsets
+    lines = np.rint(frequencies / step).astype(np.intp)
+    places = lines[:, None] + offsets
     count = int(np.abs(places).max())
     # There is no response at 0 Hz to ask for: the real part of its neighbour stands in.
     targets, half = np.maximum(np.abs(places), 1), np.where(places == 0, 0.5, 1.0)
@@ -83,7 +83,7 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
     mirrored = _sparse(np.where(places <= 0, weights * half, 0.0), targets, count)
     fine = np.asarray(np.arange(1, count + 1) * step, dtype=np.float64)
     inverted, exact = estimation.estimator == "H2", not estimation.swept
-    return Smoothing(fine, forward, mirrored, inverted, exact, own - 1)
+    return Smoothing(fine, forward, mirrored, inverted, exact, lines - 1)
 
 
 def _sparse(weights: FloatArray, places: NDArray[np.intp], count: int) -> csr_array:

@@ -38,7 +38,7 @@ class LeastSquaresSolution:
     scale: float = 1.0
 
 
-def solved(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSolution:
+def local_optimum(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSolution:
     """Local optimum of a fit problem from a start; its cost is infinite if it cannot be calculated.
 
     A robust loss needs the size of residuals that are not outliers: the median of their absolute values, calculated
@@ -47,18 +47,18 @@ def solved(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSol
     if loss == "linear":
         return _local(problem, start, loss, 1.0)
     found = _local(problem, start, "linear", 1.0)
-    scale = typical(problem, found.x)
+    scale = residual_scale(problem, found.x)
     for _ in range(SCALE_ROUNDS):
         if not np.isfinite(found.cost) or scale == 0:
             break
         found = _local(problem, found.x, loss, LOSS_TUNING[loss] * scale)
-        before, scale = scale, typical(problem, found.x)
+        before, scale = scale, residual_scale(problem, found.x)
         if abs(scale / before - 1) < SETTLED_SCALE_CHANGE:
             break
     return replace(found, scale=scale)
 
 
-def typical(problem: FitProblem, x: FloatArray) -> float:
+def residual_scale(problem: FitProblem, x: FloatArray) -> float:
     """Standard deviation of the residuals that are not outliers."""
     return DEVIATION_PER_MEDIAN * float(np.median(np.abs(problem.residuals(x))))
 
@@ -72,7 +72,7 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> L
             np.clip(start, lower, upper),
             jac=problem.jacobian,
             bounds=(lower, upper),
-            x_scale=steps(problem, problem.start),
+            x_scale=typical_steps(problem, problem.start),
             loss=chosen,
             f_scale=scale,
             xtol=CONVERGENCE_TOLERANCE,
@@ -103,14 +103,14 @@ def search_bounds(problem: FitProblem) -> tuple[FloatArray, FloatArray]:
     return lower, upper
 
 
-def steps(problem: FitProblem, start: FloatArray) -> FloatArray:
+def typical_steps(problem: FitProblem, start: FloatArray) -> FloatArray:
     """Typical step of each unknown (n,): its start value; for a delay a tenth of the shortest period."""
     top = max(float(block.frequencies[-1]) for block in problem.blocks)
     extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]
     return np.where(np.abs(start) > 0, np.abs(start), np.array(extra))
 
 
-def variance(residuals: FloatArray, parameters: int, loss: str, scale: float) -> float:
+def residual_variance(residuals: FloatArray, parameters: int, loss: str, scale: float) -> float:
     """Effective variance of a residual under a loss (Huber 1981, Robust Statistics, section 7.6)."""
     free = max(len(residuals) - parameters, 1)
     if loss == "linear" or scale == 0:
@@ -119,7 +119,7 @@ def variance(residuals: FloatArray, parameters: int, loss: str, scale: float) ->
     return float(np.sum((weight * residuals) ** 2)) / free / float(np.mean(slope)) ** 2
 
 
-def weights(residuals: FloatArray, loss: str, scale: float) -> FloatArray:
+def loss_weights(residuals: FloatArray, loss: str, scale: float) -> FloatArray:
     """Weight of each residual under a robust loss, from 0 to 1."""
     return np.ones(len(residuals)) if loss == "linear" or scale == 0 else _influence(loss, residuals, scale)[0]
 

@@ -13,9 +13,9 @@ from scipy.optimize import least_squares
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum, search_bounds, typical_steps
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
-from torsionnet.identification.search import LeastSquaresSolution, search_bounds, solved, steps
 from torsionnet.identification.verdict_words import relative_misfits
 
 LINE_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
@@ -29,7 +29,9 @@ WARNED_MISFIT, LEAST_IMPROVEMENT = 0.1, 1e-6
 by which another optimum is taken."""
 
 
-def widened(problem: FitProblem, best: LeastSquaresSolution, start: FloatArray, loss: str) -> LeastSquaresSolution:
+def stepwise_optimum(
+    problem: FitProblem, best: LeastSquaresSolution, start: FloatArray, loss: str
+) -> LeastSquaresSolution:
     """Better one of the best optimum so far and that of a search with step-by-step added lines.
 
     Only for responses; records take far longer, and their lines are wide.
@@ -47,7 +49,7 @@ def widened(problem: FitProblem, best: LeastSquaresSolution, start: FloatArray, 
                 found = _with_lines(problem, found, share)
     except (SolveError, ValueError, np.linalg.LinAlgError):
         return best  # few lines may lead anywhere, even where the model cannot be solved
-    other = solved(problem, found, loss)
+    other = local_optimum(problem, found, loss)
     return other if other.converged and other.cost < (1 - LEAST_IMPROVEMENT) * best.cost else best
 
 
@@ -70,19 +72,19 @@ def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatAr
         np.clip(start, lower, upper),
         jac=jacobian,
         bounds=(lower, upper),
-        x_scale=steps(problem, problem.start),
+        x_scale=typical_steps(problem, problem.start),
         max_nfev=MOST_STEP_EVALUATIONS,
     )
     return np.asarray(found.x)
 
 
-def far_off(problem: FitProblem, values: FloatArray) -> tuple[str, ...]:
+def large_misfit_warnings(problem: FitProblem, values: FloatArray) -> tuple[str, ...]:
     """Warning for each response of unknown noise that the model misses by far, as it may have other peaks."""
     misfits = relative_misfits(problem, values)
     return tuple(
         f"{block.measurement.label}: the model is off by {100 * misfit:.2g} % of the response (RMS), and nothing says "
         "that this is noise: it may have other peaks than the test; try starts=10, or an error or a coherence"
-        for block, place, misfit in zip(problem.blocks, problem.places, misfits, strict=True)
+        for block, place, misfit in zip(problem.blocks, problem.unknown_indices, misfits, strict=True)
         if misfit > WARNED_MISFIT and _has_unknown_noise(block) and _has_peaks(block.predicted(values[place])[0])
     )
 

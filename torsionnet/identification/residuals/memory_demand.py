@@ -17,7 +17,7 @@ FLOAT_BYTES, COMPLEX_BYTES = 8, 16
 
 
 @dataclass(frozen=True)
-class Demand:
+class MemoryDemand:
     """Memory demand of one record in a fit, in bytes.
 
     Attributes
@@ -38,7 +38,7 @@ class Demand:
         return self.kept + self.passing
 
 
-def demand(record: Recording, settings: Welch, band: tuple[float, float]) -> Demand:
+def memory_demand(record: Recording, settings: Welch, band: tuple[float, float]) -> MemoryDemand:
     """Memory demand of a record whose lines in a band (Hz) are compared, within a factor of two."""
     rate, samples = record.sampling_rate / settings.decimation, len(record) / settings.decimation
     lines = max(0, int((min(band[1], rate / 2) - band[0]) * settings.seconds) + 1)
@@ -47,12 +47,12 @@ def demand(record: Recording, settings: Welch, band: tuple[float, float]) -> Dem
     rows = COMPLEX_BYTES * lines * samples
     held = 2 * rows if rows <= MOST_ROW_BYTES else 0  # else row by row
     transforms = 4 * COMPLEX_BYTES * max(2 * samples, min(NUMBERS_PER_BATCH, 2 * samples * lines))
-    return Demand(
+    return MemoryDemand(
         3 * FLOAT_BYTES * len(record) + 2 * covariance, max(pieces, held + transforms) + 4 * covariance, lines
     )
 
 
-def total(demands: Iterable[Demand]) -> float:
+def total_memory(demands: Iterable[MemoryDemand]) -> float:
     """Peak memory in bytes for all records of a fit, which are processed one after the other."""
     listed = list(demands)
     return sum(one.kept for one in listed) + max((one.passing for one in listed), default=0.0)
@@ -66,7 +66,7 @@ def check_memory(label: str, record: Recording, settings: Welch, band: tuple[flo
     UsageError
         With advice on settings that take less.
     """
-    found = demand(record, settings, band)
+    found = memory_demand(record, settings, band)
     if found.most > MOST_BYTES:
         size = found.most / 1e9
         raise UsageError(

@@ -20,7 +20,7 @@ MOST_EXPLANATIONS_LISTED = 3
 """Explanations that a sentence lists at most; more would hide the first."""
 
 
-def lacking(lack: LackOfFit | None) -> Iterator[str]:
+def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
     """Sentence on a model that does not fit, with explanation and advice; nothing if the model fits."""
     if lack is None or not lack.rejected:
         return
@@ -28,7 +28,7 @@ def lacking(lack: LackOfFit | None) -> Iterator[str]:
     where = "" if len(lack.measurements) == 1 else f" {', '.join(one.name for one in wrong)}"
     worst = max(one.ratio for one in wrong)
     says = f"the model does not fit{where}: the residuals are {worst:.2g} times the noise, in a pattern over frequency"
-    withheld = "; ".join([INTERVALS_WITHHELD, *lack.doubts])
+    withheld = "; ".join([INTERVALS_WITHHELD, *lack.data_warnings])
     if not lack.explanations:
         yield (
             f"{says}; no delay, gain, other kind of damping or single other value explains it: look at the residuals, "

@@ -83,11 +83,11 @@ class WindowedEstimate:
         Segments are weighted as in the estimate: in a sweep a line is measured while the sweep passes it, and the
         errors by an encoder's steps differ then from those at other times.
         """
-        rest, _ = self.apart(G)
+        rest, _ = self.residual_and_prediction(G)
         noise, drive = np.abs(self.rows.segments.lines(rest)) ** 2, np.abs(self.rows.weights) ** 2
         return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / self.rows.squares)
 
-    def apart(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    def residual_and_prediction(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Measured minus predicted output, and predicted output, each (n,)."""
         predicted = self._passed(G)
         return _from_rest(self.record, self.output) - predicted, predicted

@@ -17,7 +17,7 @@ COMPATIBLE_STANDARD_ERRORS = 4.0
 excitation shows only in the lines that it drives."""
 
 
-def two_sources(
+def sensor_noise_powers(
     level: FloatArray,
     gain: FloatArray,
     rest: FloatArray,
@@ -41,7 +41,7 @@ def two_sources(
 
     Examples
     --------
-    >>> [round(share, 2) for share in two_sources(np.array([1.0, 3.0, 5.0]), np.arange(3.0), np.zeros(3))]
+    >>> [round(share, 2) for share in sensor_noise_powers(np.array([1.0, 3.0, 5.0]), np.arange(3.0), np.zeros(3))]
     [1.0, 2.0]
     """
     both = np.column_stack([np.ones_like(gain), gain])
@@ -50,16 +50,16 @@ def two_sources(
         made_up = rest + both @ shares
         shares = shares * np.mean(level / np.maximum(made_up, np.finfo(float).tiny))
         return _above_zero(float(shares[0]), float(shares[1]))
-    found = together([seen, (float(shares[1]), float(spread[1]))])
+    found = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
     assert found is not None
     on_output, _ = _shares(level, both[:, :1], rest + found[0] * gain, repeated)
     return _above_zero(float(on_output[0]), found[0])
 
 
-def together(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
+def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
     """Mean of values weighted by their standard errors, and its own standard error; None without values.
 
-    >>> together([(1.0, 1.0), None, (2.0, 1.0)])
+    >>> weighted_mean([(1.0, 1.0), None, (2.0, 1.0)])
     (1.5, 0.7071067811865476)
     """
     known = [(value, max(error, np.finfo(float).tiny ** 0.25)) for value, error in filter(None, found)]

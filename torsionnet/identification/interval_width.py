@@ -21,7 +21,7 @@ NEGLIGIBLE_VARIANCE_SHARE = 1e-3
 """Share of the variance below which step errors count as noise, and below which noise is not reduced."""
 
 
-def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom: float) -> float:
+def interval_half_width(level: float, error: float, steps: Sequence[Sequence[float]], freedom: float) -> float:
     """Half the width of the confidence interval of a value, in the unit of ``error``.
 
     Parameters
@@ -36,10 +36,10 @@ def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom:
 
     Examples
     --------
-    >>> round(reach(0.95, 1.0, [], 1e6), 3)
+    >>> round(interval_half_width(0.95, 1.0, [], 1e6), 3)
     1.96
     >>> cosine = 2**0.5 * np.cos(2 * np.pi * (np.arange(64) + 0.5) / 64)
-    >>> round(reach(0.95, 1.0, [cosine.tolist()], 1e6), 1)
+    >>> round(interval_half_width(0.95, 1.0, [cosine.tolist()], 1e6), 1)
     1.4
     """
     usual = float(stats.t.ppf(0.5 + level / 2, freedom)) * error

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.residuals.operator import WindowedEstimate
+from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 NOISE_WINDOW = "blackmanharris"
 """Window with side lobes of -92 dB, so that a sweep at other lines does not cover noise."""
@@ -37,12 +37,12 @@ would favour cells that have little by chance."""
 
 
 @dataclass(frozen=True, eq=False)
-class QuietWindows:
+class UnexcitedWindows:
     """Powers of a record by window (n_s) and line (n_b), with a mask of those that are not excited.
 
     Attributes
     ----------
-    quiet : (n_s, n_b) bool array
+    unexcited : (n_s, n_b) bool array
         Whether a line is not excited in a window.
     moment : (n_s, n_b) array
         Product of the residual and the prediction of the model, as variance of white input noise times ``squared``.
@@ -54,7 +54,7 @@ class QuietWindows:
         Squared magnitude of the response.
     """
 
-    quiet: NDArray[np.bool_]
+    unexcited: NDArray[np.bool_]
     moment: FloatArray
     power: FloatArray
     left: FloatArray
@@ -65,11 +65,11 @@ class QuietWindows:
 
         None where too few windows are free of excitation. The noise power of the output is needed for the weights.
         """
-        if np.count_nonzero(self.quiet) < FEWEST_VALUES * WINDOWS_PER_LENGTH:
+        if np.count_nonzero(self.unexcited) < FEWEST_VALUES * WINDOWS_PER_LENGTH:
             return None
         on_output, level, total = 1.0, 0.0, 0.0
         for _ in range(2):
-            weights = self.quiet / (self.power * (on_output + level * self.squared))
+            weights = self.unexcited / (self.power * (on_output + level * self.squared))
             total = float((weights * self.squared).sum())
             level = max(float((weights * self.moment).sum()) / total, 0.0)
             on_output = output_noise
@@ -81,24 +81,24 @@ class QuietWindows:
 
         Not the mean: ringing after the sweep, which a wrong model lacks, is in some windows only.
         """
-        found = np.full(self.quiet.shape[1], np.inf)
-        for line in np.flatnonzero(self.quiet.sum(axis=0) >= FEWEST_WINDOWS * WINDOWS_PER_LENGTH):
-            found[line] = np.median(self.left[self.quiet[:, line], line]) / np.log(2)
+        found = np.full(self.unexcited.shape[1], np.inf)
+        for line in np.flatnonzero(self.unexcited.sum(axis=0) >= FEWEST_WINDOWS * WINDOWS_PER_LENGTH):
+            found[line] = np.median(self.left[self.unexcited[:, line], line]) / np.log(2)
         return found
 
 
-def quiet_windows(windowed: WindowedEstimate, G: ComplexArray) -> QuietWindows:
+def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedWindows:
     """Unexcited windows of a record, with the residuals of a transfer function G (n_f,)."""
     own = windowed.rows.segments
     segments = replace(own, settings=replace(own.settings, window=NOISE_WINDOW, overlap=1 - 1 / WINDOWS_PER_LENGTH))
-    rest, _ = windowed.apart(G)
+    rest, _ = windowed.residual_and_prediction(G)
     left, into = segments.lines(rest), segments.lines(windowed.input_from_rest)
     at = windowed.frequencies
     gain = np.interp(at, windowed.fine, G.real) + 1j * np.interp(at, windowed.fine, G.imag)
     unit = (np.abs(segments.pieces()) ** 2).sum(axis=1)
     power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
     near = uniform_filter(power, EXCITATION_CELLS)
-    quiet = near < UNEXCITED_POWER_SHARE * near.max(axis=0)
-    quiet &= quiet.mean(axis=0) > LEAST_UNEXCITED_WINDOWS
+    unexcited = near < UNEXCITED_POWER_SHARE * near.max(axis=0)
+    unexcited &= unexcited.mean(axis=0) > LEAST_UNEXCITED_WINDOWS
     smooth = uniform_filter(power, SMOOTHING_CELLS)
-    return QuietWindows(quiet, moment, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)
+    return UnexcitedWindows(unexcited, moment, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)

@@ -13,7 +13,7 @@ from torsionnet.model.parameters import dimensions
 
 
 @dataclass(frozen=True)
-class Nature:
+class ParameterQuantity:
     """Unit, dimension and physical bounds of a parameter or a field of an element.
 
     Attributes
@@ -31,27 +31,27 @@ class Nature:
     bounds: tuple[float, float] = (-inf, inf)
 
 
-def nature(model: AssembledModel, name: str) -> Nature:
+def parameter_quantity(model: AssembledModel, name: str) -> ParameterQuantity:
     """Unit, dimension and physical bounds of a parameter, or of ``element.field``.
 
     >>> import torsionnet as tn
-    >>> nature(tn.load("dmf_rig"), "k_2")
-    Nature(unit='N*m/rad', dimension='stiffness', bounds=(0.0, inf))
+    >>> parameter_quantity(tn.load("dmf_rig"), "k_2")
+    ParameterQuantity(unit='N*m/rad', dimension='stiffness', bounds=(0.0, inf))
     """
     element, _, field = name.rpartition(".")
     if name not in model.definition.parameters and element in model.definition.elements:
         spec, _ = model.definition.elements[element].scalars().get(field, (None, None))
-        return _of(spec, spec.dimension) if isinstance(spec, QuantityKind) else Nature()
+        return _of(spec, spec.dimension) if isinstance(spec, QuantityKind) else ParameterQuantity()
     for element_in in model.definition.elements.values():
         for spec, value in element_in.scalars().values():
             for _, expression, dimension in spec.expressions(value):
                 if isinstance(expression, Name) and expression.name == name and isinstance(spec, QuantityKind):
                     return _of(spec, dimension)
     dimension_of = dimensions(model.definition.parameters)[0].get(name)
-    return Nature("" if dimension_of is None else str(dimension_of).removeprefix("1"))
+    return ParameterQuantity("" if dimension_of is None else str(dimension_of).removeprefix("1"))
 
 
-def _of(spec: QuantityKind[object], dimension: str) -> Nature:
+def _of(spec: QuantityKind[object], dimension: str) -> ParameterQuantity:
     unit = expected_unit(dimension)
     # A measure of damping, such as a damping ratio, is as positive as the damping that it stands for.
-    return Nature("" if unit == "1" else unit, dimension, (-inf if spec.lower is None else spec.lower, inf))
+    return ParameterQuantity("" if unit == "1" else unit, dimension, (-inf if spec.lower is None else spec.lower, inf))

@@ -52,7 +52,7 @@ class SensorSteps:
         return upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[HALF_LENGTH : HALF_LENGTH + count]
 
 
-def steps_in(record: Recording, output: str, input: str, decimation: int) -> SensorSteps:
+def find_sensor_steps(record: Recording, output: str, input: str, decimation: int) -> SensorSteps:
     """Steps of the output's sensor before decimation; of size 0 where the input is not a swept sine.
 
     Under other inputs, and in rigs that turn, readings fall on all positions within a step: errors are noise.

@@ -11,7 +11,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, with_causes
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
+from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
 from torsionnet.identification.verdict_words import relative_misfits
 
 LEAST_MISFIT_REDUCTION = 0.8
@@ -29,18 +29,18 @@ Solve = Callable[[FitProblem, FloatArray], LeastSquaresSolution]
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class CauseFit:
     """Fit with one cause of a misfit freed: the problem, its optimum and the sum of squares left."""
 
     cause: Cause
     problem: FitProblem
     values: FloatArray
-    squares: float
+    sum_of_squares: float
 
     @property
     def criterion(self) -> float:
         """Akaike information criterion, the sum of squares left plus 2 for each unknown."""
-        return self.squares + 2 * len(self.values)
+        return self.sum_of_squares + 2 * len(self.values)
 
     @property
     def misfit(self) -> float:
@@ -57,7 +57,7 @@ class Tried:
         )
 
 
-def squares(problem: FitProblem, values: FloatArray) -> float:
+def sum_of_squares(problem: FitProblem, values: FloatArray) -> float:
     """Sum of the squared weighted residuals at ``values``."""
     return float(np.sum(problem.residuals(values) ** 2))
 
@@ -67,11 +67,11 @@ def overall_misfit(problem: FitProblem, values: FloatArray) -> float:
     return float(np.sqrt(np.mean(relative_misfits(problem, values) ** 2)))
 
 
-def tried_causes(
+def fit_causes(
     problem: FitProblem, causes: Sequence[Cause], starts: Sequence[FloatArray], solve: Solve
-) -> list[Tried]:
+) -> list[CauseFit]:
     """Best fit with each of the causes from all starts, sorted, the best cause first."""
-    best: dict[Cause, Tried] = {}
+    best: dict[Cause, CauseFit] = {}
     found = [
         _tried(problem, cause, start, solve, factor)
         for start in starts
@@ -89,40 +89,40 @@ def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
     return START_FACTORS if cause.is_value and not problem.has_records else START_FACTORS[:1]
 
 
-def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float) -> Tried | None:
+def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float) -> CauseFit | None:
     """Fit with a cause from a start, its value multiplied by ``factor`` first; None if it cannot be calculated."""
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
         begin = with_it.start.copy()
         begin[[name.partition("[")[0] == cause.unknown for name in with_it.names]] *= factor
         found = solve(with_it, begin).x
-        return Tried(cause, with_it, found, squares(with_it, found))
+        return CauseFit(cause, with_it, found, sum_of_squares(with_it, found))
     except (TorsionnetError, np.linalg.LinAlgError):
         return None  # what cannot be calculated explains nothing
 
 
-def explaining(tried: Sequence[Tried], whole: float) -> list[Tried]:
+def explaining_fits(tried: Sequence[CauseFit], whole: float) -> list[CauseFit]:
     """Fits with a cause that remove most of a misfit and leave about as little as the best of them.
 
     Parameters
     ----------
-    tried : sequence of Tried
+    tried : sequence of CauseFit
         The best first.
     whole : float
         Sum of squares with none of the causes freed.
     """
-    sound = [one for one in tried if not one.ended and one.squares <= (1 - LEAST_MISFIT_REDUCTION) * whole]
+    sound = [one for one in tried if not one.ended and one.sum_of_squares <= (1 - LEAST_MISFIT_REDUCTION) * whole]
     if not sound:
         return []
     least, rounding = sound[0], np.finfo(float).eps * whole
     noise = _noise(least.problem)
 
-    def as_good(one: Tried) -> bool:
+    def as_good(one: CauseFit) -> bool:
         alike = (
-            one.squares <= EQUALLY_GOOD_RATIO * least.squares
+            one.sum_of_squares <= EQUALLY_GOOD_RATIO * least.sum_of_squares
             and one.misfit <= np.sqrt(EQUALLY_GOOD_RATIO) * least.misfit
         )
-        return one is least or alike or one.squares <= max(noise, rounding)
+        return one is least or alike or one.sum_of_squares <= max(noise, rounding)
 
     return [one for one in sound if as_good(one)]
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.identification.causes import Cause, causes_of, with_causes
+from torsionnet.identification.cause_fits import CauseFit, Solve, explaining_fits, fit_causes, sum_of_squares
+from torsionnet.identification.causes import Cause, possible_causes, with_causes
 from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.fit_search import LeastSquaresSolution
 from torsionnet.identification.lack_of_fit import Explanation, misfits
-from torsionnet.identification.search import LeastSquaresSolution
-from torsionnet.identification.trying_causes import Solve, Tried, explaining, squares, tried_causes
 from torsionnet.response.recording import Recording
 from torsionnet.signals.resolution import ENOUGH, resolution
 
@@ -26,21 +26,21 @@ Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
 
 def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
     """Explanations of the misfit, the best first, and others about as good; empty if none removes most of it."""
-    whole = squares(problem, values)
+    whole = sum_of_squares(problem, values)
     starts = [values, problem.start]  # a wrong model may have led far off
     first = list(dict.fromkeys(cause for start in starts for cause in _promising(problem, start)))
-    tried = tried_causes(problem, first, starts, solve)
-    good = explaining(tried, whole)
+    tried = fit_causes(problem, first, starts, solve)
+    good = explaining_fits(tried, whole)
     if not good:  # the linear estimate may have picked the wrong causes
-        others = [cause for cause in causes_of(problem) if cause not in first]
-        good = explaining(tried_causes(problem, others, [values], solve), whole)
-    found = [_explained(one, one.squares / whole, solve, errors) for one in good]
+        others = [cause for cause in possible_causes(problem) if cause not in first]
+        good = explaining_fits(fit_causes(problem, others, [values], solve), whole)
+    found = [_explained(one, one.sum_of_squares / whole, solve, errors) for one in good]
     return tuple(one for one in found if one.complete or not found[0].complete)
 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
     """Causes that a linear step predicts to reduce the misfit most, the best first."""
-    causes = list(causes_of(problem))
+    causes = list(possible_causes(problem))
     wide = with_causes(problem, causes, values, instead=False)
     residuals, slopes = _residuals_by_configuration(wide, problem.names)
     own = [wide.names.index(name) for name in problem.names]
@@ -60,7 +60,7 @@ def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
 def _residuals_by_configuration(wide: FitProblem, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
     """Residuals and derivatives where unknowns other than ``names`` have the values of each block's configuration."""
     parts, slopes = [], []
-    for block, place in zip(wide.blocks, wide.places, strict=True):
+    for block, place in zip(wide.blocks, wide.unknown_indices, strict=True):
         own = dict(zip(block.response.names, block.response.start.tolist(), strict=True))
         at = wide.start[place]
         for number, index in enumerate(place):
@@ -78,7 +78,7 @@ def _scaled(columns: FloatArray) -> FloatArray:
     return np.asarray(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
 
 
-def _explained(one: Tried, left: float, solve: Solve, errors: Errors) -> Explanation:
+def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Explanation:
     cause, tried = one.cause, one.problem
     tried.learn_noise(one.values)
     found = solve(tried, one.values)
@@ -97,7 +97,7 @@ def _explained(one: Tried, left: float, solve: Solve, errors: Errors) -> Explana
     )
 
 
-def too_coarse(problem: FitProblem) -> tuple[str, ...]:
+def coarse_sensor_remarks(problem: FitProblem) -> tuple[str, ...]:
     """Remarks on records that are compared at frequencies where the sensor moves by few of its steps."""
     found = []
     for block in problem.blocks:
