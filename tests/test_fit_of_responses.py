@@ -101,7 +101,7 @@ def test_a_response_that_has_its_record_is_fitted_like_the_record(record):
 
 def test_a_response_whose_record_is_too_long_is_fitted_without_it(record, monkeypatch):
     response = estimate(record, "theta_1", "T_T", settings=SHORT)
-    monkeypatch.setattr("torsionnet.identification.residuals.measurement_blocks.MOST", 1e5)
+    monkeypatch.setattr("torsionnet.identification.residuals.measurement_blocks.MOST_BYTES", 1e5)
     fit = tn.identify(tn.load("dmf_rig"), tn.Measurement(response, "theta_1", "T_T", band=(1, 16)), {"c_2": 6.0})
     assert "of H1" not in fit.notes[0]
     assert fit.values["c_2"] == pytest.approx(4, rel=0.02)

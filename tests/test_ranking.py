@@ -12,8 +12,7 @@ from test_cli import run
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.identification import cause_fits
-from torsionnet.identification import fitting, load_fit, rank_causes
+from torsionnet.identification import cause_fits, fitting, load_fit, rank_causes
 from torsionnet.identification.causes import Cause
 from torsionnet.identification.explanations import _promising as promising
 from torsionnet.identification.fit_problem import make_problem
