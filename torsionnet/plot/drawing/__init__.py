@@ -1,1 +1,1 @@
-"""Style, sizes, shapes and files that all pictures have in common."""
+"""Style, units, bars, text sizes and file output that all pictures have in common."""

@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 import torsionnet.plot.drawing.style as style
 
 BARS, ROW = 1.5, 0.26
-"""Inches that bars take to the right of their names, and one below the other."""
+"""Width in inches of the bars of a panel beside their names, and height in inches of a row."""
 FEW_PANELS, MOST_BARS = 6, 100
+"""Panels that are always drawn together, and rows of bars up to which more panels are: about one page."""
 
 
 @dataclass(frozen=True)
 class Bars:
-    """A bar in every row: how long, where each begins, how thick in rows, how far below the middle of its row."""
+    """Bars of one colour, one in every row: lengths, start value, height and offset below the row's middle in rows."""
 
     lengths: ArrayLike
     color: str
@@ -29,11 +30,11 @@ class Bars:
     below: float = 0.0
     alpha: float | None = None
     intervals: tuple[ArrayLike, ArrayLike] | None = None
-    """Lower and upper ends of the lines drawn over the bars."""
+    """Lower and upper ends of the interval lines drawn over the bars."""
 
 
 def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = style.MUTED, width: float = 0.8) -> None:
-    """Bars in so many rows, and the line they begin at."""
+    """Draw bars in ``rows`` rows, and the vertical line at which they begin."""
     for one in bars:
         places = [row + one.below for row in range(rows)]
         axes.barh(
@@ -46,31 +47,31 @@ def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = style.
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Names beside the rows, the first on top."""
+    """Write names beside the rows of bars, the first on top."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
 
 
 def takes_a_page(count: int, rows: int) -> bool:
-    """Whether so many panels of bars are more than one looks at."""
+    """Whether ``count`` panels of ``rows`` bars are more than can be read as one picture."""
     return count > FEW_PANELS and count * (rows + 2) > MOST_BARS
 
 
 def bar_panels(count: int, rows: int, longest: float) -> tuple[Figure, list[Axes], float]:
-    """Panels of horizontal bars with names beside them, as many in a row as leave room for both.
+    """Figure with panels for horizontal bars, as many side by side as leave room for bars and names.
 
     Parameters
     ----------
     count, rows : int
-        Panels, and bars in each.
+        Number of panels, and of bars in each.
     longest : float
-        Inches of the longest name.
+        Width of the longest name in inches.
 
     Returns
     -------
     figure, panels : Figure, list of Axes
     width : float
-        Of a panel with its names, in inches.
+        Width in inches of a panel with its names.
     """
     columns = style.panel_columns(count, max(1, int(style.WIDTH / (BARS + min(longest, style.WIDTH / 3)))))
     lines = math.ceil(count / columns)

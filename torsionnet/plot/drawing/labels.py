@@ -1,4 +1,4 @@
-"""What a schematic says about an element: its main values, in the units of engineers."""
+"""Texts of a schematic with the main values of an element, in engineering units."""
 
 from __future__ import annotations
 
@@ -19,16 +19,18 @@ from torsionnet.symbolic.symbol_names import GREEK
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 MOST_LINES = 3
+"""Lines of values below the name of an element; more would crowd the drawing."""
 LONGEST_SYMBOL = 14
-"""Letters of a name that is set as a symbol: a longer one has to be broken."""
+"""Letters up to which a name is set as a symbol; a longer one may have to be broken, which mathtext cannot be."""
 
 LONGEST_EXPRESSION = 14
+"""Characters up to which the expression of a ratio is shown; of a longer one only the value."""
 STATES = ("state", "engaged")
-"""Entries whose word is what an element does at the moment."""
+"""Entries of elements whose word is shown as it is, as "slipping" of a clutch."""
 
 
 def symbol(name: str) -> str:
-    r"""A name as mathtext if it is that of a symbol: one letter or a Greek one, perhaps with an index.
+    r"""Text of a name, as mathtext if it is a symbol: one letter or a Greek one, perhaps with an index.
 
     >>> symbol("k_1"), symbol("tau"), symbol("speed")
     ('$k_{\\mathrm{1}}$', '$\\tau$', 'speed')
@@ -45,7 +47,7 @@ def symbol(name: str) -> str:
 
 
 def quantity(value: float, dimension: str) -> str:
-    """A value with its unit.
+    """Text of an SI value with its unit, with a prefix for large torques and stiffnesses.
 
     >>> quantity(13300.0, "stiffness"), quantity(0.05, "length")
     ('13.3 kN·m/rad', '50 mm')
@@ -62,7 +64,7 @@ def quantity(value: float, dimension: str) -> str:
 
 
 def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
-    """The main values of an element, one to a line; those that are zero say nothing."""
+    """Texts of the main values of an element, one to a line; zeros are left out."""
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
@@ -97,7 +99,7 @@ def _line(spec: Spec[object], raw: Any, values: Mapping[str, Any]) -> str:
 
 
 def expression(text: str) -> str:
-    r"""An expression with its names as symbols.
+    r"""Text of an expression with its names as symbols.
 
     >>> expression("-z_b/z_a")
     '−$z_{\\mathrm{b}}$/$z_{\\mathrm{a}}$'
@@ -107,7 +109,7 @@ def expression(text: str) -> str:
 
 
 def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
-    """Ratio as the quotient of the teeth."""
+    """Text of a ratio as the quotient of the numbers of teeth."""
     ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
     name = ratio.symbol if isinstance(ratio, QuantityKind) else "tau"
     sign = "−" if teeth[0] * teeth[1] < 0 else ""

@@ -1,4 +1,4 @@
-"""Pieces of a schematic: strokes and texts with the room they take, in points, put together without overlaps."""
+"""Pieces of a drawing: strokes and texts with the boxes they occupy, in points, put together without overlaps."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ import torsionnet.plot.drawing.style as style
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
-"""x0, x1, y0, y1."""
+"""Edges x0, x1, y0, y1 of a rectangle in points."""
 Texts = list[tuple[str, str]]
-"""Lines of a label with their roles, in reading order."""
+"""Lines of a label as (text, role), in reading order."""
 
 MARGIN = 6.0
+"""Points between boxes below which they count as overlapping."""
 
 
 @dataclass(frozen=True)
 class Role:
-    """How a text of one kind looks."""
+    """Size in points, colour and font style of the texts of one kind."""
 
     size: float
     color: str
@@ -46,11 +47,12 @@ ROLES = {
     "title": Role(13.0, style.INK, bold=True),
 }
 LEADING = 1.3
+"""Distance of lines over the size of the font."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """A line or filled shape; ``look`` names an entry of the drawing's table of pens."""
+    """Line or filled shape; ``look`` is a name in the table of pens (``PENS``)."""
 
     points: tuple[Point, ...]
     look: str = "part"
@@ -58,12 +60,13 @@ class Stroke:
     fill: str = ""
 
     def shifted(self, dx: float, dy: float) -> Stroke:
+        """Copy of the stroke moved by (dx, dy) points."""
         return Stroke(tuple((x + dx, y + dy) for x, y in self.points), self.look, self.closed, self.fill)
 
 
 @dataclass(frozen=True)
 class Label:
-    """A text, centred at x (or beginning there), with its base at y."""
+    """Text centred at x, or beginning there, with its base line at y."""
 
     x: float
     y: float
@@ -72,12 +75,13 @@ class Label:
     left: bool = False
 
     def shifted(self, dx: float, dy: float) -> Label:
+        """Copy of the label moved by (dx, dy) points."""
         return Label(self.x + dx, self.y + dy, self.text, self.role, self.left)
 
 
 @dataclass(frozen=True)
 class LooseEnd:
-    """Where a connection that closes a loop leaves; it is either led to the anchor of that number or tagged."""
+    """Open end of a connection that closes a loop, to be led to the anchor of its number or tagged with its node."""
 
     loop: int
     node: str
@@ -86,12 +90,13 @@ class LooseEnd:
     tag: Box
 
     def shifted(self, dx: float, dy: float) -> LooseEnd:
+        """Copy of the loose end moved by (dx, dy) points."""
         return LooseEnd(self.loop, self.node, self.x + dx, self.y + dy, moved(self.tag, dx, dy))
 
 
 @dataclass
 class Piece:
-    """Part of a drawing. ``boxes`` is room that nothing else may take, ``wires`` lines that others may cross."""
+    """Part of a drawing. ``boxes`` are areas that nothing else may take, ``wires`` lines that others may cross."""
 
     strokes: list[Stroke] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
@@ -101,6 +106,7 @@ class Piece:
     anchors: dict[int, Point] = field(default_factory=dict)
 
     def shifted(self, dx: float, dy: float) -> Piece:
+        """Copy of the piece moved by (dx, dy) points."""
         return Piece(
             [stroke.shifted(dx, dy) for stroke in self.strokes],
             [label.shifted(dx, dy) for label in self.labels],
@@ -111,6 +117,7 @@ class Piece:
         )
 
     def add(self, other: Piece) -> None:
+        """Add the strokes, labels, boxes, wires, ends and anchors of another piece."""
         self.strokes += other.strokes
         self.labels += other.labels
         self.boxes += other.boxes
@@ -119,13 +126,13 @@ class Piece:
         self.anchors |= other.anchors
 
     def line(self, *points: Point, look: str = "shaft") -> None:
-        """A shaft or wire, whose room others may cross."""
+        """Draw a shaft or wire through points; other lines may cross it."""
         self.strokes.append(Stroke(points, look))
         for (x0, y0), (x1, y1) in pairwise(points):
             self.wires.append((min(x0, x1) - 3, max(x0, x1) + 3, min(y0, y1) - 3, max(y0, y1) + 3))
 
     def write(self, x: float, y: float, lines: Iterable[tuple[str, str]], *, upward: bool = True) -> float:
-        """Lines of (text, role), in reading order, on top of y or below it; gives the height where they end."""
+        """Write lines of (text, role) above y, or below it, and return the y where they end."""
         ordered = list(lines)
         labels: list[Label] = []
         for text, role in reversed(ordered) if upward else ordered:
@@ -141,6 +148,7 @@ class Piece:
 
     @property
     def extent(self) -> Box:
+        """Smallest rectangle around all boxes, wires and the origin."""
         boxes = np.array([*self.boxes, *self.wires, (0, 0, 0, 0)])
         return (
             float(boxes[:, 0].min()),
@@ -151,18 +159,20 @@ class Piece:
 
 
 def moved(box: Box, dx: float, dy: float) -> Box:
+    """Box shifted by (dx, dy) points."""
     return (box[0] + dx, box[1] + dx, box[2] + dy, box[3] + dy)
 
 
 @lru_cache(maxsize=4096)
 def text_width(text: str, role: str) -> float:
-    """Width in points."""
+    """Width in points of a text in the font of its role."""
     look = ROLES[role]
     width, _, _ = text_to_path.get_text_width_height_descent(text, font(role, look.size), is_math(text, role))
     return float(width)
 
 
 def font(role: str, size: float) -> FontProperties:
+    """Font of the texts of a role, in a size in points."""
     look = ROLES[role]
     return FontProperties(
         family="DejaVu Sans",
@@ -173,16 +183,17 @@ def font(role: str, size: float) -> FontProperties:
 
 
 def is_math(text: str, role: str) -> bool:
-    """Dollars are written by :func:`torsionnet.plot.drawing.labels.symbol` only; a title may have its own."""
+    """Whether a text is mathtext: it has a dollar from :func:`torsionnet.plot.drawing.labels.symbol`; no title is."""
     return "$" in text and role != "title"
 
 
 def widest(lines: Iterable[tuple[str, str]]) -> float:
+    """Width in points of the widest of the lines of a label."""
     return max((text_width(text, role) for text, role in lines), default=0.0)
 
 
 def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: float = MARGIN) -> bool:
-    """Whether any box comes closer to any of the others than the margin."""
+    """Whether any box, rows of shape (n, 4), comes closer than the margin in points to any of the others."""
     if not len(boxes) or not len(others):
         return False
     a, b = boxes[:, None, :], others[None, :, :]
@@ -196,10 +207,11 @@ def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: flo
 
 
 def as_array(boxes: Sequence[Box]) -> NDArray[np.float64]:
+    """Boxes as an array of shape (n, 4)."""
     return np.array(boxes, dtype=float).reshape(-1, 4)
 
 
 def arc(x: float, y: float, a: float, b: float, start: float, end: float, steps: int = 24) -> tuple[Point, ...]:
-    """Points on an ellipse, angles in degrees."""
+    """Points on an arc of an ellipse with half axes a and b; angles in degrees."""
     angles = [math.radians(start + (end - start) * i / steps) for i in range(steps + 1)]
     return tuple((x + a * math.cos(angle), y + b * math.sin(angle)) for angle in angles)

@@ -1,4 +1,4 @@
-"""Figures as bytes, and as SVG that stands inside a page beside others."""
+"""Figures as bytes of a file, and as SVG elements for an HTML page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _STYLE = re.compile(r"<defs>\s*<style[^>]*>\*\{stroke-linejoin: round; stroke-li
 
 
 def rendered(figure: Figure, form: str) -> bytes:
-    """A figure as ``svg``, ``png`` or ``pdf``; equal figures give equal bytes."""
+    """Bytes of a figure as ``svg``, ``png`` or ``pdf``; equal figures give equal bytes."""
     buffer = io.BytesIO()
     with mpl.rc_context(SETTINGS):
         figure.savefig(buffer, format=form, dpi=DPI, metadata=METADATA[form])
@@ -26,12 +26,12 @@ def rendered(figure: Figure, form: str) -> bytes:
 
 
 def _two_decimals(match: re.Match[str]) -> str:
-    """A coordinate in points, or in 1/64 of them: a hundredth is finer than any printer."""
+    """Text of a coordinate rounded to two decimals: a hundredth of a point is finer than any printer."""
     return f"{float(match[0]):.2f}".rstrip("0").rstrip(".")
 
 
 def inline_svg(figure: Figure, prefix: str) -> str:
-    """An ``<svg>`` element without XML head; its names begin with ``prefix``, those nobody refers to are left out."""
+    """Figure as an ``<svg>`` element for an HTML page; its ids begin with ``prefix``, unused ids are removed."""
     text = rendered(figure, "svg").decode()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)

@@ -1,4 +1,4 @@
-"""Figures into files."""
+"""Writing figures to SVG, PNG and PDF files."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError
 
 DPI = 150
+"""Dots per inch of PNG files: a picture of a page's width has 1080 dots, as many as a screen shows."""
 # Without the date, and with a fixed salt for the names inside an SVG, equal figures give equal files.
 METADATA: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},

@@ -1,4 +1,4 @@
-"""One look for all pictures: palette, line styles, axes. Nothing here touches matplotlib's global settings."""
+"""Style of all pictures: palette, line styles, axes; matplotlib's global settings are left alone."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)),
 INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2
-"""Inches: the text width of a page."""
+"""Width of a figure in inches: the text width of a page."""
 
 STYLE: dict[str, Any] = {
     "figure.figsize": (WIDTH, 4.0), "figure.constrained_layout.use": True, "figure.facecolor": PAPER,
@@ -29,44 +29,47 @@ STYLE: dict[str, Any] = {
     "xtick.labelsize": SMALL, "ytick.labelsize": SMALL, "xtick.color": MUTED, "ytick.color": MUTED,
     "xtick.labelcolor": INK, "ytick.labelcolor": INK, "legend.frameon": False, "legend.fontsize": SMALL,
 }  # fmt: skip
-"""The look of the pictures as settings of matplotlib, for figures of one's own: ``plt.style.use(plot.STYLE)``."""
+"""Settings of matplotlib with the style of the pictures, for a user's own figures: ``plt.style.use(plot.STYLE)``."""
 
 FEW_DECADES = 2.5
+"""Decades of a log axis below which it has ticks at 1, 2 and 5; over more they would overlap."""
 FEW_PHASES, MANY_PHASES = 270, 900
+"""Degrees of phase up to which an axis has ticks every 45 and every 90 degrees; beyond, every 180."""
 
 
 WIDEST_TITLE = 84
-"""Characters of a title that stand on one line."""
+"""Characters of a line of a title: as many as fit the width of a figure."""
 
 
 def panel_columns(count: int, most: int = 4) -> int:
-    """Columns in which so many panels stand on a page: 1, 2, 3 up to nine, then 4."""
+    """Number of columns in which ``count`` panels stand on a page: 1, 2, 3 up to nine panels, then 4."""
     return min(most, next(columns for columns, up_to in ((1, 1), (2, 4), (3, 9), (4, math.inf)) if count <= up_to))
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """A figure that arranges its axes without overlaps; it belongs to no window."""
+    """Figure of a size in inches with constrained layout, which belongs to no window."""
     return Figure(figsize=(width, height), layout="constrained", facecolor=PAPER)
 
 
 def bare_figure(width: float, height: float) -> Figure:
-    """A figure whose axes stay where they are put, whatever a user's settings of matplotlib ask for."""
+    """Figure of a size in inches without layout engine: axes stay where they are put, whatever a user's settings."""
     figure = Figure(figsize=(width, height), facecolor=PAPER)
     figure.set_layout_engine("none")
     return figure
 
 
 def line_style(index: int) -> dict[str, Any]:
-    """Colour and dashes of the curve with this number; both change, so that a print in grey can be read."""
+    """Colour and dashes of a curve by its number; both change, so that a print in grey can be read."""
     styles = [(PALETTE[i % len(PALETTE)], DASHES[(i + i // len(PALETTE)) % len(DASHES)]) for i in range(35)]
     color, dashes = styles[index % len(styles)]
     return {"color": color, "linestyle": dashes, "linewidth": 1.6}
 
 
 def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, Any]:
-    """Colour for the first of two counts and dashes for the second, or the other way round where dashes do not suffice.
+    """Colour and dashes of a curve with two numbers: colour for the first, dashes for the second, or exchanged.
 
-    ``sizes`` are how many there are of each. Where one of them is a single one, colour and dashes change together.
+    ``sizes`` are the counts of both. They are exchanged if there are too few dashes; if one count is 1, colour and
+    dashes change together.
 
     >>> one, other = paired_style(0, 0, (2, 3)), paired_style(0, 1, (2, 3))
     >>> one["color"] == other["color"], one["linestyle"] == other["linestyle"]
@@ -82,7 +85,7 @@ def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, A
 
 
 def dress(axes: Axes) -> None:
-    """Light grid, no box, readable ticks."""
+    """Apply the style to axes: light grid, no frame, ticks and labels in the common sizes."""
     axes.grid(visible=True, which="major", color=FAINT, linewidth=0.7)
     axes.set_axisbelow(True)
     for side, spine in axes.spines.items():
@@ -94,7 +97,7 @@ def dress(axes: Axes) -> None:
 
 
 def log_ticks(axis: Axis, low: float, high: float) -> None:
-    """Plain numbers on a log axis: 1, 2, 5 over few decades, powers of ten over many."""
+    """Set ticks with plain numbers on a log axis: 1, 2, 5 over few decades, powers of ten over many."""
     few = 0 < low < high and math.log10(high / low) < FEW_DECADES
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=20 if few else 9))
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
@@ -102,7 +105,7 @@ def log_ticks(axis: Axis, low: float, high: float) -> None:
 
 
 def phase_ticks(axes: Axes, low: float, high: float) -> None:
-    """Ticks at multiples of 45, 90 or 180 degrees, with limits on them."""
+    """Set ticks of a phase axis at multiples of 45, 90 or 180 degrees, and its limits at such multiples."""
     span = high - low
     step = 45 if span <= FEW_PHASES else 90 if span <= MANY_PHASES else 180
     bottom, top = step * math.floor(low / step + 1e-6), step * math.ceil(high / step - 1e-6)
@@ -113,11 +116,12 @@ def phase_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def plain(value: float) -> str:
-    """A tick as a short number."""
+    """Text of a tick as a short number."""
     return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
 
 
 def heading(figure: Figure, title: str) -> None:
+    """Set the title of a figure, folded to its width."""
     if title:
         lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]
         figure.suptitle("\n".join(lines), fontsize=TITLE, color=INK)

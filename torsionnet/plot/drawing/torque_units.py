@@ -1,4 +1,4 @@
-"""In which unit an axis shows its values: torques of large machines in kN m, all others as they are."""
+"""Units of axes: large torques in kN m or MN m, other quantities in their unit."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from torsionnet.core.number_text import typeset_unit
 from torsionnet.response.conventions import SI, Conventions
 
 PREFIXES = (("M", 1e7, 1e-6), ("k", 1e4, 1e-3))
-"""Prefix, the torque in N m from which on it is used, and its factor."""
+"""Prefixes of N m with the torque in N m from which each is used, and its factor."""
 
 
 def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple[float, str]:
-    """Factor from an SI unit to that of an axis, and its text, for values up to a largest one.
+    """Factor from an SI unit to the unit of an axis, and text of that unit, for values up to ``largest``.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""The schematic of a drivetrain: stations, shaft lines, emblems, wiring."""
+"""Schematic drawing of a drivetrain: shaft lines, symbols of elements, branches and connecting wires."""

@@ -1,4 +1,4 @@
-"""What sits on a shaft: discs, what hangs below them down to ground or a mass, and what the line ends in."""
+"""Symbols at a node of a shaft line: discs, elements down to ground or a mass, and the element at the line's end."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from torsionnet.plot.schematic.strands import far_end
 if TYPE_CHECKING:
     from torsionnet.plot.schematic.planned_row import PlannedRow
 
-WALL, LEADER = 18.0, 14.0
+WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of a line, length of a mark's leader
 
 
 def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
-    """A disc, an element to ground, or the one below the other."""
+    """Draw a disc, an element to ground, or the element below the disc."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
     scale, piece = line.plan.scale, Piece()
@@ -33,7 +33,7 @@ def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> Non
 
 
 def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
-    """An element down to its far end, its torques beside the piece that leads there, its texts below."""
+    """Draw an element from y down to its far end, with its texts below and torque marks above it."""
     length, reach = 14.0, 8.0
     y = _tapped(line, piece, element, y)
     if element.glyph == "clamp":
@@ -52,7 +52,7 @@ def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Tex
 
 
 def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
-    """Marks one below the other on the way down to an element; gives where it begins."""
+    """Draw the torque marks of an element one below the other, and return the y where the element begins."""
     for tap in line.plan.taps_of(element):
         mark = tap.mark(alone=True)
         texts = mark.texts
@@ -65,7 +65,7 @@ def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float
 
 
 def ending(line: PlannedRow, element: Element) -> float:
-    """The far end of an element the shaft ends in, a clamp by itself; gives where the shaft stops."""
+    """Draw the element to ground or to a mass that ends a shaft line, and return the x where the shaft stops."""
     texts = line.plan.texts(element)
     glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)
     length, reach = (glyph.length, glyph.reach) if glyph else (0.0, 0.0)

@@ -1,4 +1,4 @@
-"""Elements with three ports in a schematic: planetary sets and differentials, their ports at the edges of a box."""
+"""Boxes of elements with three and more ports in a schematic, as planetary sets, with the ports at their edges."""
 
 from __future__ import annotations
 
@@ -16,34 +16,35 @@ if TYPE_CHECKING:
     from torsionnet.plot.schematic.epicyclic import Boxed
     from torsionnet.plot.schematic.planned_row import PlannedRow
 
-HALF = 35.0
-GAP, STUB = 10.0, 12.0
+HALF_HEIGHT = 35.0
+"""Half the height of a box in points: room for a symbol and the names of the ports below it."""
+GAP, STUB = 10.0, 12.0  # points: more than the texts in width, piece of shaft below a port
 
 
 def box(
     line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
 ) -> None:
-    """An element with three ports: in on the left, on to the right, the others below."""
+    """Draw an element with three and more ports as a box: the line enters left and goes on right, other ports below."""
     element = line.plan.found.boxes[vertex.name]
     texts = line.plan.texts(element)
     below = _ports_below(line, vertex, element, leaving)
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
     slots = [max(30.0, text_width(port, "port") + 8) for port in below]
-    width = max(2 * (emblems.REACH + side), widest(texts) + GAP, sum(slots) + 8)
+    width = max(2 * (emblems.HALF_SIZE + side), widest(texts) + GAP, sum(slots) + 8)
     before_x, middle = line.x, line.keep(width)
     start, end = middle - width / 2, middle + width / 2
     line.block.line((before_x, 0), (start, 0))
-    line.block.strokes.append(outlines.rectangle(start, end, -HALF, HALF, outlines.BOX))
-    line.block.strokes += emblems.emblem(element, middle, HALF - emblems.REACH - 5)
-    line.block.boxes.append((start, end, -HALF, HALF))
-    line.block.write(middle, HALF + 3, texts)
+    line.block.strokes.append(outlines.rectangle(start, end, -HALF_HEIGHT, HALF_HEIGHT, outlines.BOX))
+    line.block.strokes += emblems.emblem(element, middle, HALF_HEIGHT - emblems.HALF_SIZE - 5)
+    line.block.boxes.append((start, end, -HALF_HEIGHT, HALF_HEIGHT))
+    line.block.write(middle, HALF_HEIGHT + 3, texts)
     for link, left in ((before, True), (after, False)):
         if link is not None:
             half = text_width(link.port, "port") / 2 + 4
             line.block.write(start + half if left else end - half, -10, [(link.port, "port")])
     x = middle - sum(slots) / 2
     for (port, use), slot in zip(below.items(), slots, strict=True):
-        line.block.write(x + slot / 2, -HALF + 2, [(port, "port")])
+        line.block.write(x + slot / 2, -HALF_HEIGHT + 2, [(port, "port")])
         _port(line, x + slot / 2, use)
         x += slot
 
@@ -51,7 +52,7 @@ def box(
 def _ports_below(
     line: PlannedRow, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]
 ) -> dict[str, Any]:
-    """Port to what is there: another line, a loop, or None for ground."""
+    """Ports at the lower edge of a box with what is drawn there: another line, a loop, or None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
     below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
     return below | {port: None for port, node in element.ports.items() if node == "ground"}
@@ -59,16 +60,19 @@ def _ports_below(
 
 def _port(line: PlannedRow, x: float, use: Any) -> None:
     if isinstance(use, Vertex):
-        line.exits.append(Exit(x, -HALF, use))
+        line.exits.append(Exit(x, -HALF_HEIGHT, use))
     elif use is None:
-        line.block.strokes += [Stroke(((x, -HALF), (x, -HALF - 10))), *outlines.ground(x, -HALF - 10)]
-        line.block.boxes.append((x - 14, x + 14, -HALF - 17, -HALF))
+        line.block.strokes += [
+            Stroke(((x, -HALF_HEIGHT), (x, -HALF_HEIGHT - 10))),
+            *outlines.ground(x, -HALF_HEIGHT - 10),
+        ]
+        line.block.boxes.append((x - 14, x + 14, -HALF_HEIGHT - 17, -HALF_HEIGHT))
     else:
-        line.exits.append(Exit(x, -HALF, _loop(line, *use)))
+        line.exits.append(Exit(x, -HALF_HEIGHT, _loop(line, *use)))
 
 
 def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
-    """A piece of shaft with a loose end."""
+    """Piece of shaft with a loose end, for a port in a loop."""
     piece = type(line)(line.plan, wall=6.0)
     piece.block.line((0, 0), (STUB, 0))
     piece.x = STUB

@@ -1,4 +1,4 @@
-"""Lines that leave another line: down a wire or through gear wheels, to the nearest place that is free."""
+"""Branch lines of a schematic, led through a wire or gear wheels to the nearest free place below or above a line."""
 
 from __future__ import annotations
 
@@ -15,33 +15,34 @@ from torsionnet.plot.schematic.topology import Vertex
 
 STEP, FARTHEST = 4.0, 3000.0
 SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0
-MESH, ELBOW = 12.0, 12.0
-FLATTEST = 0.45
-"""A wheel is drawn at least so large against its mate, whatever the ratio."""
+MESH, ELBOW = 12.0, 12.0  # points: spring of a compliant mesh, shaft between a wheel and its line
+SMALLEST_WHEEL_RATIO = 0.45
+"""Least radius of a drawn wheel over that of its mate, whatever the gear ratio; below, it would be a dot."""
 
 UP_IF = 0.6
-"""A line goes up where that is so much nearer."""
+"""Way up over way down below which a branch goes up; a larger value moves more branches above their line."""
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One gear pair between a line and the one that leaves it."""
+    """Gear pair between a line and a branch that leaves it."""
 
     element: Element
     offset: float
-    """From the drop to the middle of the wheels."""
+    """Points from the start of the branch to the middle of the wheels."""
     texts: Sequence[tuple[str, str]]
     child_over_parent: float
-    """Radius of the wheel on the leaving line over that of its mate."""
+    """Radius of the wheel on the branch over that of its mate."""
 
     @property
     def compliant(self) -> bool:
+        """Whether the mesh of the gears has a stiffness."""
         return getattr(self.element, "stiffness", None) is not None
 
 
 @dataclass(frozen=True)
 class Exit:
-    """Where something leaves a line at (x, y): another line, by its head, or a block."""
+    """Branch to be placed that leaves a line at (x, y): a line, given by its first vertex, or a finished piece."""
 
     x: float
     y: float
@@ -50,23 +51,23 @@ class Exit:
 
     @property
     def last(self) -> float:
-        """Where the last of its wheels or wires is."""
+        """Horizontal place, in points, of the last gear pair, or of the wire."""
         return self.x + (self.stages[-1].offset if self.stages else 0.0)
 
 
 @dataclass(frozen=True)
 class Drop:
-    """A finished block that leaves a line at (x, y)."""
+    """Branch with its finished piece that leaves a line at (x, y)."""
 
     x: float
     y: float
     block: Piece
     stages: tuple[Stage, ...] = ()
     up_if: float = UP_IF
-    """Times the way down that the way up may be long; 0: never up."""
+    """Way up over way down up to which the branch goes up; 0: never up."""
 
     def connector(self, distance: float) -> Piece:
-        """What joins the line with one at a distance below it; above, if negative."""
+        """Wire or gear wheels that join the line with its branch at a distance below, above if negative."""
         block = Piece()
         if not self.stages:
             block.line((self.x, self.y), (self.x, -distance))
@@ -78,10 +79,10 @@ class Drop:
 
 
 def ratio_of(element: Any, parent: str, values: Mapping[str, Any]) -> float:
-    """Radius of the second wheel over the first, seen from the parent."""
+    """Radius of the wheel on the branch over that on the parent line, within limits that can be drawn."""
     tau = abs(float(element.ratio_value(dict(values)))) if hasattr(element, "ratio_value") else 1.0
     ratio = tau if next(iter(element.ports.values())) == parent else 1 / tau
-    return min(max(ratio, FLATTEST), 1 / FLATTEST)
+    return min(max(ratio, SMALLEST_WHEEL_RATIO), 1 / SMALLEST_WHEEL_RATIO)
 
 
 def _wheels(block: Piece, stage: Stage, x: float, distance: float) -> None:
@@ -110,7 +111,7 @@ def _wheels(block: Piece, stage: Stage, x: float, distance: float) -> None:
 
 
 def attach(base: Piece, drops: Sequence[Drop], *, may_rise: bool) -> None:
-    """Put every block in its place, the rightmost first: those to its left go past it."""
+    """Add branches to a line at the nearest free places, the rightmost first, so that others pass to its left."""
     for drop in reversed(drops):
         down = _distance(base, drop, 1)
         up = _distance(base, drop, -1) if may_rise and drop.up_if and drop.y == 0 else FARTHEST
@@ -122,7 +123,7 @@ def attach(base: Piece, drops: Sequence[Drop], *, may_rise: bool) -> None:
 
 
 def _distance(base: Piece, drop: Drop, sign: int) -> float:
-    """How far the block must go so that neither it nor its connector meets anything."""
+    """Least distance at which neither a branch nor its connector meets anything, in points."""
     taken = as_array([*base.boxes, *base.wires])
     # The line itself lies between the wheels and below the start of a wire: that is no collision.
     own = [box for box in base.wires if box[2] < drop.y < box[3] or box[2] < 0 < box[3]]
@@ -146,12 +147,12 @@ def _distance(base: Piece, drop: Drop, sign: int) -> float:
 
 
 def _below(base: Piece, drop: Drop) -> float:
-    """Below everything, where the connector has to cross something."""
+    """Distance of a branch below everything else, for a connector that has to cross something."""
     _, _, bottom, _ = base.extent
     _, _, _, top = drop.block.extent
     return top - bottom + STEP
 
 
 def _holds(box: tuple[float, float, float, float], drop: Drop) -> bool:
-    """Whether the drop starts at the edge of this box, or under a text inside it."""
+    """Whether a branch starts at the edge of a box, or under a text inside it."""
     return drop.y != 0 and box[0] <= drop.x <= box[1] and box[2] - 6 <= drop.y <= box[3]

@@ -1,4 +1,4 @@
-"""Blocks of strokes and labels as matplotlib figures."""
+"""Matplotlib figures of drawings made of strokes and labels."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ PENS: dict[str, tuple[str, float]] = {
 DASHED = {"housing": (0, (4, 2.5))}
 
 POINTS_PER_INCH = 72
-HIGHEST = 24.0
-"""Inches: a drawing that would be higher is made smaller, its texts with it."""
+TALLEST_FIGURE = 24.0
+"""Height in inches above which a drawing is scaled down, its texts with it."""
 
 
 def painted(block: Piece, extent: Box) -> Figure:
-    """A figure of one axes without ticks that shows the extent; a unit is a point."""
+    """Figure of a drawing within the extent: one axes without ticks whose unit is a point."""
     figure, axes, scale = _canvas(extent)
     for order, stroke in enumerate(block.strokes):
         _draw(axes, stroke, scale, order)
@@ -42,7 +42,7 @@ def painted(block: Piece, extent: Box) -> Figure:
 
 def _canvas(extent: Box) -> tuple[Figure, Axes, float]:
     width, height = extent[1] - extent[0], extent[3] - extent[2]
-    scale = min(1.0, HIGHEST * POINTS_PER_INCH / height)
+    scale = min(1.0, TALLEST_FIGURE * POINTS_PER_INCH / height)
     size = (width * scale / POINTS_PER_INCH, height * scale / POINTS_PER_INCH)
     figure = style.bare_figure(*size)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

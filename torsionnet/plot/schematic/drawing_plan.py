@@ -1,4 +1,4 @@
-"""What the lines of a schematic need to know about the drivetrain: what is at which node, how large, and its texts."""
+"""Plan of a schematic: elements, inputs and sensors by node, sizes of discs, and texts."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ from torsionnet.plot.schematic.topology import Connections, Link, Tree, Vertex, 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-COMPACT = 40
-"""More nodes than this: only nodes are named."""
+MOST_NAMED_NODES = 40
+"""Nodes up to which elements have names and values; above, only nodes are named, in smaller symbols."""
 
-SMALL_DISC, LARGE_DISC = 15.0, 34.0
+SMALL_DISC, LARGE_DISC = 15.0, 34.0  # points: half heights of the discs of the smallest and largest inertia
 COMPACT_SCALE = 0.6
+"""Size of the symbols in a drawing of many nodes over the usual size."""
 
 Pairs: TypeAlias = list[tuple[Element | None, Element | None]]
 
 
 @dataclass
 class DrawingPlan:
-    """A drivetrain as its lines see it."""
+    """Drivetrain with what a schematic draws at each node, and the sizes and texts of its symbols."""
 
     drivetrain: Drivetrain
     found: Connections
@@ -41,20 +42,20 @@ class DrawingPlan:
     """Width of the drawing in points, beyond which lines go on below."""
     compact: bool
     discs: Mapping[str, float]
-    """Half the height of each inertia's disc, by name."""
+    """Half the height in points of each inertia's disc, by name of the element."""
     loops: dict[Vertex, list[tuple[int, Link, Vertex]]] = field(default_factory=dict)
-    """Links that close loops, at the vertex from which they are drawn."""
+    """Links that close loops as (number, link, other end), by the vertex from which they are drawn."""
     targets: dict[str, list[int]] = field(default_factory=dict)
     """Numbers of the loops that end at a node."""
 
     @property
     def scale(self) -> float:
-        """Size of the symbols."""
+        """Size of the symbols over the usual size."""
         return COMPACT_SCALE if self.compact else 1.0
 
     @cached_property
     def homes(self) -> dict[str, str]:
-        """Nodes that are not drawn, and where their inputs and sensors go.
+        """Drawn node at which the inputs and sensors of each hidden node stand, by hidden node.
 
         Stations within a shaft go to the shaft's first end, planets to the carrier.
         """
@@ -68,7 +69,7 @@ class DrawingPlan:
 
     @cached_property
     def housings(self) -> dict[str, list[str]]:
-        """Gears whose housing is on a node, by node."""
+        """Names of the gears whose housing is on a node, by node."""
         found: dict[str, list[str]] = {}
         inside = {element.name for box in self.found.boxes.values() for element in getattr(box, "elements", ())}
         for element in self.drivetrain.elements.values():
@@ -79,12 +80,12 @@ class DrawingPlan:
 
     @cached_property
     def inputs(self) -> dict[str, list[tuple[str, str]]]:
-        """(input, what it is) by node."""
+        """Name and description of the inputs on a node, by node."""
         return self._by_node((name, _input_words(given), given.of) for name, given in self.drivetrain.inputs.items())
 
     @cached_property
     def reactions(self) -> dict[str, list[tuple[str, str]]]:
-        """(input, what it is) by the second node of inputs between two."""
+        """Name and description of the inputs between two nodes, by their second node."""
         return self._by_node(
             (name, f"of {given.of}", given.against)
             for name, given in self.drivetrain.inputs.items()
@@ -93,7 +94,7 @@ class DrawingPlan:
 
     @cached_property
     def motions(self) -> dict[str, list[tuple[str, str]]]:
-        """(sensor, quantity) of the motion of nodes, by node."""
+        """Name and quantity of the sensors of a node's motion, by node."""
         return self._by_node(
             (name, f"{sensor.quantity}{f' against {sensor.against}' if sensor.against else ''}", sensor.of)
             for name, sensor in self.drivetrain.sensors.items()
@@ -101,7 +102,7 @@ class DrawingPlan:
         )
 
     def _by_node(self, channels: Iterable[tuple[str, str, str]]) -> dict[str, list[tuple[str, str]]]:
-        """What is at a node that is not drawn says so."""
+        """Names and descriptions of channels by drawn node; the description names a node that is hidden."""
         found: dict[str, list[tuple[str, str]]] = {}
         for name, what, node in channels:
             text = f"{what} at {node}" if node in self.homes else what
@@ -110,7 +111,7 @@ class DrawingPlan:
 
     @cached_property
     def taps(self) -> dict[str, list[Tap]]:
-        """Torques and twists by the node where they are taken."""
+        """Sensors of torques and twists, by the node at which they are drawn."""
         found: dict[str, list[Tap]] = {}
         for name, sensor in self.drivetrain.sensors.items():
             element = self.drivetrain.elements.get(sensor.of)
@@ -121,11 +122,11 @@ class DrawingPlan:
         return found
 
     def taps_of(self, element: Element) -> list[Tap]:
-        """What is taken from one element."""
+        """Sensors of the torque or twist of an element."""
         return [tap for taps in self.taps.values() for tap in taps if tap.element == element.name]
 
     def leads_on(self, tap: Tap, node: str) -> bool:
-        """Whether a tap is of something that leads on from a node, and is drawn beside it."""
+        """Whether a sensor is on an element that leads on from a node, and is drawn beside that element."""
         return any(belongs(tap, link) for link in self._links[node])
 
     @cached_property
@@ -138,7 +139,7 @@ class DrawingPlan:
         return found
 
     def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
-        """Discs with what hangs below them, and what the line ends in: a clamp or an element to ground."""
+        """Discs at a node with the elements that hang below them, and the element to ground that ends the line."""
         attached = self.found.attached[node]
         discs = [element for element in attached if element.glyph == "disc"]
         others = [element for element in attached if element.glyph != "disc"]
@@ -147,12 +148,12 @@ class DrawingPlan:
         return list(zip_longest(discs, hanging)), last
 
     def node_texts(self, node: str) -> Texts:
-        """Name of a node, with the gears whose housing it is."""
+        """Label of a node: its name, with the gears whose housing it is."""
         gears = self.housings.get(node, []) if not self.compact else []
         return broken([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
 
     def texts(self, element: Boxed) -> Texts:
-        """Name and main values of an element."""
+        """Label of an element: its name and main values."""
         if self.compact:
             return []
         if isinstance(element, PartBox):
@@ -169,16 +170,16 @@ class DrawingPlan:
 
 
 def _taken(element: Element, at: str | None) -> tuple[str, str]:
-    """Port and node where a sensor is drawn: where it is, unless that is the ground."""
+    """Port and node at which a torque sensor is drawn: its own, unless that is the ground."""
     ports = list(element.ports.items())
     return next(((port, node) for port, node in ports if at in (port, node) and node != GROUND),
                 next(pair for pair in ports if pair[1] != GROUND))  # fmt: skip
 
 
 def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tree]]:
-    """The plan, and the connected parts as trees."""
+    """Plan of a schematic, and the connected parts of the drivetrain as trees."""
     found = connections(drivetrain)
-    compact = len(drivetrain.nodes) > COMPACT
+    compact = len(drivetrain.nodes) > MOST_NAMED_NODES
     plan = DrawingPlan(drivetrain, found, page, compact, disc_sizes(drivetrain, COMPACT_SCALE if compact else 1.0))
     grown, left = trees(found, [node for node in drivetrain.nodes if node not in plan.homes])
     places = {vertex: place for tree in grown for place, vertex in enumerate(tree.order)}
@@ -190,7 +191,7 @@ def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tr
 
 
 def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
-    """Half heights between two limits, by the logarithm of the inertia."""
+    """Half heights of discs in points, by name of the element, between two limits by the logarithm of the inertia."""
     discs = [element for element in drivetrain.elements.values() if element.glyph == "disc"]
     values = {element.name: inertia_of(element, drivetrain.exact_values) for element in discs}
     logs = {name: math.log10(value) for name, value in values.items() if value > 0}
@@ -205,12 +206,12 @@ def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
 
 
 def inertia_of(element: Element, values: Mapping[str, Any]) -> float:
-    """What an element adds to the inertia of the nodes it is on, kg m^2."""
+    """Inertia in kg m^2 that an element adds to its nodes."""
     laws = [part for part in element.parts(Values(values)) if isinstance(part, Law)]
     return sum(float(law.inertia) * sum(float(factor) ** 2 for factor in law.row.values()) for law in laws)
 
 
 def _input_words(channel: Input) -> str:
-    """What an input is, beside its arrow."""
+    """Description of an input beside its arrow, as "torque against motor"."""
     what = {"torque": "torque", "angle": "imposed angle"}[channel.quantity]
     return what if channel.against is None else f"{what} against {channel.against}"

@@ -1,4 +1,4 @@
-"""The pictures inside boxes: a planetary set seen along its axis, a differential cut open."""
+"""Symbols inside boxes of a schematic, as a planetary set seen along its axis or a differential."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from torsionnet.plot.schematic.outlines import BODY, WHEEL, rectangle
 if TYPE_CHECKING:
     from torsionnet.plot.schematic.epicyclic import Boxed
 
-REACH = 24.0
-"""Half the width and height of an emblem."""
+HALF_SIZE = 24.0
+"""Half the width and height of a symbol in points."""
 
-RING, ROOT, SUN, MOST_PLANETS = 23.5, 20.5, 8.0, 6
-PLANET = (ROOT - SUN) / 2
+RING, ROOT, SUN, MOST_PLANETS = 23.5, 20.5, 8.0, 6  # radii in points: rim and teeth of the ring, sun
+PLANET = (ROOT - SUN) / 2  # radius in points that fills the gap between sun and ring
 
 
 def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
-    """What is drawn around (x, y); nothing for elements without a picture."""
+    """Strokes of the symbol of an element in a box, around (x, y); none for elements without a symbol."""
     if element.glyph == "planetary":
         given: Any = getattr(element, "planets", 3)
         return planetary(x, y, len(given) if isinstance(given, tuple) else given if isinstance(given, int) else 3)
@@ -32,7 +32,7 @@ def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
 
 
 def gearbox() -> list[Stroke]:
-    """Two shafts with three pairs of wheels."""
+    """Symbol of a gearbox: two shafts with three pairs of wheels."""
     shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
     pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
     wheels = []
@@ -45,7 +45,7 @@ def gearbox() -> list[Stroke]:
 
 
 def belt() -> list[Stroke]:
-    """Two pulleys and the belt around them, seen along their axes."""
+    """Symbol of a belt: two pulleys with the belt around them, seen along their axes."""
     (left, big), (right, small) = (-11.0, 11.0), (14.0, 7.0)
     tilt = math.degrees(math.asin((big - small) / (right - left)))
     around = (
@@ -58,7 +58,7 @@ def belt() -> list[Stroke]:
 
 
 def hydrodynamic() -> list[Stroke]:
-    """Two half shells face to face, with their blades."""
+    """Symbol of a fluid coupling or torque converter: two half shells face to face, with blades."""
     found: list[Stroke] = []
     for sign in (-1, 1):
         shell = tuple((sign * (x + 2), y) for x, y in arc(0, 0, 14, 18, -90, 90, 20))
@@ -68,11 +68,11 @@ def hydrodynamic() -> list[Stroke]:
 
 
 SMALL: dict[str, Callable[[], list[Stroke]]] = {"gearbox": gearbox, "belt": belt, "hydrodynamic": hydrodynamic}
-"""Pictures that stand in a box and between two ends alike."""
+"""Symbols that are used in boxes and in elements between two ends, by the element's ``glyph``."""
 
 
 def planetary(x: float, y: float, planets: int = 3) -> list[Stroke]:
-    """Sun, planets and ring seen along the axis; the carrier is the star that joins the planets' axles."""
+    """Symbol of a planetary set seen along the axis; the carrier is the star that joins the planets' axles."""
     count = max(1, min(planets, MOST_PLANETS))
     orbit = (ROOT + SUN) / 2
     angles = [math.pi / 2 + 2 * math.pi * i / count for i in range(count)]
@@ -87,7 +87,7 @@ def planetary(x: float, y: float, planets: int = 3) -> list[Stroke]:
 
 
 def differential(x: float, y: float, *, locked: bool = False) -> list[Stroke]:
-    """Two side gears and two pinions in a cage; a bar between the side gears where it is locked."""
+    """Symbol of a differential: side gears and pinions in a cage, with a bar between the side gears if locked."""
     cage = Stroke(_rectangle(x, y, 23, 21), "part", closed=True, fill="#ffffff")
     sides = [_bevel(x, y, sign, level=True) for sign in (-1, 1)]
     pinions = [_bevel(x, y, sign, level=False) for sign in (-1, 1)]
@@ -98,7 +98,7 @@ def differential(x: float, y: float, *, locked: bool = False) -> list[Stroke]:
 
 
 def _bevel(x: float, y: float, sign: int, *, level: bool) -> Stroke:
-    """A bevel gear as a trapezium, its small end towards the middle."""
+    """Stroke of a bevel gear: a trapezium with its small end towards the middle."""
     corners = ((7.0, -5.5), (16.0, -12.0), (16.0, 12.0), (7.0, 5.5))
     points = ((x + sign * u, y + v) if level else (x + v, y + sign * u) for u, v in corners)
     return Stroke(tuple(points), "part", closed=True, fill=WHEEL)

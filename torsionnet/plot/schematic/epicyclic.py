@@ -1,4 +1,4 @@
-"""Planetary sets that a model builds from gears: found by their planets, drawn as one set."""
+"""Planetary sets that a model builds from single gears, recognised by their planets and drawn as one box."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from torsionnet.model.elements import GROUND, Element, Gear
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-MEMBERS = 2
-"""Meshes of a simple planet: with the sun and with the ring."""
+MESHES_OF_PLANET = 2  # with the sun and with the ring
 
 
 @dataclass(frozen=True)
 class EpicyclicSet:
-    """Gears on one moving housing, the carrier, whose planets mesh with a sun and with a ring.
+    """Planetary set of gears on one moving housing, the carrier, whose planets mesh with a sun and with a ring.
 
-    ``planets`` are the nodes of the planets, ``bodies`` what is on them alone.
+    ``planets`` are the nodes of the planets, ``bodies`` the elements on these nodes alone.
     """
 
     kind: ClassVar[str] = "epicyclic"
@@ -34,19 +33,21 @@ class EpicyclicSet:
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
+        """Nodes inside the box, which are not drawn: the planets."""
         return self.planets
 
     @property
     def elements(self) -> tuple[Element, ...]:
+        """Elements inside the box: meshes, and bodies of the planets."""
         return (*self.sun_meshes, *self.ring_meshes, *self.bodies)
 
 
 Boxed: TypeAlias = Element | EpicyclicSet
-"""What is drawn as a box with three ports."""
+"""Element, or planetary set of several, drawn as a box with three ports."""
 
 
 def epicyclic_sets(drivetrain: Drivetrain) -> list[EpicyclicSet]:
-    """The sets in the order of their planets; planets between the same members belong together."""
+    """Planetary sets of a drivetrain in the order of their planets; planets between the same members are one set."""
     found: dict[tuple[str, str, str], list[tuple[str, Element, Element]]] = {}
     at = _at_nodes(drivetrain.elements.values())
     for node, elements in at.items():
@@ -81,10 +82,10 @@ def _at_nodes(elements: Iterable[Element]) -> dict[str, list[Element]]:
 
 
 def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tuple[Element, Element] | None:
-    """The meshes of a planet with its sun (external) and its ring (internal), if the node is a planet."""
+    """Meshes of a planet with its sun (external) and its ring (internal); None if the node is no planet."""
     gears = [element for element in elements if isinstance(element, Gear)]
     alone = all(element in gears or _is_alone(element) for element in elements)
-    if len(gears) != MEMBERS or not alone or len({gear.housing for gear in gears}) > 1:
+    if len(gears) != MESHES_OF_PLANET or not alone or len({gear.housing for gear in gears}) > 1:
         return None
     if gears[0].housing in (None, GROUND, node) or any(node not in gear.nodes for gear in gears):
         return None
@@ -96,7 +97,7 @@ def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tu
 
 
 def _is_alone(element: Element) -> bool:
-    """Whether nothing else turns with what the element is on."""
+    """Whether an element is on a single node."""
     return len([node for node in dict.fromkeys(element.ports.values()) if node != GROUND]) == 1
 
 

@@ -1,8 +1,8 @@
-"""Where everything in a schematic goes: shaft lines from left to right, branches and gear stages on lines of their own.
+"""Layout of a schematic: shaft lines from left to right, branches and gear stages on lines of their own.
 
-A line is built from its head onwards, every piece in a stretch of its own that is as wide as its symbol and texts; the
-lines that leave it are then moved down (or up) to the nearest free place. A line that would leave the page is cut, and
-goes on below; a branch for which no room is left begins a band of its own, with flags at both ends. All in points.
+A line is built from its first vertex onwards, every symbol in a stretch as wide as the symbol and its texts; branches
+are then moved down (or up) to the nearest free place. A line wider than the page is cut and goes on below; a branch
+without room begins a band of its own, with flags at both ends. All lengths are in points.
 """
 
 from __future__ import annotations
@@ -23,38 +23,39 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 
-PAGE = 545.0
-"""Width of a drawing unless another is asked for."""
+PAGE_WIDTH = 545.0
+"""Width of a drawing in points unless another is asked for."""
 
 MARGIN = 24.0
-"""Room for the lines that lead from one piece of a cut line to the next."""
+"""Points at the sides for the lines that lead from one piece of a cut line to the next."""
 
-WIRES = 30.0
-"""Room at the sides for wires that close loops."""
+WIRE_ROOM = 30.0
+"""Points at the sides for wires that close loops."""
 
-NARROWEST = 0.45
-"""Part of the page that a branch gets before it begins a band of its own."""
+NARROWEST_BRANCH = 0.45
+"""Share of the page's width below which a branch that has to be cut begins a band of its own instead."""
 
 UP_IF_CUT = 1.5
+"""``UP_IF`` of loops on a line that goes on below: a larger value leads more of them above the line, out of its way."""
 INDENT = 26.0
-"""Pieces of a line that comes from gears stay clear of the wheels."""
+"""Points by which the pieces of a line behind gears are indented, to stay clear of the wheels."""
 
 
-TIP, HALF, PAD = 5.0, 7.0, 10.0
-LONGEST = 24
-"""Letters of a name on a flag."""
+TIP, HALF, PAD = 5.0, 7.0, 10.0  # points: tip of a flag, half its height, room beside its text
+LONGEST_FLAG = 24
+"""Characters of a name on a flag; the rest is cut off."""
 
 
-def blocks(drivetrain: Drivetrain, page: float = PAGE) -> list[list[Piece]]:
-    """For each connected part its bands, from top to bottom."""
+def blocks(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[Piece]]:
+    """Bands of drawing of each connected part, from top to bottom, for a page width in points."""
     plan, grown = make_plan(drivetrain, page)
     if plan.loops:
-        plan.page -= WIRES
+        plan.page -= WIRE_ROOM
     return [Sheet(tree, plan).bands() for tree in grown]
 
 
 class Sheet:
-    """One connected part: its lines, how wide they are, and those that wait for a band of their own."""
+    """Layout of one connected part: its lines, their widths, and the lines that wait for a band of their own."""
 
     def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
         self.tree: Tree = tree
@@ -68,7 +69,7 @@ class Sheet:
             self._measure(head)
 
     def _measure(self, head: Vertex) -> None:
-        """Widths of a line whose branches have been measured before."""
+        """Measure the widths of a line whose branches have been measured before."""
         self._steps(head)
         room = self.plan.page - MARGIN - INDENT
         wide = zip(self.courses[head].vertices, self.steps[head], strict=True)
@@ -86,7 +87,7 @@ class Sheet:
         self.steps[head] = [self._step(line, course.cut(place, place + 1)) for place in range(len(course.vertices))]
 
     def _step(self, line: Line, course: Course) -> RouteStep:
-        """Go on by one vertex, and measure what that took."""
+        """Draw one vertex of a line, and return the room it took."""
         start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
         self._fill(line, course)
         taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
@@ -97,7 +98,7 @@ class Sheet:
         return RouteStep(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
 
     def bands(self) -> list[Piece]:
-        """The main line first, then those for which it had no room."""
+        """Drawings of the main line and of the branches that had no room beside it."""
         found = []
         while self.waiting:
             head = self.waiting.popleft()
@@ -117,7 +118,7 @@ class Sheet:
         return self._course(head, self.plan.page, top=True, begun=line)
 
     def _course(self, head: Vertex, room: float, *, top: bool = False, begun: Line | None = None) -> Piece:
-        """A line with everything that leaves it, cut into pieces if it is wider than the room."""
+        """Drawing of a line with all its branches, cut into pieces if it is wider than the room."""
         course = self.courses[head]
         start = begun.x if begun is not None else self.starts[head]
         indent = INDENT if begun is None and course.incoming is not None and course.incoming.is_gear else 0.0
@@ -158,7 +159,7 @@ class Sheet:
         )
 
     def _settled(self, leaving: Exit, room: float, loops_up_if: float) -> Drop:
-        """What leaves with its block: the line itself, or a flag where there is no room for it."""
+        """Branch with its drawing: the line itself, or a flag if there is no room for the line."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Piece):
             return Drop(x, y, what, stages, up_if=loops_up_if)
@@ -172,21 +173,21 @@ class Sheet:
         return Drop(x, y, block, stages)
 
     def _shared_node(self, head: Vertex) -> str:
-        """What the flags say: gears are drawn where the line leaves, a shaft belongs to the line itself."""
+        """Node named on the flags of a line that begins a band of its own."""
         course = self.courses[head]
         shaft = course.incoming is not None and course.incoming.elements and not course.incoming.is_gear
         return course.parent.name if shaft and course.parent is not None else head.name
 
     def _may_be_cut(self, head: Vertex, room: float) -> bool:
-        """Whether a line that is cut even on a page of its own needs no more pieces here."""
+        """Whether a line has to be cut even on a page of its own, and needs no more pieces in the room given."""
         steps, start = self.steps[head], self.starts[head]
-        if room < max(NARROWEST * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
+        if room < max(NARROWEST_BRANCH * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
             return False
         return len(cuts(start, steps, room, MARGIN + INDENT)) <= len(cuts(start, steps, self.plan.page, MARGIN)) > 1
 
 
 def _stacked(built: list[Piece], indent: float) -> Piece:
-    """Pieces of a line below each other, each led on to the next."""
+    """Drawing of the pieces of a line below each other, joined by wires."""
     whole = built[0]
     for before, piece in pairwise(built):
         bottom = whole.extent[2]
@@ -201,8 +202,8 @@ def _stacked(built: list[Piece], indent: float) -> Piece:
 
 
 def _flag(block: Piece, x: float, text: str) -> float:
-    """A flag on the shaft at (x, 0), pointing to the right; gives where it ends."""
-    shown = text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    """Draw a flag with a text on the shaft at (x, 0), pointing to the right, and return the x where it ends."""
+    shown = text if len(text) <= LONGEST_FLAG else text[: LONGEST_FLAG - 1] + "…"
     end = x + text_width(shown, "what") + 2 * TIP + PAD
     outline = ((x, -HALF), (end - TIP, -HALF), (end, 0.0), (end - TIP, HALF), (x, HALF))
     block.strokes.append(Stroke(outline, "thin", closed=True, fill="#ffffff"))

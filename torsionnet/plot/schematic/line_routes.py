@@ -1,4 +1,4 @@
-"""The lines of a schematic: which vertices follow each other on one shaft, and where a line is cut to fit the page."""
+"""Routes of the lines of a schematic: vertices that follow each other on one shaft, and cuts that fit the page."""
 
 from __future__ import annotations
 
@@ -10,35 +10,36 @@ from typing import NamedTuple
 from torsionnet.plot.schematic.topology import Link, Tree, Vertex, heights
 
 PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
-"""Costs, in squared points: of one more piece, of a branch that would fit elsewhere, of a point it begins later."""
+"""Costs in squared points of cutting a line: of a piece, of a branch that would fit elsewhere, of a point of offset."""
 
 
 @dataclass(frozen=True)
 class Course:
-    """Which vertices make up a line, and how it is reached."""
+    """Route of a line: its vertices and links, and the link by which it leaves its parent."""
 
     incoming: Link | None
     parent: Vertex | None
     vertices: tuple[Vertex, ...]
     links: tuple[Link, ...]
-    """Between the vertices; one more where the line is cut."""
+    """Links between the vertices, and the link at which the line is cut, if it goes on."""
     before: Link | None = None
-    """The link at the cut."""
+    """Link at the cut before the first vertex."""
     shares: tuple[tuple[int, int], ...] = ()
-    """Which part of its vertex each entry is, and of how many; all are whole if not given."""
+    """Number and count of the parts of each vertex that is split over several; empty: all are whole."""
 
     def share(self, place: int) -> tuple[int, int]:
+        """Number of the part at a place of the line, and count of parts of its vertex."""
         return self.shares[place] if self.shares else (0, 1)
 
     def cut(self, first: int, last: int) -> Course:
-        """The piece from one vertex to another, with the link after it."""
+        """Piece of the route from vertex ``first`` up to ``last``, with the link after it."""
         before = self.links[first - 1] if first else self.before
         incoming = None if first else self.incoming
         shares = self.shares[first:last]
         return Course(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
 
     def split(self, crowded: Mapping[Vertex, int]) -> Course:
-        """With vertices in several parts, a piece of shaft between them."""
+        """Copy of the route with crowded vertices split into several parts with a piece of shaft between them."""
         vertices: list[Vertex] = []
         links: list[Link] = []
         shares: list[tuple[int, int]] = []
@@ -51,14 +52,14 @@ class Course:
 
 
 class Leaving(NamedTuple):
-    """A line that leaves a step: how far from the step's start, and how wide it is with all that leaves it."""
+    """Branch that leaves a step of a line: distance from the step's start, and width with all its own branches."""
 
     x: float
     need: float
 
 
 class RouteStep(NamedTuple):
-    """One vertex of a course with the elements after it; its texts may reach beyond it to both sides."""
+    """Widths in points of one vertex of a line with the elements after it, and of texts beyond both sides."""
 
     width: float
     left: float
@@ -67,11 +68,12 @@ class RouteStep(NamedTuple):
 
     @property
     def whole(self) -> float:
+        """Width with the texts beyond both sides."""
         return self.left + self.width + self.right
 
 
 def courses(tree: Tree) -> dict[Vertex, Course]:
-    """The lines of a tree by their heads, those nearer to the root first."""
+    """Routes of the lines of a tree by their first vertex, those nearer to the root first."""
     height = heights(tree)
     found: dict[Vertex, Course] = {}
     heads: list[tuple[Link | None, Vertex | None, Vertex]] = [(None, None, tree.root)]
@@ -91,7 +93,7 @@ def courses(tree: Tree) -> dict[Vertex, Course]:
 
 
 def needed(start: float, steps: Sequence[RouteStep]) -> float:
-    """Width of a line in one piece, with everything that leaves it."""
+    """Width in points of a line in one piece, with all its branches."""
     x = start + max(0.0, steps[0].left - start)
     far = x
     for step in steps:
@@ -101,7 +103,7 @@ def needed(start: float, steps: Sequence[RouteStep]) -> float:
 
 
 def cuts(start: float, steps: Sequence[RouteStep], room: float, margin: float) -> list[int]:
-    """Where the pieces of a line begin: few pieces of like width, and room for what leaves them."""
+    """Numbers of the steps at which the pieces of a cut line begin: few, of like width, with room for branches."""
     if needed(start, steps) <= room:
         return [0]
     narrow = room - margin
@@ -120,7 +122,7 @@ def cuts(start: float, steps: Sequence[RouteStep], room: float, margin: float) -
 
 
 def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
-    """Beginnings of a piece with this end that fits; one step always has to do."""
+    """Numbers of the steps at which a piece that ends at ``end`` may begin to fit the room; at least one step."""
     found = [end - 1]
     width = steps[end - 1].width + steps[end - 1].right
     for first in range(end - 2, -1, -1):
@@ -132,7 +134,7 @@ def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
 
 
 def _cost(piece: Sequence[RouteStep], start: float, room: float) -> float:
-    """Empty room, squared, and what branches that do not fit cost."""
+    """Cost of a piece of a line: empty room, squared, and branches that do not fit."""
     x, cost = max(start, piece[0].left), PIECE
     for step in piece:
         for leaving in step.leaving:

@@ -1,4 +1,4 @@
-"""Inputs and sensors on a shaft, with their names above it."""
+"""Marks of inputs and sensors on a shaft line, with their names above the shaft."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ TOPS = {"input": 19.0, "reaction": 19.0, "motion": 20.0, "torque": 20.0}
 """Points above the shaft where the name of each kind of mark begins."""
 
 ARROW = 17.0
-"""Half the height of a torque arrow."""
+"""Half the height of a torque arrow in points."""
 
 
 @dataclass(frozen=True)
 class Mark:
-    """An input, what it does oppositely to a second node, or a sensor of motion or torque."""
+    """Mark of an input, of its reaction on a second node, or of a sensor of motion or torque."""
 
     kind: str
     name: str
     what: str
 
     def drawn(self, lift: float = 0.0) -> Piece:
-        """Around x = 0, with the name so much higher than usual."""
+        """Drawing of the mark around x = 0, with its name raised by ``lift`` points."""
         top = TOPS[self.kind] + lift
         piece = Piece()
         if self._is_arrow:
@@ -46,5 +46,5 @@ class Mark:
 
     @property
     def texts(self) -> Texts:
-        """Its name and what it is."""
+        """Label of the mark: name and description."""
         return broken([(self.name, "input" if self._is_arrow else "sensor"), (self.what, "what")])

@@ -1,4 +1,4 @@
-"""Outlines that the symbols of a schematic are made of: rectangles, wheels, springs, dashpots, marks."""
+"""Basic shapes of the symbols of a schematic: rectangles, wheels, springs, dashpots, ground, marks."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ from dataclasses import dataclass
 
 from torsionnet.plot.drawing.pieces import Stroke, arc
 
-DISC_WIDTH, WHEEL_WIDTH = 13.0, 12.0
-GROUND_WIDTH = 26.0
+DISC_WIDTH, WHEEL_WIDTH = 13.0, 12.0  # points
+GROUND_WIDTH = 26.0  # points
 BODY, WHEEL, BOX = "#dbe5ee", "#efe6d8", "#fbf9f5"
 
 
 @dataclass(frozen=True)
 class Glyph:
-    """Strokes from (0, 0) to (length, 0), staying within ``reach`` of that line."""
+    """Symbol as strokes from (0, 0) to (length, 0), which stay within ``reach`` points of that line."""
 
     strokes: tuple[Stroke, ...]
     length: float
     reach: float
 
     def along(self, x: float, y: float) -> list[Stroke]:
-        """To the right from a point."""
+        """Strokes of the symbol from (x, y) to the right."""
         return [stroke.shifted(x, y) for stroke in self.strokes]
 
     def scaled(self, factor: float) -> Glyph:
+        """Copy of the symbol in another size."""
         strokes = (
             Stroke(tuple((factor * u, factor * v) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
             for stroke in self.strokes
@@ -31,7 +32,7 @@ class Glyph:
         return Glyph(tuple(strokes), factor * self.length, factor * self.reach)
 
     def hanging(self, x: float, y: float) -> list[Stroke]:
-        """Down from a point."""
+        """Strokes of the symbol from (x, y) downwards."""
         return [
             Stroke(tuple((x + v, y - u) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
             for stroke in self.strokes
@@ -39,16 +40,17 @@ class Glyph:
 
 
 def rectangle(x0: float, x1: float, y0: float, y1: float, fill: str = "", look: str = "part") -> Stroke:
+    """Stroke of a rectangle between x0 and x1, y0 and y1."""
     return Stroke(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), look, closed=True, fill=fill)
 
 
 def disc(x: float, half: float, width: float = DISC_WIDTH) -> list[Stroke]:
-    """An inertia seen from the side."""
+    """Strokes of a disc (an inertia seen from the side) with its centre at (x, 0)."""
     return [rectangle(x - width / 2, x + width / 2, -half, half, BODY)]
 
 
 def wheel(x: float, y: float, radius: float) -> list[Stroke]:
-    """A gear wheel seen from the side: its teeth are the short lines at the rims."""
+    """Strokes of a gear wheel seen from the side, with short lines at the rims as teeth."""
     half = WHEEL_WIDTH / 2
     teeth = [
         Stroke(((x - half, y + side * (radius - 3.5)), (x + half, y + side * (radius - 3.5))), "thin")
@@ -58,26 +60,26 @@ def wheel(x: float, y: float, radius: float) -> list[Stroke]:
 
 
 def ground(x: float, y: float) -> list[Stroke]:
-    """A line with hatching below."""
+    """Strokes of the symbol of ground: a line with hatching below."""
     half = GROUND_WIDTH / 2
     hatches = [Stroke(((x + u + 4, y), (x + u - 1, y - 6)), "thin") for u in (-10.0, -4.0, 2.0, 8.0)]
     return [Stroke(((x - half, y), (x + half, y))), *hatches]
 
 
 def mass(x: float, y: float) -> list[Stroke]:
-    """An inertia below what it hangs on."""
+    """Strokes of an inertia that hangs below (x, y)."""
     return [rectangle(x - GROUND_WIDTH / 2, x + GROUND_WIDTH / 2, y - DISC_WIDTH, y, BODY)]
 
 
 def wall(x: float, half: float = 18.0) -> list[Stroke]:
-    """A line with hatching to the right."""
+    """Strokes of a wall at the end of a shaft: a vertical line with hatching to the right."""
     count = int(2 * half / 6)
     hatches = [Stroke(((x, -half + 6 * i + 6), (x + 6, -half + 6 * i + 1)), "thin") for i in range(count)]
     return [Stroke(((x, -half), (x, half))), *hatches]
 
 
 def torque_arrow(x: float, *, opposite: bool = False) -> list[Stroke]:
-    """An arrow around the shaft, or the opposite one."""
+    """Strokes of a torque arrow around the shaft, or of the opposite arrow."""
     way = -1 if opposite else 1
     path = arc(x, 0, 6.5, 17, way * 150, way * -150)
     x1, y1 = path[-1]
@@ -86,18 +88,19 @@ def torque_arrow(x: float, *, opposite: bool = False) -> list[Stroke]:
 
 
 def sensor_mark(x: float, *, torque: bool, leader: float = 20.0) -> list[Stroke]:
-    """A dot for motion, a diamond for torque, with a leader to the name above."""
+    """Strokes of a sensor's mark: a dot for motion, a diamond for torque, with a leader to the name above."""
     dot = ((x - 4.5, 0.0), (x, 4.5), (x + 4.5, 0.0), (x, -4.5)) if torque else arc(x, 0, 3.8, 3.8, 0, 360)
     return [Stroke(((x, 4), (x, leader)), "sensor"), Stroke(dot, "sensor", closed=True, fill="#ffffff")]
 
 
 def side_mark(x: float, y: float, leader: float) -> list[Stroke]:
-    """A diamond for the torque of what hangs below a shaft, with a leader to the name beside it."""
+    """Strokes of a torque sensor's mark on an element below a shaft: a diamond with a leader to the name beside it."""
     diamond = ((x - 4.5, y), (x, y + 4.5), (x + 4.5, y), (x, y - 4.5))
     return [Stroke(((x + 4, y), (x + leader, y)), "sensor"), Stroke(diamond, "sensor", closed=True, fill="#ffffff")]
 
 
 def zigzag(start: float, end: float, y: float, amplitude: float = 6.0, teeth: int = 4) -> Stroke:
+    """Stroke of a spring from (start, y) to (end, y)."""
     lead = 0.12 * (end - start)
     step = (end - start - 2 * lead) / (2 * teeth)
     middle = [(start + lead + (i + 0.5) * step, y + amplitude * (-1) ** i) for i in range(2 * teeth)]
@@ -105,6 +108,7 @@ def zigzag(start: float, end: float, y: float, amplitude: float = 6.0, teeth: in
 
 
 def dashpot(start: float, end: float, y: float, half: float = 6.0) -> list[Stroke]:
+    """Strokes of a dashpot from (start, y) to (end, y), ``half`` its half height."""
     a, b = start + 0.36 * (end - start), start + 0.66 * (end - start)
     piston = start + 0.5 * (end - start)
     return [

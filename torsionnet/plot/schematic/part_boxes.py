@@ -1,4 +1,4 @@
-"""A drivetrain as it is drawn with each part that it uses as one box."""
+"""Drivetrain for a schematic that draws each part in use as one box."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PartBox(Element):
-    """A part in the place of what it holds; it is only drawn."""
+    """Element that stands for the elements of a part in a schematic; it has no laws."""
 
     glyph: ClassVar[str] = "part"
 
@@ -37,9 +37,9 @@ class PartBox(Element):
 
 
 def boxed(drivetrain: Drivetrain) -> Drivetrain:
-    """The drivetrain with a box for each copy of a part; one without parts as it is.
+    """Copy of a drivetrain with a box in place of each copy of a part; itself if it uses no parts.
 
-    What drives or is measured within a part is not drawn; motions of its nodes stand at its first port.
+    Sensors on elements within a part are not drawn; motions of its nodes stand at its first port.
     """
     definition = drivetrain.definition
     if definition.authored is None or not definition.authored.authored.use:

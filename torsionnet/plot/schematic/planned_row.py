@@ -1,4 +1,4 @@
-"""A row of symbols that knows the plan it is part of, and what leaves it."""
+"""Row of symbols of a schematic from left to right, with the marks on it and the branches that leave it."""
 
 from __future__ import annotations
 
@@ -15,64 +15,69 @@ if TYPE_CHECKING:
     from torsionnet.plot.schematic.drawing_plan import DrawingPlan
 
 
-MANY, HIGHER = 4, 22.0
-"""Marks in a row of which every other one is lifted, by so many points."""
+MANY_MARKS, MARK_LIFT = 4, 22.0
+"""Marks in a row from which every other one is lifted, and points by which it is."""
 
 
-FAR = 1e5
-APART, CLOSE = 7.0, 3.0
-"""Points between neighbours, sideways and up or down."""
+FAR_OUT = 1e5
+"""Points beyond any drawing."""
+SIDE_GAP, VERTICAL_GAP = 7.0, 3.0
+"""Least points between neighbours, sideways and up or down."""
 
-RECENT = 120
-"""Boxes that can be in the way of the next piece."""
+RECENT_BOXES = 120
+"""Last boxes that a new piece is checked against: more take time, fewer may let pieces overlap."""
 
 
 class Row:
-    """Pieces along y = 0 from left to right; ``x`` is how far their symbols have come."""
+    """Row of pieces along y = 0 from left to right; ``x`` is where the last symbol ends."""
 
-    def __init__(self, wall: float = -FAR) -> None:
+    def __init__(self, wall: float = -FAR_OUT) -> None:
         self.block = Piece()
         self.x = 0.0
         self.columns: list[Box] = []
-        """Room kept free for what comes later: wires, wheels."""
+        """Areas kept free for branches: wires and wheels."""
         self.wall = wall
-        self.named_until = -FAR
+        self.named_until = -FAR_OUT
 
     def put(self, piece: Piece, left: float, right: float, columns: Sequence[Box] = ()) -> float:
-        """Place a piece drawn around x = 0 whose symbol reaches so far to both sides; gives where its middle is."""
+        """Place a piece drawn around x = 0 behind the others, and return the x of its middle.
+
+        ``left`` and ``right`` are the extents of its symbol, ``columns`` areas to be kept free around it.
+        """
         own = [*piece.boxes, *columns]
-        x = max(self.x + left, *(self.wall - box[0] for box in own), -FAR)
-        for there in [*self.block.boxes[-RECENT:], *self.columns[-RECENT:]]:
+        x = max(self.x + left, *(self.wall - box[0] for box in own), -FAR_OUT)
+        for there in [*self.block.boxes[-RECENT_BOXES:], *self.columns[-RECENT_BOXES:]]:
             for box in own:
-                if box[2] < there[3] + CLOSE and there[2] < box[3] + CLOSE:
-                    x = max(x, there[1] + APART - box[0])
+                if box[2] < there[3] + VERTICAL_GAP and there[2] < box[3] + VERTICAL_GAP:
+                    x = max(x, there[1] + SIDE_GAP - box[0])
         self.block.add(piece.shifted(x, 0))
         self.columns += [moved(box, x, 0) for box in columns]
         self.x = x + right
         return x
 
     def keep(self, width: float) -> float:
-        """Room of this width that nothing else may use, above and below; gives its middle."""
-        return self.put(Piece(), width / 2, width / 2, [(-width / 2, width / 2, -FAR, FAR)])
+        """Keep a column of a width free above and below the row, and return the x of its middle."""
+        return self.put(Piece(), width / 2, width / 2, [(-width / 2, width / 2, -FAR_OUT, FAR_OUT)])
 
     def name(self, start: float, texts: Texts) -> float:
-        """Keep room for the name of what stands since the start, above everything; gives where it ends."""
+        """Keep room above the row for the name of the symbols since ``start``, and return the x where it ends."""
         half = widest(texts) / 2
-        end = max(self.x, start + 14, 2 * (self.named_until + APART + half) - start, 2 * (self.wall + half) - start)
+        end = max(self.x, start + 14, 2 * (self.named_until + SIDE_GAP + half) - start, 2 * (self.wall + half) - start)
         middle = (start + end) / 2
         self.named_until = middle + half
         self.x = end
         return end
 
     def bracket(self, x0: float, x1: float, y: float) -> None:
+        """Draw a bracket at height y over the symbols from x0 to x1."""
         self.block.strokes.append(Stroke(((x0, y - 3), (x0, y), (x1, y), (x1, y - 3)), "faint"))
         self.block.boxes.append((x0, x1, y - 2, y + 1))
 
 
 class PlannedRow(Row):
-    """A row, the lines that leave it and the brackets of what is named below it."""
+    """Row with the plan of the schematic, the branches that leave it, and brackets for the names of its nodes."""
 
-    def __init__(self, plan: DrawingPlan, wall: float = -FAR) -> None:
+    def __init__(self, plan: DrawingPlan, wall: float = -FAR_OUT) -> None:
         super().__init__(wall)
         self.plan = plan
         self.exits: list[Exit] = []
@@ -80,29 +85,30 @@ class PlannedRow(Row):
 
     @property
     def values(self) -> Any:
+        """Values of the drivetrain's parameters, by name."""
         return self.plan.drivetrain.exact_values
 
     def beside(self, node: str, link: Link | None, *, alone: bool = True) -> list[Mark]:
-        """Marks of torques and twists that are taken from a link at a node."""
+        """Marks of the sensors of torque and twist on the elements of a link at a node."""
         return marks_beside(self.plan.taps.get(node, ()), link, alone=alone) if link is not None else []
 
     def marks_on_shaft(self, marks: Sequence[Mark]) -> None:
-        """Marks with the piece of shaft they stand on."""
+        """Draw marks with the piece of shaft they stand on."""
         start = self.x
         self.marks(marks)
         if marks:
             self.block.line((start, 0), (self.x, 0))
 
     def marks(self, marks: Iterable[Mark]) -> None:
-        """Marks on the shaft with their names above it; of many, every other one stands higher."""
+        """Draw marks on the shaft with their names above; of many, every other name stands higher."""
         ordered = list(marks)
         for place, mark in enumerate(ordered):
-            lift = HIGHER if len(ordered) >= MANY and place % 2 else 0.0
+            lift = MARK_LIFT if len(ordered) >= MANY_MARKS and place % 2 else 0.0
             piece = mark.drawn(lift)
             self.put(piece, 9, 9)
 
     def loose(self, number: int, end: Vertex) -> None:
-        """Lead to the node, or name it where no way is free: room for the name is kept either way."""
+        """Add a loose end that closes loop ``number`` at the vertex ``end``, with room for a tag with its name."""
         width = text_width(end.name, "node") + 10
         tag = (self.x, self.x + width, -8.0, 8.0)
         self.block.ends.append(LooseEnd(number, end.name, self.x, 0, tag))

@@ -1,4 +1,4 @@
-"""The picture of a drivetrain: what is on which shaft, and what joins the shafts."""
+"""Schematic of a drivetrain as a matplotlib figure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from torsionnet.core.errors import UsageError
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Label, Piece, text_width
 from torsionnet.plot.schematic.canvas import POINTS_PER_INCH, painted
-from torsionnet.plot.schematic.drawing_plan import COMPACT
+from torsionnet.plot.schematic.drawing_plan import MOST_NAMED_NODES
 from torsionnet.plot.schematic.layout import blocks
 from torsionnet.plot.schematic.part_boxes import boxed
 from torsionnet.plot.schematic.texts import wrapped
@@ -19,12 +19,13 @@ from torsionnet.plot.schematic.wiring import connect
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0
+EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0  # points: margin, gap between rows of parts, gap between parts
 MILLIMETRES_PER_INCH = 25.4
 PAPER_WIDTH, LEGIBLE = 170.0, 6.0
-"""Millimetres between the margins of an A4 page; points that the smallest text still has at that width."""
+"""Text width of an A4 page in mm, and size in points of the smallest text when printed at the page's width."""
 
 NARROWEST_PAGE = 100.0
+"""Least width of a page in mm; on a narrower one single symbols with their texts would not fit."""
 
 
 def schematic(
@@ -81,7 +82,7 @@ def schematic(
 
 
 def _page(width: float) -> float:
-    """Points that a drawing may be wide."""
+    """Width in points of a drawing for a page width in mm."""
     if not width >= NARROWEST_PAGE:
         raise UsageError(f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}")
     smallest = min(role.size for role in ROLES.values())
@@ -89,14 +90,14 @@ def _page(width: float) -> float:
 
 
 def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
-    """All parts below each other, with the lines that close loops."""
+    """Drawing of all connected parts, with the wires that close loops."""
     parts = []
     for bands in blocks(drivetrain, page):
         part = _packed(bands, page)
         connect(part)
         parts.append(part)
     whole = _packed(parts, page)
-    if len(drivetrain.nodes) > COMPACT:
+    if len(drivetrain.nodes) > MOST_NAMED_NODES:
         note = f"{len(drivetrain.nodes)} nodes: elements are drawn without names and values"
         x0, _, y0, _ = whole.extent
         whole.labels.append(Label(x0, y0 - 14, note, "note", left=True))
@@ -105,7 +106,7 @@ def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
 
 
 def _packed(given: Sequence[Piece], page: float) -> Piece:
-    """Blocks from left to right and from top to bottom, like words on a page."""
+    """Drawing of several pieces placed from left to right and from top to bottom, like words on a page."""
     whole = Piece()
     x = top = bottom = 0.0
     for block in given:

@@ -1,4 +1,4 @@
-"""One shaft line of a schematic: nodes, the elements between them, and what leaves the line."""
+"""Shaft line of a schematic: nodes, the elements between them, and branches."""
 
 from __future__ import annotations
 
@@ -23,21 +23,22 @@ if TYPE_CHECKING:
 
 
 GAP = 9.0
+"""Points between the texts of gears beside each other."""
 
 
 Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
 Thing: TypeAlias = "Mark | tuple[Element | None, Element | None]"
-"""A mark on the shaft, or a disc with what hangs below it."""
+"""Mark on the shaft, or disc with the element that hangs below it."""
 
 Settle: TypeAlias = Callable[[Exit], Drop]
-"""Gives what leaves a line its block."""
+"""Function that returns the drawing of a branch."""
 
 
 class Line(PlannedRow):
-    """Builds a line along y = 0 from left to right; ``x`` is how far it has come."""
+    """Builder of a shaft line along y = 0 from left to right; ``x`` is where the line ends so far."""
 
     def begin(self, incoming: Link, parent: Vertex | None) -> None:
-        """Come from another line: beside its gears, else by the elements after a wire."""
+        """Begin a branch that comes from another line: beside its gears, or with the elements behind a wire."""
         if incoming.is_gear:
             widths = self.gear_widths(incoming)
             self.x = sum(widths) - (widths[0] + widths[-1]) / 2 + ELBOW + 4
@@ -51,13 +52,14 @@ class Line(PlannedRow):
             self.x += 10
 
     def arrive(self, incoming: Link, parent: Vertex | None) -> None:
-        """What leads here from a node of another line, with the torques that are taken there."""
+        """Draw the elements between a node of the parent line and this line, with the torque marks at that node."""
         if parent is not None and not parent.is_box:
             self.marks_on_shaft(self.beside(parent.name, incoming))
         if incoming.elements:
             self.gap(incoming)
 
     def gear_widths(self, link: Link) -> list[float]:
+        """Widths in points of the gears of a link with their texts."""
         return [max(26.0, widest(self.plan.texts(element)) + GAP) for element in link.elements]
 
     def vertex(
@@ -68,6 +70,7 @@ class Line(PlannedRow):
         leaving: Leaving,
         share: tuple[int, int] = (0, 1),
     ) -> None:
+        """Draw a vertex: a box, a node, or a part of a node that has too many symbols for one line."""
         if vertex.is_box:
             box(self, vertex, before, after, leaving)
         elif share[0] == share[1] - 1:
@@ -76,7 +79,7 @@ class Line(PlannedRow):
             self.crowd(vertex, before, share)
 
     def crowd(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
-        """Part of what is at a node with too much for one line."""
+        """Draw a part of the symbols of a node that has too many for one line."""
         start = self.x
         self.marks(self.beside(vertex.name, before))
         self.things(self.present(vertex.name, at_end=False)[0], share)
@@ -85,9 +88,9 @@ class Line(PlannedRow):
         self.brackets.append((start, named, vertex.name))
 
     def present(self, node: str, *, at_end: bool) -> tuple[list[Thing], Element | None]:
-        """What is at a node in the order of the shaft, and what the line ends in.
+        """Symbols at a node in their order on the shaft, and the element that ends the line.
 
-        Torques of what leads on from the node or down to ground are not among it: they stand beside that.
+        Torques of elements that lead on from the node or down to ground are left out: they stand beside the element.
         """
         bodies, held = self.plan.bodies(node, at_end=at_end)
         placed = {element.name for element in (held, *(hanging for _, hanging in bodies)) if element is not None}
@@ -99,7 +102,7 @@ class Line(PlannedRow):
         return [*self.inputs_and_motion(node), *bodies, *others], held
 
     def things(self, things: Sequence[Thing], share: tuple[int, int]) -> None:
-        """A part of what is at a node; marks beside each other stand in two rows if there are many."""
+        """Draw one part of the symbols at a node; many marks beside each other stand in two rows."""
         part, parts = share
         size = -(-len(things) // parts)
         for _, group in groupby(things[part * size : (part + 1) * size], lambda thing: isinstance(thing, Mark)):
@@ -111,7 +114,7 @@ class Line(PlannedRow):
     def station(
         self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving, share: tuple[int, int]
     ) -> None:
-        """Everything at one node."""
+        """Draw a node with its symbols, branches and loops."""
         start, node = self.x, vertex.name
         loops, targets = self.plan.loops.get(vertex, ()), self.plan.targets.get(node, ())
         branches = bool(leaving or loops or targets)
@@ -142,12 +145,13 @@ class Line(PlannedRow):
         self.brackets.append((start, named, node))
 
     def inputs_and_motion(self, node: str) -> list[Mark]:
+        """Marks of the inputs, reactions and motion sensors at a node."""
         inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
         inputs += [Mark("reaction", f"\u2212{symbol(name)}", what) for name, what in self.plan.reactions.get(node, ())]
         return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
 
     def leave(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
-        """A line that leaves this one; ``alone`` if nothing else goes on from here."""
+        """Add a branch from this line to a child vertex; ``alone`` if nothing else goes on from the node."""
         if not link.is_gear:
             self.exits.append(Exit(self.keep(16), 0, child))
             return
@@ -161,7 +165,7 @@ class Line(PlannedRow):
         self.exits.append(Exit(first, 0, child, tuple(stages)))
 
     def close(self, number: int, link: Link, end: Vertex) -> None:
-        """An element that closes a loop, on a line of its own with a loose end."""
+        """Draw the elements that close a loop, on a line of their own with a loose end."""
         line = Line(self.plan, wall=6.0)
         line.arrive(link, link.other(end))
         line.marks_on_shaft(line.beside(end.name, link))
@@ -169,7 +173,7 @@ class Line(PlannedRow):
         self.exits.append(Exit(self.keep(16), 0, line.block))
 
     def gap(self, link: Link) -> None:
-        """The elements of a link, in parallel; a port of a box is a short piece of shaft."""
+        """Draw the elements of a link in parallel; a port of a box is a short piece of shaft."""
         if not link.elements:
             self.block.line((self.x, 0), (self.x + 12, 0))
             self.x += 12
@@ -181,7 +185,7 @@ class Line(PlannedRow):
         self.block.line((middle + right, 0), (self.x, 0))
 
     def finish(self, settle: Settle, *, may_rise: bool) -> Piece:
-        """Name the nodes above everything else on the line, then let the other lines leave."""
+        """Write the names of the nodes above the line, add its branches, and return the drawing."""
         top = max((box[3] for box in self.block.boxes), default=0.0) + 5
         for x0, x1, node in self.brackets:
             self.bracket(x0 + 3, x1 - 3, top)
@@ -192,7 +196,7 @@ class Line(PlannedRow):
 
 
 def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
-    """The elements of a link around x = 0, how wide they are, and the room in which nothing else can stand."""
+    """Drawing of the elements of a link around x = 0, its width, and the areas to be kept free."""
     drawn = [inline_glyph(element, plan.drivetrain.exact_values).scaled(plan.scale) for element in link.elements]
     texts = [plan.texts(element) for element in link.elements]
     rails = 12.0 if len(drawn) > 1 else 0.0
@@ -210,7 +214,7 @@ def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
 
 
 def _strand(block: Piece, glyph: Glyph, texts: Texts, ends: tuple[float, float], y: float, *, below: bool) -> None:
-    """An element between two ends; alone on its shaft it has its texts below, out of the way of inputs and discs."""
+    """Draw an element between two ends, with its texts below if it is alone on its shaft, else above."""
     middle = (ends[0] + ends[1]) / 2
     begin = middle - glyph.length / 2
     block.strokes += glyph.along(begin, y)

@@ -1,4 +1,4 @@
-"""The nodes of a drivetrain along an axis, in the order of its schematic, with the ratios between them."""
+"""Nodes of a drivetrain along the axis of a mode shape plot, in the order of the schematic, and ratios between them."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from torsionnet.plot.schematic.topology import Connections, Link, Vertex, connec
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-BRANCHING = 3
-"""Ways on from a node that make it a place where something branches off."""
-BETWEEN = 0.7
-"""Room between two branches, in distances between nodes."""
+BRANCHING_ELEMENTS = 3
+"""Elements that lead on from a node from which it is a branching point."""
+BRANCH_GAP = 0.7
+"""Additional distance between two branches, over the distance between nodes."""
 
 
 @dataclass(frozen=True)
 class Station:
-    """A node at a place of the axis; a branch begins with the node it leaves, once more."""
+    """Node at a place of the axis; ``again`` if a branch begins with the node of the main line repeated."""
 
     x: float
     node: str
@@ -33,7 +33,7 @@ class Station:
 
 @dataclass(frozen=True)
 class Join:
-    """Stations beside each other that share an element: a shaft, a gear of some ratio, or a set with three ports."""
+    """Two stations beside each other joined by an element: a shaft, a gear (label: its ratio), or a box."""
 
     first: int
     second: int
@@ -43,7 +43,7 @@ class Join:
 
 @dataclass
 class Axis:
-    """Stations from left to right, what joins them, and the borders between branches."""
+    """Stations from left to right, the elements that join them, and the borders between branches."""
 
     stations: list[Station] = field(default_factory=list)
     joins: list[Join] = field(default_factory=list)
@@ -53,31 +53,32 @@ class Axis:
 
     @property
     def end(self) -> float:
+        """Place of the last station."""
         return self.stations[-1].x if self.stations else 0.0
 
     def add(self, node: str, kind: str = "", label: str = "", *, again: bool = False) -> None:
-        """One distance further on; joined with the station before if the kind says how."""
+        """Add a station behind the last one, joined with it by an element of a kind, if given."""
         x = self.end + 1.0 if self.stations else 0.0
-        self.stations.append(Station(x + (BETWEEN if self.begins else 0.0), node, again))
+        self.stations.append(Station(x + (BRANCH_GAP if self.begins else 0.0), node, again))
         if kind:
             place = len(self.stations) - 1
             self.joins.append(Join(place - 1, place, kind, label))
         self.begins = False
 
     def border(self) -> None:
-        """Begin another branch."""
+        """Begin another branch, with a border before it."""
         if self.stations:
-            self.borders.append(self.end + (1.0 + BETWEEN) / 2)
+            self.borders.append(self.end + (1.0 + BRANCH_GAP) / 2)
             self.begins = True
 
 
 def plain_axis(nodes: Iterable[str]) -> Axis:
-    """Nodes in their own order, joined by nothing."""
+    """Axis of nodes in the order given, not joined."""
     return Axis([Station(float(place), node) for place, node in enumerate(nodes)])
 
 
 def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
-    """Main line first, then the branches in the order of the schematic; what a schematic hides in a box comes last."""
+    """Axis of a drivetrain's nodes: main line, branches in the order of the schematic, nodes hidden in boxes last."""
     found = connections(drivetrain)
     found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
     hidden = {*_hidden(found, drivetrain), *without}
@@ -95,7 +96,7 @@ def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
 
 
 def _in_depth(found: Mapping[Vertex, Course]) -> Iterator[Course]:
-    """Every line followed by what leaves it, first what leaves its end."""
+    """Routes of lines, each followed by its branches, those at its end first."""
     leaving: dict[Vertex | None, list[Course]] = {}
     for course in found.values():
         leaving.setdefault(course.parent, []).append(course)
@@ -113,7 +114,7 @@ def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
 
 
 def _line(axis: Axis, course: Course, drivetrain: Drivetrain) -> None:
-    """The nodes of one line; boxes are passed through."""
+    """Add the nodes of one line to the axis; boxes are passed through."""
     kind, label = "", ""
     if course.incoming is None or course.parent is None:
         axis.border()
@@ -136,7 +137,7 @@ def _line(axis: Axis, course: Course, drivetrain: Drivetrain) -> None:
 
 
 def _through(axis: Axis, link: Link, end: Vertex) -> str:
-    """Stations within a shaft on the way; gives how the next node is joined."""
+    """Add the stations within the shaft of a link, and return the kind of the link: "box", "gear" or "shaft"."""
     if not link.elements:
         return "box"
     if link.is_gear:
@@ -149,7 +150,7 @@ def _through(axis: Axis, link: Link, end: Vertex) -> str:
 
 
 def _ratio_label(link: Link, drivetrain: Drivetrain) -> str:
-    """The ratio of a gear as the model gives it, speed of its first node over that of its second."""
+    """Text of the ratio of a gear as the model gives it, speed of its first node over that of its second."""
     gear = link.elements[0] if link.elements else None
     if not isinstance(gear, Gear):
         return ""
@@ -158,17 +159,17 @@ def _ratio_label(link: Link, drivetrain: Drivetrain) -> str:
 
 @dataclass(frozen=True)
 class Ratios:
-    """Speed of a reference over that of each node."""
+    """Speed of a reference node over that of each node (``of``), with nodes that have no such ratio."""
 
     of: dict[str, float]
     free: tuple[str, ...]
-    """Nodes that turn independently of the reference: their ratio is that of the shaft beside them."""
+    """Nodes that turn independently of the reference; their ratio is that of the shaft beside them."""
     standing: tuple[str, ...]
-    """Nodes that stand still while the reference turns: theirs is one."""
+    """Nodes that stand still while the reference turns; their ratio is 1."""
 
 
 def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
-    """Ratios from a node to all others, by mean speeds; where there is none, that of the shaft beside it is kept."""
+    """Ratios of the mean speed of a reference node to those of all nodes; without one, that of the shaft beside."""
     speeds = speeds_with(drivetrain.definition, drivetrain.exact_values, reference)
     standing = tuple(node for node, speed in speeds.items() if speed == 0)
     known = {node: speeds[reference] / speed for node, speed in speeds.items() if speed}
@@ -178,7 +179,7 @@ def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
 
 
 def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]) -> None:
-    """Give every node in ``free`` the ratio of one it shares an element with."""
+    """Give every node in ``free`` the ratio of a node it shares an element with."""
     missing = set(free)
     beside: dict[str, list[str]] = {}
     for element in drivetrain.elements.values():
@@ -194,9 +195,9 @@ def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]
 
 
 def idle_nodes(drivetrain: Drivetrain) -> set[str]:
-    """Gear wheels that only run along: a rigid gear leads there from a node with other ways on, and nothing further.
+    """Nodes of idle gear wheels: a rigid gear leads there from a branching node, and no element leads on.
 
-    What drives, measures or loads the drivetrain is no idler.
+    A node with an input, a sensor, a load or a given speed is no idler.
     """
     channels: tuple[Input | Sensor, ...] = (*drivetrain.inputs.values(), *drivetrain.sensors.values())
     used = {name for channel in channels for name in (channel.of, *channel.nodes)}
@@ -211,7 +212,7 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
         if node in used | idle or not isinstance(gear, Gear) or gear.stiffness is not None or node not in gear.nodes:
             continue
         other = gear.nodes[1 - gear.nodes.index(node)]
-        if other in ways and len(ways[other]) >= BRANCHING:
+        if other in ways and len(ways[other]) >= BRANCHING_ELEMENTS:
             idle.add(node)
             left[other].discard(gear.name)
             waiting.append(other)
@@ -219,7 +220,7 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
 
 
 def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
-    """Of each node the elements that lead on from it or hold it; inertia and drag do neither."""
+    """Names of the elements that lead on from each node or hold it, by node; inertia and drag do neither."""
     found: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
     for element in drivetrain.elements.values():
         ends = set(element.ports.values())

@@ -1,4 +1,4 @@
-"""Springs and dashpots between the two ends of an element, read from its laws: in parallel, in series, or both."""
+"""Symbols of springs and dashpots in parallel and in series between the two ends of an element, from its laws."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from torsionnet.model.elements import GROUND, Action, Element, Law, Part, Values
 from torsionnet.plot.drawing.pieces import Stroke
 from torsionnet.plot.schematic.outlines import Glyph, dashpot, rectangle, zigzag
 
-LENGTH, SHORT = 48.0, 40.0
+LENGTH, DASHPOT_LENGTH = 48.0, 40.0  # points, of a symbol with a spring, and of one without
 RAIL, BETWEEN = 6.0, 20.0
-"""From an end to the rail that joins strands in parallel; between two strands."""
+"""Points from an end to the rail that joins parallel chains, and between two chains."""
 
 HALF = {"spring": 9.0, "damper": 6.0}
 
 Strand = tuple[str, ...]
-"""What follows each other from one end to the other: ``spring`` and ``damper``."""
+"""Springs and dashpots in series from one end to the other, as the words ``spring`` and ``damper``."""
 
 
 def strands(element: Element, values: Mapping[str, Any]) -> list[Strand]:
-    """Ways from one end of an element to the other, springs first; none if its laws form no such ways."""
+    """Parallel chains of springs and dashpots of an element, springs first; none if its laws form no chains."""
     edges = _edges(element, values)
     first, second = _ends(element, values)
     direct = [(what,) for ends, what in edges if ends == {first, second}]
@@ -39,7 +39,7 @@ def _ends(element: Element, values: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def far_end(element: Element, values: Mapping[str, Any]) -> str:
-    """Where an element on one node leads to: ground, a mass of its own, or empty where it leads nowhere."""
+    """Node to which an element on one node leads: ground, its own mass, or empty if it leads nowhere."""
     parts = element.parts(Values(values))
     if GROUND in element.ports.values() or any(map(_resists_turning, parts)):
         return GROUND
@@ -48,7 +48,7 @@ def far_end(element: Element, values: Mapping[str, Any]) -> str:
 
 
 def _resists_turning(part: Part) -> bool:
-    """Whether a part is felt when all nodes turn alike at a constant speed, or stand turned."""
+    """Whether a law resists a common rotation of all nodes, at rest or at constant speed."""
     if isinstance(part, Action):
         return False
     acts = not isinstance(part, Law) or part.is_elastic or part.damping != 0
@@ -56,7 +56,7 @@ def _resists_turning(part: Part) -> bool:
 
 
 def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], str]]:
-    """What acts on the difference of two angles."""
+    """Pairs of nodes with "spring" or "damper" for each law that acts on the difference of two angles."""
     found: list[tuple[set[str], str]] = []
     for part in element.parts(Values(values)):
         if isinstance(part, Law) and part.acts and len(part.row) in (1, 2) and not sum(_with_ground(part.row).values()):
@@ -67,12 +67,12 @@ def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], 
 
 
 def _with_ground(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The row of a twist; a coefficient on ground has dropped out of it."""
+    """Coefficients of a twist by node, with that of ground, which rows of laws leave out."""
     return dict(row) if len(row) > 1 else dict(row) | {GROUND: -next(iter(row.values()))}
 
 
 def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]) -> Strand:
-    """Two things in series by way of an inner node, or nothing if it is more than that."""
+    """Chain of two elements in series through an inner node; empty if more than two meet there."""
     ways = [[what for ends, what in edges if ends == {node, end}] for end in (first, second)]
     if any(len(way) != 1 for way in ways) or sum(node in ends for ends, _ in edges) != len(ways):
         return ()
@@ -80,11 +80,11 @@ def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]
 
 
 def network(element: Element, values: Mapping[str, Any], plain: str) -> Glyph:
-    """Its strands between two rails, or its ``plain`` symbol alone if the laws say nothing else."""
+    """Symbol of an element's chains between two rails, at least with a chain of the kind ``plain``."""
     found = strands(element, values)
     if not any(plain in strand for strand in found):
         found = [(plain,), *found]
-    length = LENGTH if any("spring" in strand for strand in found) else SHORT
+    length = LENGTH if any("spring" in strand for strand in found) else DASHPOT_LENGTH
     if any(len(strand) > 1 for strand in found):
         length = 2 * LENGTH - 8
     if len(found) == 1:
@@ -117,7 +117,7 @@ def _strand(strand: Strand, element: Element, start: float, end: float, y: float
 
 
 def _spring(element: Element, start: float, end: float, y: float) -> list[Stroke]:
-    """A spring; a pad behind it where it loses energy in every cycle, an arrow across where it is known by a table."""
+    """Strokes of a spring, with a pad behind for a loss factor, or an arrow across for a table over frequency."""
     core = zigzag(start, end, y)
     kinds = [spec for _, spec in element.specs()]
     if any(isinstance(spec, LossFactor) for spec in kinds):

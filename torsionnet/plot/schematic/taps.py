@@ -1,7 +1,7 @@
-"""Torques and twists in a schematic: which element they belong to, and what the mark on the shaft says.
+"""Sensors of torque and twist in a schematic: the element they are on, and their mark on the shaft.
 
-A mark reads as the torque of what it stands beside. So it goes right to its element, behind whatever else is at the
-node: between them nothing may branch off.
+A mark reads as the torque of the element it stands beside. So it stands right at its element, and nothing may branch
+off between them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from torsionnet.plot.schematic.topology import Link
 
 @dataclass(frozen=True)
 class Tap:
-    """A sensor of the torque or twist of an element."""
+    """Sensor of the torque or twist of an element at a port."""
 
     name: str
     quantity: str
@@ -24,13 +24,13 @@ class Tap:
     port: str
 
     def mark(self, *, alone: bool) -> Mark:
-        """Its mark; ``alone`` if the shaft where it stands carries this element and nothing else."""
+        """Mark of the sensor; ``alone`` if the shaft there carries this element only, so that its name is left out."""
         what = self.quantity if alone else f"{self.quantity} of {self.element}"
         return Mark("torque", symbol(self.name), what)
 
 
 def belongs(tap: Tap, link: Link) -> bool:
-    """Whether a tap is of what a link stands for: one of its elements, or the port of a box."""
+    """Whether a sensor is on one of the elements of a link, or on the port of a box that the link is."""
     if link.elements:
         return any(element.name == tap.element for element in link.elements)
     boxes = {vertex.name for vertex in (link.first, link.second) if vertex.is_box}
@@ -38,5 +38,5 @@ def belongs(tap: Tap, link: Link) -> bool:
 
 
 def marks_beside(taps: Iterable[Tap], link: Link, *, alone: bool = True) -> list[Mark]:
-    """Marks of the taps that belong to a link, to stand right beside it."""
+    """Marks of the sensors that belong to a link, to stand right beside it."""
     return [tap.mark(alone=alone and len(link.elements) == 1) for tap in taps if belongs(tap, link)]

@@ -1,4 +1,4 @@
-"""Labels of several lines: names too long for one are broken, sets of gears say what they are made of."""
+"""Labels of a schematic in several lines: long names are broken, planetary sets list their gears."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from torsionnet.plot.drawing.pieces import Texts, is_math, text_width
 from torsionnet.plot.schematic.epicyclic import EpicyclicSet
 
 WIDEST = {"input": 64.0, "sensor": 64.0, "what": 70.0}
-"""Points per line by role, where a mark stands closer to the next than an element would."""
+"""Greatest width of a line in points, by role of the text; marks stand closer to each other than elements."""
 
-WIDEST_OTHER, WIDEST_SET = 104.0, 150.0
+WIDEST_OTHER, WIDEST_SET = 104.0, 150.0  # points, of other roles and of planetary sets
 
 
 def broken(lines: Iterable[tuple[str, str]]) -> Texts:
-    """Lines broken behind underscores, commas and spaces where they are too wide; joined, they read as before.
+    """Lines of a label, those too wide broken behind underscores, commas and spaces.
 
     >>> broken([("speed", "sensor"), ("angular_velocity_of_the_rotor", "sensor")])
     [('speed', 'sensor'), ('angular_', 'sensor'), ('velocity_of_', 'sensor'), ('the_rotor', 'sensor')]
@@ -26,7 +26,7 @@ def broken(lines: Iterable[tuple[str, str]]) -> Texts:
 
 
 def wrapped(text: str, role: str, limit: float) -> list[str]:
-    """A text in lines of a width in points, as far as it has places to break; none if it is empty."""
+    """Lines of a text broken to a width in points at spaces, or at underscores of long words; none if it is empty."""
     pieces = [""]
     for word in _parts(text, " "):
         for part in _parts(word, "_") if text_width(word, role) > limit else [word]:
@@ -46,21 +46,21 @@ def _pieces(text: str, role: str, limit: float) -> list[str]:
 
 
 def _parts(text: str, mark: str) -> list[str]:
-    """The text cut behind every mark but a last one."""
+    """Parts of a text, cut behind every mark except one at the end."""
     *parts, last = text.split(mark)
     whole = [part + mark for part in parts]
     return whole if whole and not last else [*whole, last]
 
 
 def set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
-    """The meshes of a planetary set and its planets, like ones together."""
+    """Label of a planetary set: names and values of its meshes, equal ones together, and its planets."""
     lines = [*_alike(drawn.sun_meshes, values), *_alike(drawn.ring_meshes, values), *_alike(drawn.bodies, values)]
     planets = f"{'planets' if len(drawn.planets) > 1 else 'planet'}: {', '.join(drawn.planets)}"
     return [(piece, role) for text, role in [*lines, (planets, "node")] for piece in _pieces(text, role, WIDEST_SET)]
 
 
 def _alike(elements: Sequence[Element], values: Mapping[str, Any]) -> Texts:
-    """Names of elements with equal values, then the values."""
+    """Lines with the names of elements that have equal values, then these values."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for element in elements:
         groups.setdefault(tuple(value_lines(element, values)), []).append(element.name)

@@ -1,4 +1,4 @@
-"""What is connected with what in a schematic: a spanning tree of nodes and boxes, and the links that close loops."""
+"""Topology of a schematic: a spanning tree of nodes and boxes, and the links that close loops."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Vertex(NamedTuple):
-    """A node of the drivetrain, or an element with three ports drawn as a box."""
+    """Node of the drivetrain, or an element with three ports drawn as a box."""
 
     name: str
     is_box: bool = False
@@ -25,7 +25,7 @@ class Vertex(NamedTuple):
 
 @dataclass(frozen=True)
 class Link:
-    """Elements in parallel between two vertices; without elements, a port of a box on its node."""
+    """Link of two vertices: elements in parallel, or, without elements, a port of a box at its node."""
 
     first: Vertex
     second: Vertex
@@ -34,14 +34,16 @@ class Link:
 
     @property
     def is_gear(self) -> bool:
+        """Whether the elements of the link are gears."""
         return bool(self.elements) and _steps(self.elements[0])
 
     def other(self, vertex: Vertex) -> Vertex:
+        """Vertex at the other end of the link."""
         return self.second if vertex == self.first else self.first
 
     @property
     def rank(self) -> int:
-        """Shafts first: a walk along them gives the lines of a drawing; dampers close loops."""
+        """Rank in the walk that gives the lines of a drawing: 0 shafts, 1 gears and ports, 2 dampers (close loops)."""
         if not self.elements:
             return 1
         return 2 if all(element.glyph == "damper" for element in self.elements) else 1 if self.is_gear else 0
@@ -49,7 +51,7 @@ class Link:
 
 @dataclass
 class Connections:
-    """Links between vertices, and what is attached to single nodes."""
+    """Links between vertices, elements attached to single nodes, and elements drawn as boxes."""
 
     links: list[Link] = field(default_factory=list)
     attached: dict[str, list[Element]] = field(default_factory=dict)
@@ -58,12 +60,12 @@ class Connections:
 
 @dataclass
 class Tree:
-    """One connected part: children in the order of the walk, and the links that close loops."""
+    """Spanning tree of one connected part, with children in the order of the walk."""
 
     root: Vertex
     children: dict[Vertex, list[tuple[Link, Vertex]]]
     order: list[Vertex]
-    """Parents before children."""
+    """All vertices, parents before children."""
 
 
 def _steps(element: Element) -> bool:
@@ -71,7 +73,7 @@ def _steps(element: Element) -> bool:
 
 
 def connections(drivetrain: Drivetrain) -> Connections:
-    """Sort the elements by how many nodes they join."""
+    """Sort the elements of a drivetrain into links, elements on single nodes, and boxes."""
     found = Connections(attached={node: [] for node in drivetrain.nodes})
     parallel: dict[tuple[frozenset[str], bool], list[Element]] = {}
     sets = epicyclic_sets(drivetrain)
@@ -98,19 +100,19 @@ def connections(drivetrain: Drivetrain) -> Connections:
 
 
 def _is_box(element: Element) -> bool:
-    """Three ports and more do not lie on a line; a gear stage is drawn beside its housing."""
+    """Whether an element is drawn as a box: it has three ports or more, apart from the housing of a gear."""
     ports = [port for port in element.ports if element.glyph != "gear" or port != "housing"]
     return len(ports) > 2
 
 
 def _ends(element: Element) -> list[str]:
-    """The nodes an element lies between; a gear's moving housing counts only where a shaft is held."""
+    """Nodes between which an element lies, without ground; a gear's moving housing counts only if a shaft is held."""
     nodes = [node for node in dict.fromkeys(element.ports.values()) if node != GROUND]
     return nodes[:2]
 
 
 def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Link]]:
-    """A tree for each connected part, and the links left over."""
+    """Spanning tree of each connected part, and the links that close loops."""
     table: dict[Vertex, list[Link]] = {Vertex(node): [] for node in nodes}
     table |= {Vertex(name, is_box=True): [] for name in found.boxes}
     for link in sorted(found.links, key=lambda link: link.rank):
@@ -132,7 +134,7 @@ def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Li
 def _walk(
     start: Vertex, table: Mapping[Vertex, list[Link]], seen: set[Vertex]
 ) -> dict[Vertex, list[tuple[Link, Vertex]]]:
-    """Depth first, so that lines get long; both directions of every link of the tree."""
+    """Links of the tree by vertex, in both directions, of a depth-first walk, which makes lines long."""
     joined: dict[Vertex, list[tuple[Link, Vertex]]] = {start: []}
     seen.add(start)
     stack = [(start, iter(table[start]))]
@@ -151,7 +153,7 @@ def _walk(
 
 
 def _open_at_shafts(links: Iterable[Link], joined: dict[Vertex, list[tuple[Link, Vertex]]]) -> None:
-    """Let shafts close the loops, not gears: a gear stage is a pair of wheels, which no wire can replace."""
+    """Exchange links so that shafts close loops instead of gears: no wire can replace a pair of wheels."""
     for link in links:
         if not link.is_gear or link.first not in joined or any(link is other for other, _ in joined[link.first]):
             continue
@@ -165,18 +167,18 @@ def _open_at_shafts(links: Iterable[Link], joined: dict[Vertex, list[tuple[Link,
 
 
 def _loose(link: Link) -> int:
-    """Dampers open first, then single shafts."""
+    """Order in which links are opened: dampers first, then single shafts."""
     return len(link.elements) - 10 * (link.rank > 0)
 
 
 def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
-    """The links of the tree between two vertices, from the end backwards."""
+    """Links of the tree between two vertices, from the end backwards."""
     tree = nx.Graph((vertex, other, {"link": link}) for vertex, links in joined.items() for link, other in links)
     return [tree.edges[step]["link"] for step in pairwise(nx.shortest_path(tree, end, start))]
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
-    """The first node, unless it is in the midst of a line: then the nearer end of the longest way."""
+    """Root of a tree: the first node, or, if it is within a line, the nearer end of the longest way."""
     tree = _rooted(start, joined)
     height = heights(tree)
     ways = sorted((height[child] + 1 for link, child in tree.children[start] if not link.is_gear), reverse=True)
@@ -216,7 +218,7 @@ def _rooted(root: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) ->
 
 
 def heights(tree: Tree) -> dict[Vertex, int]:
-    """Length of the longest way from each vertex to an end."""
+    """Number of links on the longest way from each vertex to an end, by vertex."""
     found: dict[Vertex, int] = {}
     for vertex in reversed(tree.order):
         found[vertex] = 1 + max((found[child] for _, child in tree.children[vertex]), default=-1)

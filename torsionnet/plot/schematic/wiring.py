@@ -1,4 +1,4 @@
-"""Connecting lines for the loops of a drivetrain: the shortest way with few corners and crossings, on a grid."""
+"""Wires that close the loops of a schematic: the shortest way with few corners and crossings, on a grid."""
 
 from __future__ import annotations
 
@@ -11,36 +11,39 @@ from numpy.typing import NDArray
 from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Point, Stroke, arc
 
 CELL = 5.0
-CORNER, CROSSING, CROWD = 6, 12, 2
+"""Points of a cell of the grid; smaller ones find more ways and take more time."""
+CORNER, CROSSING, CROWD = 6, 12, 2  # costs in cells: of a corner, of crossing a line, of a cell close to a symbol
 MOST_LOOPS = 8
-"""With more than these, lines would help nobody: all are tagged."""
+"""Loops up to which wires are drawn; more wires could not be followed, and all loops are tagged instead."""
 
 MOST_CORNERS = 4
-"""A wire that winds more, or has to cross a shaft, is harder to follow than a tag."""
+"""Corners of a wire above which the loop is tagged instead, as it is if the wire has to cross a shaft."""
 
-OWN = 3
-"""Cells at each end of a wire that lie on the lines it joins."""
+END_CELLS = 3
+"""Cells at each end of a wire that lie on the lines it joins, where crossing them does not count."""
 
 MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells of a drawing: what a step onto each costs, -1 where none is possible."""
+    """Grid over a drawing with the cost of a step onto each cell, -1 where none is possible."""
 
     left: float
     bottom: float
     cost: NDArray[np.int64]
 
     def cell(self, point: Point) -> tuple[int, int]:
+        """Column and row of the cell at a point."""
         return round((point[0] - self.left) / CELL), round((point[1] - self.bottom) / CELL)
 
     def point(self, cell: tuple[int, int]) -> Point:
+        """Coordinates of a cell in points."""
         return self.left + CELL * cell[0], self.bottom + CELL * cell[1]
 
 
 def connect(block: Piece) -> None:
-    """Lead every loose end to its node, or put a tag with the node's name on it."""
+    """Draw a wire from every loose end to its node, or a tag with the node's name."""
     ends, block.ends = block.ends, []
     for end in ends:
         way = _route(block, end) if len(ends) <= MOST_LOOPS else None
@@ -100,7 +103,7 @@ def _cells(grid: Grid, box: Box, margin: float) -> tuple[slice, slice]:
 
 
 def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]] | None:
-    """Dijkstra over (cell, direction), leaving to the right and arriving up or down."""
+    """Cells of the cheapest way from start to goal, leaving to the right and arriving up or down (Dijkstra)."""
     begin = (*start, 0)
     best = {begin: 0}
     came: dict[tuple[int, int, int], tuple[int, int, int]] = {}
@@ -125,9 +128,9 @@ def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list
 
 
 def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
-    """Whether a way has many corners, or crosses a line between its ends, where it touches its own."""
+    """Whether a way has too many corners, or crosses a line other than those at its ends."""
     turns = sum((a[0] == b[0]) != (b[0] == c[0]) for a, b, c in zip(way, way[1:], way[2:], strict=False))
-    return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[OWN:-OWN])
+    return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[END_CELLS:-END_CELLS])
 
 
 def _inside(grid: Grid, x: int, y: int) -> bool:
@@ -146,7 +149,7 @@ def _traced(
 
 
 def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
-    """Corners only, moved sideways so that the first piece meets the start and the last, a vertical one, the end."""
+    """Corners of a way, moved so that its first piece meets the start and its last one, a vertical one, the end."""
     corners = [points[0]]
     for before, here, after in zip(points, points[1:], points[2:], strict=False):
         if (before[0] == here[0]) != (here[0] == after[0]):
