@@ -8,7 +8,7 @@ import pytest
 from test_cli import run
 
 import torsionnet as tn
-from torsionnet.model.excitations.engine_phases import running_alone
+from torsionnet.model.excitations.engine_phases import conditions_running_alone
 from torsionnet.response.engine_angles import settled
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.least_angle import at_least
@@ -242,7 +242,7 @@ class TestWhatIsSaid:
         both = plant().definition.excitations
         stage = plant(more="stage: {" + PORT + ", " + ENGINE + "}").order_response("torque(sh)")
         assert [line.engine for line in stage.lines if line.excitation == "stage"] == ["port"] * 6
-        assert running_alone([("", both)]) == {"port": [], "star": []}
+        assert conditions_running_alone([("", both)]) == {"port": [], "star": []}
 
     @pytest.fixture(autouse=True)
     def folder(self, tmp_path, monkeypatch):

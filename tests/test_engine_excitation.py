@@ -15,7 +15,7 @@ from test_document import blocks, of, rows
 import torsionnet as tn
 from torsionnet.core.expression_reading import scalar
 from torsionnet.model.excitations.engine_faults import engine_remarks
-from torsionnet.model.excitations.firing import banked_phases
+from torsionnet.model.excitations.firing_angles import banked_phases
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
@@ -273,7 +273,7 @@ class TestModelFiles:
     @pytest.mark.parametrize(
         ("old", "new", "where", "text"),
         [
-            ("GAS", "{traces: {27: p100.csv}}", (18, 20), r"27 Pa \(0.00027 bar\) is no mean indicated pressure"),
+            ("GAS", "{traces: {27: p100.csv}}", (18, 20), r"27 Pa \(0.00027 bar\) is too small for a mean indicated pressure"),
             ("GAS", "{traces: {27 bar: p100.csv, 9 bar: p50.csv}}", (18, 5), "which mean indicated pressure acts"),
             ("GAS", "{fired: p100.csv, traces: {9 bar: p50.csv}}", (18, 28), "gas is given by fired or by traces, not both"),
             ("GAS", "{motored: motored.csv}", (18, 5), "gas is given by fired, traces or harmonics, one of the three"),
@@ -492,9 +492,7 @@ class TestBanks:
 
     def test_an_order_that_the_pins_do_not_allow(self):
         """The same order with the banks the other way round."""
-        with pytest.raises(
-            tn.ModelError, match="does not follow from banks that share crank pins, or follows in two ways"
-        ):
+        with pytest.raises(tn.ModelError, match="impossible with banks that share crank pins, or possible in two ways"):
             self.v8(banks={"A": V8["A"], "B": V8["B"]})
 
 

@@ -387,7 +387,7 @@ class TestMeasured:
     @pytest.mark.parametrize(
         ("text", "where", "what"),
         [
-            ("order;rms\n2;30\n4;3\n", "orders.csv:1:1", '"" is no unit of a torque'),
+            ("order;rms\n2;30\n4;3\n", "orders.csv:1:1", '"" is not a unit of torque'),
             ("order;rmss [N*m]\n2;30\n4;3\n", "orders.csv:1:1", 'did you mean "rms"'),
             ("2;30\n4;3\n", "orders.csv:1:1", "no heading"),
             ("# nothing\n", "orders.csv:1:1", "found no rows of numbers"),
@@ -458,7 +458,7 @@ class TestFiles:
         [
             (MESHED, "stiffness: 10 MN*m/rad}", "}", "stage, base_radius", "stage is rigid: an imposed twist needs something"),
             (MESHED, "mesh: stage", "mesh: stagg", "stagg", 'did you mean "stage"'),
-            (MESHED, "mesh: stage", "mesh: shaft", "shaft, base_radius", "shaft is no gear but a spring"),
+            (MESHED, "mesh: stage", "mesh: shaft", "shaft, base_radius", "shaft is a spring; mesh is the name of an element of type gear"),
             (MESHED, "base_radius: 40 mm, ", "", "4 um", "needs the base radius of the wheel: base_radius: 40 mm"),
             (MESHED, "{way: 4 um}", "{way: 4 um, angle: 1}", "angle: 1", "an error is given by way or by angle, not both"),
             (MESHED, "{way: 4 um}", "{way: 4 urad}", "4 urad", "expected a unit such as m"),
@@ -483,8 +483,8 @@ class TestFiles:
             ("{type: universal_joint, joint: shaft, angle: 10}", "", "", "10}", "a bare number is in radians, write 10 deg"),
             ("{type: universal_joint, joint: stage, angle: 1 deg}", "", "", "stage, angle", "stage is a gear; a joint is in a spring"),
             ("{type: universal_joint, joint: shaft, angle: 1 deg, speed_of: w}", "", "", "w}", "shaft connects m and p"),
-            (TABLE, "'rms [N*m]'", "rms", "columns", '"" is no unit of a torque'),
-            (TABLE, "'rms [N*m]'", "'rms [kg]'", "columns", '"kg" is no unit of a torque'),
+            (TABLE, "'rms [N*m]'", "rms", "columns", '"" is not a unit of torque'),
+            (TABLE, "'rms [N*m]'", "'rms [kg]'", "columns", '"kg" is not a unit of torque'),
             (TABLE, "'rms [N*m]'", "'rmss [N*m]'", "columns", 'did you mean "rms"'),
             (TABLE, "order, ", "'phase [deg]', ", "columns", "a column order or frequency"),
             (TABLE, "[4, 3]", "[4, 3, 1]", "[4, 3", "the row has 3 numbers, there are 2 columns"),

@@ -91,9 +91,9 @@ def test_a_motored_file_in_bar_under_a_heading_of_megapascal(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"bore": "3200 mm"}, '3.2 m is no bore of an engine; did you mean "320 mm"?'),
-        ({"bore": 320}, "320 m is no bore of an engine; a bare number is m, write 320 mm"),
-        ({"stroke": 12}, '12 m is no stroke of an engine; did you mean "1200 mm"?'),
+        ({"bore": "3200 mm"}, 'a bore of 3.2 m is too large for an engine; did you mean "320 mm"?'),
+        ({"bore": 320}, "a bore of 320 m is too large for an engine; a bare number is m, write 320 mm"),
+        ({"stroke": 12}, 'a stroke of 12 m is too large for an engine; did you mean "1200 mm"?'),
         ({"gas": {"fired": (FIRED / 1e5).tolist()}}, "a bare number is Pa, write 158.8 bar"),
         ({"gas": {"fired": FIRED[:361].tolist()}}, "a cycle is 720 deg of a four-stroke engine, 360 deg of a two-stroke"),
     ],

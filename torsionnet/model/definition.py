@@ -84,7 +84,7 @@ class Definition(Declared):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
         if self.excitations:
-            fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
+            fitted = {name: one.with_element_data(self.elements) for name, one in self.excitations.items()}
             object.__setattr__(self, "excitations", fitted)
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.core.number_text import aligned
-from torsionnet.model.excitations.engine_phases import running_alone
+from torsionnet.model.excitations.engine_phases import conditions_running_alone
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, TableBlock
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
@@ -22,7 +22,7 @@ def on_engines(subject: ReportData) -> list[Block]:
             f"Running on {engine} alone: examined in {', '.join(names)}."
             if names
             else f"Running on {engine} alone: not examined."
-            for engine, names in running_alone(conditions).items()
+            for engine, names in conditions_running_alone(conditions).items()
         ),
     ]
     return [Listing(tuple((plain(one),) for one in found))] if found else []

@@ -66,7 +66,7 @@ class LimitsCommand(ModelCommand):
     def _shown(
         self, cases: list[ConfiguredCase], overall: LimitConclusion, conventions: Conventions
     ) -> Iterator[Table | str]:
-        from torsionnet.model.excitations.engine_phases import running_alone
+        from torsionnet.model.excitations.engine_phases import conditions_running_alone
         from torsionnet.response.limit_check import PASS
 
         table = self.joined(cases, [one.table(conventions) for one in overall.checks])
@@ -74,7 +74,7 @@ class LimitsCommand(ModelCommand):
         yield ""
         yield from table.notes
         conditions = [(one.configuration, one.drivetrain.definition.excitations) for one in cases]
-        for engine, names in running_alone(conditions).items():
+        for engine, names in conditions_running_alone(conditions).items():
             yield f"running on {engine} alone: {'examined in ' + ', '.join(names) if names else 'not examined'}"
         yield ""
         worse = [one for one in overall.checks if one.verdict != PASS] if len(overall.checks) > 1 else []

@@ -56,7 +56,7 @@ def _unfit_element(definition: Definition, name: str) -> Iterator[Fault]:
     if element not in definition.elements:
         yield unknown_name("element", element, definition.elements, ("excitations", name, *path))
     else:
-        yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
+        yield from (fault.under("excitations", name) for fault in excitation.element_faults(definition.elements))
 
 
 def misplaced(definition: Definition, name: str) -> Iterator[Fault]:

@@ -1,4 +1,4 @@
-"""What runs in the drivetrain and excites it by orders of its speed; every file of this package is imported here."""
+"""Excitations by orders of running machinery; every module of this package is imported here."""
 
 import importlib
 import pkgutil

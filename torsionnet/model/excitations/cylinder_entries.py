@@ -1,4 +1,4 @@
-"""Entries that name cylinders."""
+"""Entries that name cylinders by number."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ EACH = "each"
 
 
 def number_fault(name: str) -> str | None:
-    """Why a cylinder cannot be called so."""
+    """Message if a text is no cylinder number from 1 to 99, else None."""
     return None if name.isdecimal() and 0 < int(name) <= 99 else f'cylinders have numbers from 1 to 99, not "{name}"'
 
 
 class CylindersEntry(Listed[int]):
-    """A list of cylinders, or ``each``: one after the other, as conditions of their own."""
+    """Entry for a list of cylinders, or for ``each``: every cylinder in turn, as a condition of its own."""
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if raw == EACH:
@@ -36,9 +36,9 @@ class CylindersEntry(Listed[int]):
         return {"description": self.description, "anyOf": [{"const": EACH}, super().schema()]}
 
 
-FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=10)
+GAS_FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=10)
 
 
 def by_cylinder(description: str, of: Value, form: str) -> Named[float]:
-    """A table by number of cylinder."""
+    """Entry for a table of values by cylinder number."""
     return Named(description, of, refused=number_fault, form=form)

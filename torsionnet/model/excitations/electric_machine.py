@@ -1,4 +1,4 @@
-"""Air-gap torques of motors and generators: of their own speed, of the line, of the slip, of a short circuit."""
+"""Air-gap torques of motors and generators by speed, line frequency, slip and short circuit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, ByOrder
+from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, TableByOrder
 from torsionnet.model.excitations.order_excitation import (
     ComplexArray,
     FloatArray,
@@ -59,7 +59,7 @@ class LineTorques(Declared):
 
     frequency: float = entry(_LINE_FREQUENCY)
     multiples: Mapping[float, AirGapTorque] = entry(
-        ByOrder("multiple of the frequency -> peak value and phase", _PULSATION)
+        TableByOrder("multiple of the frequency -> peak value and phase", _PULSATION)
     )
 
 
@@ -97,7 +97,7 @@ class ShortCircuit(Declared):
 
 
 class _Pulsation(NamedTuple):
-    """One line: an order, a frequency in Hz that goes with it, and what it amounts to over speed."""
+    """Pulsation line: its order, the fixed frequency in Hz added to it, and its complex amplitude over speed."""
 
     order: float
     fixed: float
@@ -133,16 +133,18 @@ class ElectricMachine(OrderExcitation):
         SpeedTable("rows [speed, share of the rated torque] that the machine has there", Value("a share", "1")), None
     )
     orders: Mapping[float, AirGapTorque] = entry(
-        ByOrder("order of the rotor -> peak value and phase", _PULSATION, fewest=0), None
+        TableByOrder("order of the rotor -> peak value and phase", _PULSATION, fewest=0), None
     )
     electrical_orders: Mapping[float, AirGapTorque] = entry(
-        ByOrder("order of the electrical period -> the same", _PULSATION, fewest=0), None
+        TableByOrder("order of the electrical period -> the same", _PULSATION, fewest=0), None
     )
     line: LineTorques | None = entry(
         Nested("multiples of the line frequency", lambda: LineTorques, "line_torques"), None
     )
     frequencies: Mapping[float, AirGapTorque] = entry(
-        ByOrder("frequency -> the same; interharmonics |m f1 + n f2| and others", _PULSATION, FREQUENCY, "frequency"),
+        TableByOrder(
+            "frequency -> the same; interharmonics |m f1 + n f2| and others", _PULSATION, FREQUENCY, "frequency"
+        ),
         None,
     )
     slip: SlipTorque | None = entry(Nested("a synchronous motor that starts", lambda: SlipTorque, "slip_torque"), None)
@@ -171,7 +173,7 @@ class ElectricMachine(OrderExcitation):
             yield Fault("rotor and stator are on two nodes", ("stator",))
 
     def _tables(self) -> Iterator[tuple[Path, Mapping[float, AirGapTorque]]]:
-        """Where tables of pulsations stand, and what they are."""
+        """(path, table) of every table of pulsations that is given."""
         yield from (((name,), getattr(self, name)) for name in ("orders", "electrical_orders", "frequencies"))
         if self.line:
             yield ("line", "multiples"), self.line.multiples

@@ -1,4 +1,4 @@
-"""The entries of a reciprocating engine, and what follows from them alone."""
+"""Entries of a reciprocating engine, and the angles, orders and ratings that follow from them."""
 
 from __future__ import annotations
 
@@ -16,20 +16,26 @@ from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Path
 from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.excitations.cylinder_entries import CYLINDER, FACTOR, CylindersEntry, by_cylinder, number_fault
+from torsionnet.model.excitations.cylinder_entries import (
+    CYLINDER,
+    GAS_FACTOR,
+    CylindersEntry,
+    by_cylinder,
+    number_fault,
+)
 from torsionnet.model.excitations.engine_load import LOAD, EngineLoad
-from torsionnet.model.excitations.firing import banked_phases, even_phases
+from torsionnet.model.excitations.firing_angles import banked_phases, even_phases
 from torsionnet.model.excitations.gas_torque import GAS, Crank, GasPressure
 from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, ReactingExcitation
-from torsionnet.model.excitations.rating import FRICTION, Rating
+from torsionnet.model.excitations.rating import MECHANICAL_EFFICIENCIES, Rating
 
-HIGHEST = {4: 12.0, 2: 15.0}
-"""Orders unless others are given."""
+DEFAULT_HIGHEST_ORDERS = {4: 12.0, 2: 15.0}
+"""Highest order without an entry ``orders``, by strokes of the cycle."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EngineEntries(ReactingExcitation):
-    """Cylinders on a crankshaft, when they fire, and what is in them."""
+    """Base class of engines: cylinders on a crankshaft, their firing, gas and reciprocating masses."""
 
     speed_of: str = entry(NodeName("a node of the crankshaft; orders count its revolutions", allow_ground=False))
     cycle: int = entry(Count("strokes of a cycle: 2 or 4", 2, 4))
@@ -96,7 +102,7 @@ class EngineEntries(ReactingExcitation):
         (),
     )
     factors: Mapping[str, float] = entry(
-        by_cylinder("gas torque of cylinders that differ, over that of the others", FACTOR, "{3: 0.8}"), None
+        by_cylinder("gas torque of cylinders that differ, over that of the others", GAS_FACTOR, "{3: 0.8}"), None
     )
     spread: float = entry(Value("gas torques differ by as much up or down, in the worst combination", "1", below=1), 0)
     orders: tuple[float, ...] = entry(
@@ -110,12 +116,12 @@ class EngineEntries(ReactingExcitation):
 
     @property
     def revolutions(self) -> int:
-        """Of a cycle."""
+        """Crank revolutions of a cycle: 1 for two strokes, 2 for four."""
         return int(self.cycle) // 2
 
     @cached_property
     def numbers(self) -> Mapping[int, str]:
-        """Node by number of cylinder."""
+        """Node of each cylinder by cylinder number."""
         return {int(number): node for number, node in self.cylinders.items()}
 
     @property
@@ -132,7 +138,7 @@ class EngineEntries(ReactingExcitation):
 
     @cached_property
     def absorbs(self) -> bool:
-        """By its pressure traces; what is given by order alone is taken for an engine."""
+        """Whether the pressure traces take work, as of a compressor; gas given by order counts as an engine."""
         gas = self.gas
         if gas is None:
             return False
@@ -147,34 +153,34 @@ class EngineEntries(ReactingExcitation):
         return tuple((("cylinders", number), node) for number, node in self.cylinders.items())
 
     @cached_property
-    def bank_places(self) -> dict[int, float]:
-        """Angle of the bank of each cylinder in rad, 0 without banks."""
+    def cylinder_bank_angles(self) -> dict[int, float]:
+        """Bank angle in rad of each cylinder; empty without banks."""
         banks = (self.banks or {}).values()
         return {number: place * not_none(self.bank_angle) for place, bank in enumerate(banks) for number in bank}
 
     @cached_property
     def acting_phases(self) -> dict[int, float]:
-        """Crank angle in rad at which each cylinder fires, counted from where the first engine of the model does."""
+        """Crank angle in rad at which each cylinder fires, counted from the first engine of the model."""
         return {number: angle + (self.phase or 0.0) for number, angle in self.firing_phases.items()}
 
     @cached_property
     def firing_phases(self) -> dict[int, float]:
-        """Crank angle in rad after the first cylinder at which each of them fires."""
+        """Crank angle in rad at which each cylinder fires, counted from the first cylinder."""
         if self.firing_angles:
             return {int(number): float(angle) for number, angle in self.firing_angles.items()}
         cycle = self.cycle * math.pi
         if self.banks:
-            return banked_phases(self.firing_order, cycle, self.numbers, self.bank_places) or {}
+            return banked_phases(self.firing_order, cycle, self.numbers, self.cylinder_bank_angles) or {}
         return even_phases(self.firing_order, cycle)
 
     @cached_property
     def acting_orders(self) -> FloatArray:
-        """The orders, rising: those given, or the usual ones and those of tables of harmonics."""
+        """Rising orders of the engine: as given, or the usual ones with the orders of tables of harmonics."""
         if self.orders:
             return np.array(sorted(self.orders))
         step = 2 / self.cycle
         own = [order for _, order in self.gas.own_orders] if self.gas else []
-        return np.array(sorted({*np.arange(step, HIGHEST[self.cycle] + step / 2, step).tolist(), *own}))
+        return np.array(sorted({*np.arange(step, DEFAULT_HIGHEST_ORDERS[self.cycle] + step / 2, step).tolist(), *own}))
 
     @cached_property
     def crank(self) -> Crank:
@@ -182,7 +188,7 @@ class EngineEntries(ReactingExcitation):
 
     @property
     def rating(self) -> Rating | None:
-        """By its power, else by the mean indicated pressure of its load or of its trace."""
+        """Rated torque by the power of the load, else by the mean indicated pressure of load or trace; None without."""
         load, gas = self.load, self.gas
         if load is not None and load.power is not None:
             speed, power = not_none(load.rated), load.power
@@ -196,14 +202,14 @@ class EngineEntries(ReactingExcitation):
         return None
 
     def _indicated(self, pressure: float, path: Path, at: Any, key: str) -> Rating:
-        """With the mean torque of the gas on the pistons; ``at`` has the speed to which it belongs."""
+        """Rating by the mean gas torque on the pistons; ``at`` is the entry with the rated speed."""
         torque = pressure * self.crank.swept_volume * len(self.numbers) / (2 * math.pi * self.revolutions)
         speed_path: Path = (key, "rated") if at.rated else ()
-        shares = FRICTION if torque > 0 else (1.0, 1 / FRICTION[0])
+        shares = MECHANICAL_EFFICIENCIES if torque > 0 else (1.0, 1 / MECHANICAL_EFFICIENCIES[0])
         return Rating(torque, path, at.rated, speed_path, exponent=at.exponent, shares=shares)
 
     def indicated_pressures(self, speeds: FloatArray) -> FloatArray | None:
-        """Mean indicated pressure in Pa at speeds in rad/s, None where a single trace does not depend on it."""
+        """Mean indicated pressure in Pa at speeds in rad/s; None for a single trace, which does not depend on it."""
         if self.load is None:
             return None
         return np.asarray(self.load.at(speeds, self.crank.swept_volume * len(self.numbers), self.revolutions))

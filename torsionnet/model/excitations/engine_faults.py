@@ -1,4 +1,4 @@
-"""What can be wrong with the entries of an engine together, and what is worth a remark."""
+"""Faults and remarks on entries of an engine that contradict each other or are unlikely."""
 
 from __future__ import annotations
 
@@ -14,22 +14,24 @@ from torsionnet.core.listing import comma_list
 from torsionnet.model.excitations.cylinder_entries import EACH
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
-from torsionnet.model.excitations.firing import unlike_crank
+from torsionnet.model.excitations.firing_angles import firing_against_banks
 from torsionnet.model.excitations.order_excitation import FloatArray
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 
-CLEARLY = 0.1
-"""Share by which the mean indicated pressure of a trace may differ from what is said of it."""
+MEAN_PRESSURE_RTOL = 0.1
+"""Share by which the mean indicated pressure of a trace may differ from its heading: sheets state it rounded."""
 LATEST_PEAK = math.radians(60)
-"""After firing top dead centre, or before: where a cylinder of a four-stroke engine has its highest pressure."""
+"""Largest angle in rad between firing top dead centre and the peak pressure of a four-stroke cylinder."""
 WIDEST_PEAK = 70.0
-"""Degrees above half of the largest pressure, of a four-stroke engine: 65 where air is compressed to an eighth, 36 to a
-twenty-second; on half of the cycle, stretched over the whole, twice that."""
+"""Largest crank angle in degrees above half of the peak pressure of a four-stroke engine.
+
+It is 65 where air is compressed to an eighth and 36 to a twenty-second; twice that for a list of half a cycle that is
+taken for the whole."""
 STROKES = {2: "two", 4: "four"}
 
 
 def engine_faults(engine: EngineEntries) -> Iterator[Fault]:
-    """Faults of entries that are fine alone but not together."""
+    """Faults of engine entries that contradict each other."""
     if engine.cycle not in STROKES:
         yield Fault("a cycle has 2 or 4 strokes", ("cycle",))
         return
@@ -84,7 +86,7 @@ def _firing(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[Fault]:
-    """An entry that should hold every cylinder once."""
+    """Faults of an entry that does not hold every cylinder exactly once."""
     verb = ("miss", "have", "have") if key in ("firing_angles", "banks") else ("misses", "has", "has")
     found = {
         f"{verb[0]} cylinder": [number for number in engine.numbers if number not in given],
@@ -99,16 +101,16 @@ def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[F
 
 
 def _angles(engine: EngineEntries) -> Iterator[Fault]:
-    """Firing angles against the crank pins that banks share."""
+    """Faults of firing angles that do not fit the crank pins shared by banks."""
     if not engine.banks:
         return
     phases, key = engine.firing_phases, "firing_angles" if engine.firing_angles else "firing_order"
     if not phases:
-        text = "this order does not follow from banks that share crank pins, or follows in two ways"
+        text = "the firing order is impossible with banks that share crank pins, or possible in two ways"
         hint = "do the banks stand in the direction of rotation? Else give firing_angles"
         yield Fault(f"{text}; {hint}", (key,), on_key=True)
         return
-    unlike = unlike_crank(phases, engine.numbers, engine.bank_places)
+    unlike = firing_against_banks(phases, engine.numbers, engine.cylinder_bank_angles)
     if unlike:
         one, other, apart, due = unlike
         turn = f" or {math.degrees(due) + 360:g}" if engine.cycle == 4 else ""
@@ -152,7 +154,7 @@ def _gas(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _traces(engine: EngineEntries) -> Iterator[Fault]:
-    """Files that cover another cycle than that of the engine."""
+    """Faults of trace files that cover another cycle than that of the engine."""
     for path, trace in engine.gas.all_traces if engine.gas else ():
         if trace.revolutions not in (None, engine.revolutions):
             text = f"{trace.file} covers {360 * trace.revolutions} deg"
@@ -161,7 +163,7 @@ def _traces(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator[Fault]:
-    """Traces that do not look like what is said of them, sizes that are not met, and loads that no trace covers."""
+    """Remarks on traces that contradict their entries, unusual sizes, and loads that no trace covers."""
     yield from unusual_sizes_of(engine)
     gas = engine.gas
     if gas is None:
@@ -176,12 +178,18 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
         late = math.remainder(float(angles[int(np.argmax(trace.values))]), engine.cycle * math.pi)
         if engine.cycle == 4 and abs(late) > LATEST_PEAK:
             text = f"{trace.origin}the pressure is highest {math.degrees(late):.4g} deg after firing top dead centre"
-            yield Fault(f"{text}; is zero: right?", ("gas",), severity="warning")
+            yield Fault(
+                f"{text}; check zero:, the angle of the traces at firing top dead centre", ("gas",), severity="warning"
+            )
     for pressure, trace in (gas.traces or {}).items():
         found = trace.mean_indicated_pressure(engine.crank.ratio, engine.revolutions, gas.zero)
-        if abs(found - pressure) > CLEARLY * max(pressure, 1e5):
+        if abs(found - pressure) > MEAN_PRESSURE_RTOL * max(pressure, 1e5):
             text = f"{trace.origin}its mean indicated pressure is {found / 1e5:.4g} bar"
-            yield Fault(f"{text}, it stands under {pressure / 1e5:.4g} bar", ("gas", "traces"), severity="warning")
+            yield Fault(
+                f"{text}, but it is given under {pressure / 1e5:.4g} bar; correct one of them",
+                ("gas", "traces"),
+                severity="warning",
+            )
     if speeds is not None:
         try:
             gas.fired_harmonics(engine.crank, engine.acting_orders[:1], engine.indicated_pressures(speeds))
@@ -190,7 +198,7 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
 
 
 def _stretched(engine: EngineEntries, path: Path, trace: PressureTrace) -> Iterator[Fault]:
-    """A list of one revolution in the place of a cycle, which has two."""
+    """Warnings of pressure lists that cover one revolution instead of the two of a four-stroke cycle."""
     pressures = np.array(trace.values)
     wide = 360 * engine.revolutions * float(np.mean(pressures >= pressures.max() / 2))
     if engine.cycle == 4 and trace.revolutions is None and wide > WIDEST_PEAK:

@@ -1,4 +1,4 @@
-"""How hard an engine works at a speed: its mean indicated pressure."""
+"""Load of an engine: its mean indicated pressure over speed."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, entry, not_none
 from torsionnet.core.errors import Fault
-from torsionnet.model.excitations.by_pressure import MEAN_PRESSURE, mean_pressure
 from torsionnet.model.excitations.order_excitation import FloatArray
+from torsionnet.model.excitations.table_by_pressure import MEAN_PRESSURE, mean_pressure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class EngineLoad(Declared):
             text = "a mean indicated pressure needs no mechanical_efficiency; that belongs to a power"
             return [Fault(text, ("mechanical_efficiency",), on_key=True)]
         if self.rated is None and (self.power is not None or self.exponent):
-            return [Fault("give the speed to which this belongs: rated: 750 rpm", on_key=True)]
+            return [Fault("give the speed at which this is reached: rated: 750 rpm", on_key=True)]
         if self.power is None:
             try:
                 mean_pressure(self.mean_indicated_pressure)

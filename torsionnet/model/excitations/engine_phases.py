@@ -1,4 +1,4 @@
-"""Which engines are fixed to each other, so that the angle between their crankshafts is known."""
+"""Engines with a known angle between their crankshafts, and engines that run alone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torsionnet.model.excitations.order_excitation import OrderExcitation
 def crankshafts(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
     """Names of the engines by crankshaft, in the order of the model.
 
-    Those that name the same node count their firing angles from the same angle, as the stages of a compressor.
+    Engines that name the same node count their firing angles from the same angle, as the stages of a compressor.
     """
     together: Groups[tuple[str, str]] = Groups()
     for name, one in excitations.items():
@@ -24,7 +24,7 @@ def crankshafts(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
 
 
 def unlocked_engines(acting: Mapping[str, OrderExcitation], declared: Mapping[str, OrderExcitation]) -> dict[str, str]:
-    """Acting engine -> first of those that it is fixed to; empty where the angles between all of them are known.
+    """First engine of the group with known angles, by acting engine; empty if all angles are known.
 
     An engine with a phase is fixed to the first engine of the model, and to others with a phase.
     """
@@ -40,8 +40,8 @@ def unlocked_engines(acting: Mapping[str, OrderExcitation], declared: Mapping[st
     return found if len(set(found.values())) > 1 else {}
 
 
-def running_now(excitations: Mapping[str, OrderExcitation]) -> str:
-    """Which of several engines run in a condition, in words; empty where there is one engine at most."""
+def running_engines_text(excitations: Mapping[str, OrderExcitation]) -> str:
+    """Sentence that names the running engines of a model with several; empty with at most one engine."""
     engines = _engines(excitations)
     if len(engines) < 2:
         return ""
@@ -51,8 +51,8 @@ def running_now(excitations: Mapping[str, OrderExcitation]) -> str:
     return f"{' and '.join(running) or 'no engine'} run{'s' * (not running)} in this condition"
 
 
-def running_alone(conditions: Iterable[tuple[str, Mapping[str, OrderExcitation]]]) -> dict[str, list[str]]:
-    """For each of several engines the conditions, given by name, in which it runs alone; empty for one engine."""
+def conditions_running_alone(conditions: Iterable[tuple[str, Mapping[str, OrderExcitation]]]) -> dict[str, list[str]]:
+    """Names of the conditions in which an engine runs alone, by engine; empty for a model with one engine."""
     known = [(name, excitations, _engines(excitations)) for name, excitations in conditions]
     return {
         _named(engine): [
@@ -65,7 +65,7 @@ def running_alone(conditions: Iterable[tuple[str, Mapping[str, OrderExcitation]]
 
 
 def _engines(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
-    """By crankshaft, without compressors and pumps."""
+    """Names of engines by crankshaft, without compressors and pumps."""
     return [shaft for shaft in crankshafts(excitations) if not all(excitations[name].absorbs for name in shaft)]
 
 

@@ -1,4 +1,4 @@
-"""Sizes of an engine that no other has, and what was probably meant: millimetres for metres, MPa for bar."""
+"""Faults of impossible or unusual engine sizes, with the unit that was probably meant."""
 
 from __future__ import annotations
 
@@ -10,37 +10,38 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.gas_torque import GasPressure
 
-LARGEST = {"bore": 3.0, "stroke": 10.0, "rod_length": 20.0}
-"""Lengths in m that no engine exceeds, but a number in mm without its unit does."""
-USUAL = {"bore": (0.03, 1.2), "stroke": (0.03, 4.0), "rod_length": (0.05, 6.0)}
-"""Lengths in m that are met."""
+LARGEST_LENGTHS = {"bore": 3.0, "stroke": 10.0, "rod_length": 20.0}
+"""Lengths in m that no engine exceeds; a number in mm without its unit does."""
+USUAL_LENGTHS = {"bore": (0.03, 1.2), "stroke": (0.03, 4.0), "rod_length": (0.05, 6.0)}
+"""Smallest and largest lengths in m of existing engines."""
 MASS_PER_VOLUME = (30.0, 3e5)
-"""kg/m^3, reciprocating mass of a cylinder over its swept volume: from light pistons to plungers with crossheads."""
-CRANKCASE = (2e4, 1e6)
+"""Usual range in kg/m^3 of reciprocating mass over swept volume: from light pistons to plungers with crossheads."""
+CRANKCASE_PRESSURES = (2e4, 1e6)
+"""Usual range in Pa of the pressure below the pistons; beyond it the unit is probably another."""
 HIGHEST_PEAK = 4e7
-"""Pa, of an engine that gives power."""
-COMPRESSED = (0.15, 1.1)
-"""Highest pressure without injection over that with it, of one engine."""
+"""Highest usual cylinder pressure in Pa of an engine that gives power."""
+MOTORED_PEAK_SHARES = (0.15, 1.1)
+"""Usual range of the peak pressure without injection over the peak with injection."""
 
 
 def impossible_lengths(engine: EngineEntries) -> Iterator[Fault]:
-    """Lengths that no engine has."""
-    for name, most in LARGEST.items():
+    """Faults of lengths that no engine has."""
+    for name, most in LARGEST_LENGTHS.items():
         size = getattr(engine, name)
         if size > most:
-            text = f"{size:g} m is no {name.replace('_', ' ')} of an engine"
+            text = f"a {name.replace('_', ' ')} of {size:g} m is too large for an engine"
             yield Fault(text + _meant_length(name, size), (name,))
 
 
 def _meant_length(name: str, size: float) -> str:
-    low, high = USUAL[name]
+    low, high = USUAL_LENGTHS[name]
     if low <= size / 1e3 <= high:
         return f"; a bare number is m, write {size:g} mm"
     return f'; did you mean "{size * 100:g} mm"?' if low <= size / 10 <= high else ""
 
 
 def unusual_sizes_of(engine: EngineEntries) -> Iterator[Fault]:
-    """Warnings about masses and pressures of a size that is not met."""
+    """Warnings of masses and pressures of unusual size."""
     yield from _mass(engine)
     gas = engine.gas
     if gas is None:
@@ -66,12 +67,12 @@ def _mass(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _rounded(size: float) -> str:
-    """Two digits: what is usual is no exact number."""
+    """Text of a size rounded to two digits, as for usual ranges."""
     return f"{float(f'{size:.2g}'):g}"
 
 
 def _crankcase(gas: GasPressure) -> Iterator[Fault]:
-    low, high = CRANKCASE
+    low, high = CRANKCASE_PRESSURES
     pressure = float(gas.crankcase)
     if gas.reference != "absolute" or not pressure or low <= pressure <= high:
         return
@@ -84,7 +85,7 @@ def _crankcase(gas: GasPressure) -> Iterator[Fault]:
 
 
 def _peaks(gas: GasPressure) -> Iterator[Fault]:
-    """Pressures of a fired and a motored trace, alone and against each other."""
+    """Warnings of unusual peak pressures of the fired and motored traces, and of their ratio."""
     trace = not_none(gas.fired)
     fired = max(trace.values)
     if fired > HIGHEST_PEAK:
@@ -92,7 +93,7 @@ def _peaks(gas: GasPressure) -> Iterator[Fault]:
         yield Fault(text + _meant_unit(fired, 1e5, HIGHEST_PEAK), ("gas", "fired"), "warning", position=trace.place)
     if not gas.motored:
         return
-    motored, (low, high) = max(gas.motored.values), COMPRESSED
+    motored, (low, high) = max(gas.motored.values), MOTORED_PEAK_SHARES
     if not low * fired <= motored <= high * fired:
         text = f"{gas.motored.origin}compression without injection goes to {motored / 1e5:.4g} bar"
         text += f", with injection the pressure goes to {fired / 1e5:.4g} bar"
@@ -101,7 +102,7 @@ def _peaks(gas: GasPressure) -> Iterator[Fault]:
 
 
 def _meant_unit(pressure: float, low: float, high: float) -> str:
-    """Which unit would bring it between two pressures, the nearest power of ten first."""
+    """Hint of the unit that would bring a pressure between two limits, the nearest power of ten first."""
     units = {10.0: "bar for MPa", 0.1: "MPa for bar", 100.0: "kPa for bar", 0.01: "bar for kPa"}
     fitting = [words for factor, words in units.items() if low <= pressure / factor <= high]
     return f"; is the unit right, {fitting[0]}?" if fitting and math.isfinite(pressure) else "; is the unit right?"

@@ -1,4 +1,4 @@
-"""The gas in a cylinder: pressure traces or tangential harmonics, and the tangential pressure they make by order."""
+"""Gas torque of a cylinder by order, from pressure traces or tangential harmonics."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
-from torsionnet.model.excitations.by_pressure import ByPressure, interpolated
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 from torsionnet.model.excitations.pressure_trace import PressureTrace
+from torsionnet.model.excitations.table_by_pressure import TableByPressure, interpolated
 from torsionnet.model.excitations.tangential_harmonics import PHASES, HarmonicTables, Tables, amplitudes
 from torsionnet.model.excitations.trace_entry import TraceEntry
 
@@ -26,7 +26,7 @@ FIRING_TDC = "firing_tdc"
 
 
 class ZeroEntry(Spec[float]):
-    """Where firing top dead centre is in the angles of a trace; stored in rad."""
+    """Entry for the angle of a trace at firing top dead centre, stored in rad."""
 
     def coerce(self, raw: object) -> float:
         if raw == FIRING_TDC:
@@ -58,7 +58,9 @@ class GasPressure(Declared):
 
     fired: PressureTrace | None = entry(TraceEntry(_TRACE), None)
     traces: Mapping[float, PressureTrace] | None = entry(
-        ByPressure("instead: several by mean indicated pressure, {27 bar: p100.csv, 14 bar: p50.csv}", TraceEntry("")),
+        TableByPressure(
+            "instead: several by mean indicated pressure, {27 bar: p100.csv, 14 bar: p50.csv}", TraceEntry("")
+        ),
         None,
     )
     harmonics: Tables | None = entry(
@@ -99,7 +101,7 @@ class GasPressure(Declared):
 
     @property
     def is_by_pressure(self) -> bool:
-        """Whether the mean indicated pressure decides."""
+        """Whether traces or harmonics are given by mean indicated pressure."""
         return bool(self.traces) or bool(self.harmonics and None not in self.harmonics)
 
     @property
@@ -108,7 +110,7 @@ class GasPressure(Declared):
 
     @property
     def all_traces(self) -> Iterator[tuple[Path, PressureTrace]]:
-        """Every trace and where it stands."""
+        """(path, trace) of every pressure trace that is given."""
         for key in ("fired", "motored", "crank_end"):
             if getattr(self, key):
                 yield (key,), getattr(self, key)
@@ -117,7 +119,7 @@ class GasPressure(Declared):
 
     @property
     def own_orders(self) -> tuple[tuple[str, float], ...]:
-        """Entry and order of everything given by order."""
+        """(entry name, order) of all tangential harmonics that are given."""
         keys = ("harmonics", "motored_harmonics")
         tables = [(key, table) for key in keys for table in (getattr(self, key) or {}).values()]
         return tuple((key, float(order)) for key, table in tables for order in table)
@@ -137,7 +139,7 @@ class GasPressure(Declared):
         return values if not known or pressures is None else interpolated(known, values, pressures)
 
     def motored_harmonics_at(self, crank: Crank, orders: FloatArray) -> ComplexArray:
-        """The same without injection, (n_orders,)."""
+        """Torque of a cylinder without injection in N m by order, shape (n_orders,)."""
         if self.motored:
             return self._of_trace(self.motored, crank, orders) + self._below_piston(crank, orders)
         if self.motored_harmonics:
@@ -148,7 +150,7 @@ class GasPressure(Declared):
         return np.asarray(crank.factor * trace.harmonics(crank.ratio, crank.revolutions, orders, self.zero, self.below))
 
     def _below_piston(self, crank: Crank, orders: FloatArray) -> ComplexArray:
-        """What acts on the other side of the piston, less the rod that goes through there."""
+        """Torque in N m by order of the pressure on the lower side of a double-acting piston, shape (n_orders,)."""
         if not self.crank_end:
             return np.zeros(len(orders), dtype=complex)
         return -self._of_trace(self.crank_end, crank, orders) * crank.lower_share
@@ -159,7 +161,7 @@ class GasPressure(Declared):
         return float(self.crankcase) if self.reference == "absolute" else 0.0
 
     def factor(self, speeds: FloatArray) -> FloatArray:
-        """Gas torque at speeds in rad/s over that of the traces."""
+        """Factor on the gas torque of the traces at speeds in rad/s."""
         return np.asarray((speeds / not_none(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds)))
 
 
@@ -168,7 +170,7 @@ GAS = Nested("pressure in the cylinders", lambda: GasPressure, "gas")
 
 @dataclass(frozen=True)
 class Crank:
-    """What makes a torque of a pressure, sizes in m; ``rod_diameter`` is that of a piston rod on the lower side."""
+    """Crank mechanism of a cylinder, lengths in m; ``rod_diameter`` is that of a piston rod on the lower side."""
 
     bore: float
     stroke: float
@@ -192,10 +194,10 @@ class Crank:
 
     @property
     def swept_volume(self) -> float:
-        """Of one cylinder, m^3."""
+        """Swept volume of a cylinder in m^3."""
         return 2 * self.factor
 
     @property
     def lower_share(self) -> float:
-        """Area of the piston's lower side over that of the upper one."""
+        """Area of the lower side of the piston over that of the upper side."""
         return 1 - (self.rod_diameter / self.bore) ** 2

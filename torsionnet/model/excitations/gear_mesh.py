@@ -1,4 +1,4 @@
-"""Errors of the teeth of a gear stage, imposed on its compliant mesh."""
+"""Excitation by errors of gear teeth, imposed on a compliant mesh."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.gears import Gear
-from torsionnet.model.excitations.harmonic_torque import PHASE, ByOrder
+from torsionnet.model.excitations.harmonic_torque import PHASE, TableByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation
 
@@ -39,8 +39,8 @@ class MeshError(Declared):
         return one_exactly(self, "way", "angle", of="an error", form=self.form)
 
 
-ASSEMBLED = ("gearbox", "final_drive")
-"""Elements with several pairs of teeth or other parts beside the mesh, in which no single twist can be imposed."""
+KINDS_WITH_SEVERAL_MESHES = ("gearbox", "final_drive")
+"""Kinds of elements with several gear pairs or other parts beside the mesh, in which no single twist can be imposed."""
 
 _ERROR = Nested("peak value and phase", lambda: MeshError, "mesh_error", shown="{way: 4 um}")
 
@@ -69,7 +69,7 @@ class GearMesh(TwistExcitation):
     """
 
     kind: ClassVar[str] = "gear_mesh"
-    named_by: ClassVar[str] = "mesh"
+    element_field: ClassVar[str] = "mesh"
 
     mesh: str = entry(ElementName("the gear, an element with a mesh stiffness", "the name of a gear"))
     teeth: int | None = entry(Count("teeth of that wheel; default: as the gear says", 1, 1_000_000), None)
@@ -78,7 +78,7 @@ class GearMesh(TwistExcitation):
         Value("base radius of that wheel, for errors given as a way", "length", exclusive=True), None
     )
     transmission_error: Mapping[float, MeshError] = entry(
-        ByOrder("multiple of the tooth frequency -> peak value and phase", _ERROR, fewest=0), None
+        TableByOrder("multiple of the tooth frequency -> peak value and phase", _ERROR, fewest=0), None
     )
     run_out: MeshError | None = entry(
         Nested("once per revolution of that wheel, half of the total run-out", lambda: MeshError, "run_out"), None
@@ -100,7 +100,7 @@ class GearMesh(TwistExcitation):
         ]
 
     def _lines(self) -> Iterator[_Line]:
-        """What acts; orders of the wheel, of the other one by the teeth of both."""
+        """Lines (path, order, error) in orders of the wheel on ``speed_of``."""
         for multiple, error in self.transmission_error.items():
             yield _Line(("transmission_error", f"{multiple:g}"), multiple * (self.teeth or 1), error)
         if self.run_out:
@@ -108,24 +108,28 @@ class GearMesh(TwistExcitation):
         if self.mate_run_out:
             yield _Line(("mate_run_out",), (self.teeth or 1) / (self.mate_teeth or 1), self.mate_run_out)
 
-    def fitted(self, elements: Mapping[str, Element]) -> Self:
-        gear, fitted = elements.get(self.mesh), super().fitted(elements)
+    def with_element_data(self, elements: Mapping[str, Element]) -> Self:
+        gear, fitted = elements.get(self.mesh), super().with_element_data(elements)
         if not isinstance(gear, Gear) or gear.teeth is None or fitted.speed_of not in gear.nodes:
             return fitted
         own, mate = map(abs, gear.teeth if fitted.speed_of == gear.nodes[0] else gear.teeth[::-1])
         return replace(fitted, teeth=self.teeth or own, mate_teeth=self.mate_teeth or mate)
 
-    def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
+    def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
         gear = elements[self.mesh]
         if not isinstance(gear, Gear):
-            text = f"{self.mesh} is no gear but a {gear.kind}"
-            if gear.kind in ASSEMBLED:
+            text = f"{self.mesh} is a {gear.kind}; mesh is the name of an element of type gear"
+            if gear.kind in KINDS_WITH_SEVERAL_MESHES:
                 text += (
                     "; write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
                 )
             return [Fault(text, ("mesh",))]
         if self.speed_of not in gear.nodes:
-            return [Fault(f"{self.mesh} connects {gear.nodes[0]} and {gear.nodes[1]}", ("speed_of",))]
+            return [
+                Fault(
+                    f"{self.mesh} connects {gear.nodes[0]} and {gear.nodes[1]}; speed_of is one of them", ("speed_of",)
+                )
+            ]
         if gear.housing is not None:
             return [Fault(f"{self.mesh} is in a housing that turns; its tooth frequency is not known", ("mesh",))]
         given = [gear.teeth, gear.teeth and gear.teeth[::-1]][gear.nodes.index(self.speed_of)]
@@ -134,7 +138,7 @@ class GearMesh(TwistExcitation):
             count = getattr(self, name)
             needed = self.mate_run_out or (name == "teeth" and self.transmission_error)
             if count is None and needed:
-                faults.append(Fault(f"{self.mesh} is given by its ratio; give {name}: 23 too", on_key=True))
+                faults.append(Fault(f"{self.mesh} is given by its ratio; give {name}, as {name}: 23, too", on_key=True))
             elif count is not None and given is not None and count != abs(given[place]):
                 faults.append(Fault(f"{self.mesh} has {abs(given[place])} teeth there, not {count}", (name,)))
         return faults

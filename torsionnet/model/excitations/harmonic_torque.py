@@ -1,4 +1,4 @@
-"""A torque or a motion given by its orders or frequencies."""
+"""Excitation by a torque or imposed motion with given orders or frequencies."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from torsionnet.model.excitations.speed_table import SpeedRows, SpeedTable, not_
 PHASE = Value("phase: what acts is amplitude * cos(order * phi + phase)", "angle", lower=None)
 FREQUENCY = Value("a frequency", "frequency", exclusive=True, below=1e6)
 MOTIONS = ("angle", "velocity", "acceleration")
-"""By how often time divides an angle."""
+"""Motions that can be imposed; the index is the power of s over the angle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,28 +51,28 @@ class HarmonicAmplitude(Declared):
         return [Fault(f"{text}; here {'are ' + ' and '.join(given) if given else 'is none'}", on_key=True)]
 
     @property
-    def of_motion(self) -> bool:
-        """Whether a motion is imposed."""
+    def is_motion(self) -> bool:
+        """Whether an angle, velocity or acceleration is given instead of a torque."""
         return self.amplitude is None
 
-    def over_frequency(self, omega: FloatArray) -> Any:
+    def complex_amplitude(self, omega: FloatArray) -> Any:
         """Complex torque in N m, or angle in rad, at omega in rad/s."""
-        turned = np.exp(1j * self.phase)
-        if not self.of_motion:
-            return self.amplitude * turned * np.ones(len(omega))
+        phase_factor = np.exp(1j * self.phase)
+        if not self.is_motion:
+            return self.amplitude * phase_factor * np.ones(len(omega))
         power, size = next(
             (power, size) for power, name in enumerate(MOTIONS) if (size := getattr(self, name)) is not None
         )
-        return size * turned / (1j * omega) ** power
+        return size * phase_factor / (1j * omega) ** power
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ByOrder(Plural[Mapping[float, D]]):
-    """A table by order, a number above 0; or by frequency."""
+class TableByOrder(Plural[Mapping[float, D]]):
+    """Entry for a table by order, a number above 0, or by frequency in Hz."""
 
     of: Nested[D]
     key: Value = ORDER
-    called: str = "order"
+    key_name: str = "order"
     fewest: int = 1
 
     @property
@@ -85,7 +85,7 @@ class ByOrder(Plural[Mapping[float, D]]):
 
     def read(self, raw: object) -> tuple[dict[float, D], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
-            what = "orders" if self.called == "order" else "frequencies"
+            what = "orders" if self.key_name == "order" else "frequencies"
             return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, got {raw!r}")]
         table: dict[float, D] = {}
         faults: list[Fault] = []
@@ -93,11 +93,11 @@ class ByOrder(Plural[Mapping[float, D]]):
             try:
                 place = self.key.coerce(key)
             except EntryError as error:
-                article = "an order is a number" if self.called == "order" else "a frequency has a unit, as 50 Hz"
+                article = "an order is a number" if self.key_name == "order" else "a frequency has a unit, as 50 Hz"
                 faults.append(Fault(f"{article}: {error}", (key,), on_key=True))
                 continue
             if place in table:
-                faults.append(Fault(f"{self.called} {place:g} stands twice", (key,), on_key=True))
+                faults.append(Fault(f"{self.key_name} {place:g} stands twice", (key,), on_key=True))
                 continue
             one, found = self.of.read(value)
             table[place] = cast("D", one)
@@ -105,7 +105,7 @@ class ByOrder(Plural[Mapping[float, D]]):
         return table, faults
 
     def plain(self, value: Any) -> Any:
-        """With numbers for keys, as YAML has them and JSON has not."""
+        """Plain table with numbers as keys, which YAML has and JSON has not."""
         return {int(place) if place == int(place) else place: self.of.plain(part) for place, part in value.items()}
 
     def schema(self) -> Schema:
@@ -148,10 +148,10 @@ class HarmonicTorque(ReactingExcitation):
     node: str = entry(NodeName("the node it acts on", allow_ground=False))
     speed_of: str | None = entry(NodeName("the shaft whose orders are given; default: node", allow_ground=False), None)
     orders: Mapping[float, HarmonicAmplitude] = entry(
-        ByOrder("order -> peak value and phase", AMPLITUDE, fewest=0), None
+        TableByOrder("order -> peak value and phase", AMPLITUDE, fewest=0), None
     )
     frequencies: Mapping[float, HarmonicAmplitude] = entry(
-        ByOrder("frequency -> peak value and phase", AMPLITUDE, FREQUENCY, "frequency", 0), None
+        TableByOrder("frequency -> peak value and phase", AMPLITUDE, FREQUENCY, "frequency", 0), None
     )
     factor: SpeedRows | None = entry(SpeedTable("rows [speed, factor] of all amplitudes", Value("a factor", "1")), None)
 
@@ -160,7 +160,7 @@ class HarmonicTorque(ReactingExcitation):
         if not parts:
             examples = (f"{name}: {dict(self.specs())[name].example}" for name in ("orders", "frequencies"))
             return [Fault(f"a harmonic excitation needs {' or '.join(examples)}", on_key=True)]
-        if len({part.of_motion for part in parts}) > 1:
+        if len({part.is_motion for part in parts}) > 1:
             text = "torques and imposed motions are two excitations: where a motion is imposed, a torque does nothing"
             return [Fault(text, ("orders" if self.orders else "frequencies",), on_key=True)]
         return super().contradictions()
@@ -171,7 +171,7 @@ class HarmonicTorque(ReactingExcitation):
 
     @property
     def quantity(self) -> str:
-        return "angle" if next(iter([*self.orders.values(), *self.frequencies.values()])).of_motion else "torque"
+        return "angle" if next(iter([*self.orders.values(), *self.frequencies.values()])).is_motion else "torque"
 
     @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
@@ -185,7 +185,7 @@ class HarmonicTorque(ReactingExcitation):
         fixed = np.array([*(0.0 for _ in self.orders), *self.frequencies])
         parts = [*self.orders.values(), *self.frequencies.values()]
         omega = speeds[:, None] * orders + 2 * np.pi * fixed
-        amplitudes = np.stack([part.over_frequency(omega[:, place]) for place, part in enumerate(parts)], axis=1)
+        amplitudes = np.stack([part.complex_amplitude(omega[:, place]) for place, part in enumerate(parts)], axis=1)
         if self.factor:
             amplitudes = amplitudes * over_speed(self.factor, speeds, "factor")[:, None]
         return OrderTorques(orders, self.nodes, amplitudes[:, :, None], fixed=fixed)

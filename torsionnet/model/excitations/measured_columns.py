@@ -1,4 +1,4 @@
-"""Columns of a recording by order or frequency: what is in them, told by their headings."""
+"""Columns of a recording by order or frequency, recognised by their headings."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 
 FORM = "order, amplitude [N*m], phase [deg]"
 POWERS = {"torque": 0, "angle": 0, "speed": 1, "acceleration": 2}
-"""What may have been recorded, and by how often time divides its angle."""
+"""Recorded quantity -> power of s over the angle; 0 for a torque."""
 PEAKS = {"amplitude": 1.0, "rms": np.sqrt(2), "peak_to_peak": 0.5}
-"""Columns that have the size of a line, and what makes its peak value of them."""
+"""Columns with the size of a line -> factor to its peak value."""
 KEYS = ("order", "frequency", "speed")
 KNOWN = (*KEYS, *PEAKS, "phase", "real", "imag")
 _HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
@@ -25,7 +25,7 @@ _HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLines:
-    """What was recorded of each order or frequency.
+    """Recorded lines: quantity, orders or frequencies, and peak values over speed.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class MeasuredLines:
     values: tuple[ComplexArray, ...]
 
     def at(self, line: int, speeds: FloatArray) -> ComplexArray:
-        """Peak values of a line at speeds in rad/s; between those recorded magnitude and phase run straight."""
+        """Complex peak values of a line at speeds in rad/s; magnitude and phase are interpolated linearly."""
         values = self.values[line]
         if not self.speeds:
             return np.full(len(speeds), values[0])
@@ -56,12 +56,12 @@ class MeasuredLines:
 
 
 def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
-    """The lines in rows (n, n_columns) under these headings.
+    """Recorded lines from rows of numbers (n, n_columns) under given headings.
 
     Raises
     ------
     UsageError
-        A column that means nothing, that is missing, or has no unit; rows that say one thing twice.
+        A column is unknown, missing or without unit, or two rows give the same line.
 
     Examples
     --------
@@ -98,15 +98,15 @@ def _require(holds: bool, text: str) -> None:
 
 
 def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
-    """Place and unit by name."""
+    """Index and unit of each column, by its name."""
     found: dict[str, tuple[int, str]] = {}
     for place, heading in enumerate(headings):
         match = _HEADING.fullmatch(heading)
         name = match[1] if match else heading
         if match is None or name not in KNOWN:
             hint = did_you_mean(name, KNOWN)
-            raise UsageError(f'"{heading}" is no heading of a recording{hint}; there are {", ".join(KNOWN)}, as {FORM}')
-        _require(name not in found, f"{name} stands twice among the headings")
+            raise UsageError(f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}')
+        _require(name not in found, f"{name} is given by two headings; keep one of them")
         found[name] = place, (match[2] or "").strip()
     return found
 
@@ -118,10 +118,10 @@ def _key(columns: dict[str, tuple[int, str]]) -> str:
 
 
 def _values(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray]) -> tuple[str, ComplexArray]:
-    """What was recorded, and peak values in SI."""
+    """Recorded quantity, and its complex peak values in SI units."""
     if "real" in columns and "imag" in columns:
         quantity, factor = _quantity("real", columns["real"][1])
-        _require(_quantity("imag", columns["imag"][1]) == (quantity, factor), "real and imag have one unit")
+        _require(_quantity("imag", columns["imag"][1]) == (quantity, factor), "real and imag must have the same unit")
         return quantity, np.asarray(factor * (numbers["real"] + 1j * numbers["imag"]))
     sizes = [name for name in PEAKS if name in columns]
     _require(len(sizes) == 1, f"a recording has one column of {', '.join(PEAKS)}, or real and imag, as {FORM}")
@@ -138,11 +138,13 @@ def _quantity(name: str, unit: str) -> tuple[str, float]:
             return quantity, _factor(unit, quantity, name)
         except UsageError:
             continue
-    raise UsageError(f'"{unit}" is no unit of a torque, an angle or its rates; write the heading as {name} [N*m]')
+    raise UsageError(
+        f'"{unit}" is not a unit of torque, angle, speed or acceleration; write the heading as {name} [N*m]'
+    )
 
 
 def _factor(unit: str, dimension: str, name: str) -> float:
-    """What makes SI of a column."""
+    """Factor from the unit of a column to the SI unit."""
     example = {"speed": "rpm", "angle": "deg", "frequency": "Hz"}.get(dimension, "N*m")
     if not unit or unit == "1":
         raise UsageError(f"the column {name} has no unit; write its heading as {name} [{example}]")

@@ -1,4 +1,4 @@
-"""What a recording says acts on a node."""
+"""Excitation by a recorded torque or motion of a node."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class OrderTable(Declared):
 
     @cached_property
     def lines(self) -> MeasuredLines:
-        """The table by order or frequency."""
+        """Recorded lines of the table by order or frequency."""
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 
 class OrderTableEntry(Nested[OrderTable]):
-    """A table, or the name of a file that has it; what is written are the numbers."""
+    """Entry for a table of orders or for the name of its file; written models hold the numbers."""
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if not isinstance(raw, str | FilePath):

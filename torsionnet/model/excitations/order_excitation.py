@@ -1,4 +1,4 @@
-"""What every excitation by order has: the shaft it runs with, and what it does by order of that shaft."""
+"""Base class and register of excitations by order, and their torques by order."""
 
 from __future__ import annotations
 
@@ -24,23 +24,24 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _KINDS: dict[str, type[OrderExcitation]] = {}
-"""Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
+"""Excitation class by kind, in alphabetical order."""
 T = TypeVar("T", bound="type[OrderExcitation]")
 
 
 @dataclass(frozen=True, eq=False)
 class TorqueShares:
-    """Torques that come on top, one or another: each acts on one node.
+    """Torques, each on one node, that are added to the sum of an excitation one at a time or with factors.
 
     Attributes
     ----------
     labels : tuple of str
+        Names of the torques, as "misfire of cylinder 3".
     nodes : tuple of str
         The node of each.
     amplitudes : (n_shares, n_speeds, n_orders) complex array
         N m, peak values.
     parts : tuple of str
-        The part of the machine that each is of: a part that misfires does not scatter.
+        Part of the machine with each torque: a cylinder that misfires does not scatter.
     """
 
     labels: tuple[str, ...]
@@ -53,16 +54,16 @@ class TorqueShares:
 class OrderTorques:
     """Torques on nodes, T(t) = Re sum_i T_i exp(j (h_i phi + 2 pi f_i t)), phi the angle of the shaft.
 
-    A torque drives the shaft it is on where it is positive. Excitations that impose a motion give that instead: angles
-    of nodes in the sense in which they turn, or twists: how far the shaft of the excitation, where it enters the
-    element, is ahead of what its springs would have it, in rad of that shaft.
+    A positive torque drives its shaft. Excitations that impose a motion give angles of nodes in their sense of
+    rotation, or twists: the angle in rad by which the shaft of the excitation, where it enters the element, is ahead
+    of the unloaded position.
 
     Attributes
     ----------
     orders : (n_lines,) array
         Vibrations per revolution of the shaft; 0 where a line does not follow the speed.
     nodes : tuple of str
-        Where it acts: nodes, or elements whose twist is imposed.
+        Nodes on which the torques act, or elements whose twist is imposed.
     amplitudes : (n_speeds, n_lines, n_nodes) complex array
         N m or rad, peak values.
     fixed : (n_lines,) array, optional
@@ -83,7 +84,7 @@ class OrderTorques:
 
 @dataclass(frozen=True, kw_only=True)
 class OrderExcitation(Declared):
-    """Base of the excitations; a class of its own for each ``type:``, registered by :func:`register_excitation`."""
+    """Base class of excitations; each ``type:`` is a subclass registered by :func:`register_excitation`."""
 
     article: ClassVar[str] = "an excitation"
 
@@ -95,91 +96,91 @@ class OrderExcitation(Declared):
 
     @property
     def shaft(self) -> str:
-        """A node of the shaft whose revolutions the orders count."""
+        """Node of the shaft whose revolutions the orders count."""
         raise NotImplementedError
 
     @property
     def quantity(self) -> str:
-        """What it gives: ``torque`` on nodes, ``angle`` of nodes or ``twist`` of elements."""
+        """Name of the excited quantity: ``torque`` on nodes, ``angle`` of nodes or ``twist`` of elements."""
         return "torque"
 
     @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
-        """Where the nodes it acts on are named, and their names."""
+        """(path, node) of every entry that names a node on which the excitation acts."""
         return ()
 
     @property
     def element_entry(self) -> tuple[Path, str] | None:
-        """Where the element is named whose twist it imposes, and its name."""
+        """(path, name) of the element whose twist is imposed, or None."""
         return None
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """Where it acts, every node once."""
+        """Nodes on which the excitation acts, without duplicates."""
         return tuple(dict.fromkeys(node for _, node in self.node_entries))
 
     @property
     def reaction_entry(self) -> tuple[Path, str] | None:
-        """Where the node is named that takes the opposite of all torques, or that motions are relative to; its name."""
+        """(path, node) of the entry for the node that takes the reaction torques, or to which motions are relative."""
         return None
 
     @property
     def reaction_node(self) -> str | None:
-        """That node, where it is not the ground."""
+        """Node that takes the reaction torques; None for the ground."""
         return None if self.reaction_entry is None else self.reaction_entry[1]
 
     @property
     def crankshaft(self) -> frozenset[str]:
-        """Nodes of the crankshaft whose angle its torques count from; none for what has no pistons."""
+        """Nodes of the crankshaft from which firing angles count; empty for machines without pistons."""
         return frozenset()
 
     @property
     def is_phased(self) -> bool:
-        """Whether the angle of its crankshaft to that of the first engine is given."""
+        """Whether the crank angle against the first engine of the model is given."""
         return False
 
     @property
     def absorbs(self) -> bool:
-        """Whether its gas takes work, as that of a compressor does."""
+        """Whether the machine takes work, as a compressor does."""
         return False
 
     def channel(self, place: str) -> Input:
-        """The input that it is at one of its nodes or elements."""
+        """Input channel of the excitation at one of its nodes or elements."""
         return Input(self.quantity, place, self.reaction_node)
 
-    def fitted(self, elements: Mapping[str, Element]) -> Self:
-        """With what the elements it names know: a shaft, a number of teeth."""
+    def with_element_data(self, elements: Mapping[str, Element]) -> Self:
+        """Copy of the excitation completed from the elements it names: a shaft, a number of teeth."""
         del elements
         return self
 
-    def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
-        """Faults of entries that do not fit the element it names, which is there."""
+    def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
+        """Faults of entries that do not fit the element named by the excitation."""
         del elements
         return []
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        """What acts at speeds of its shaft, rad/s."""
+        """Torques, angles or twists by order at speeds of the shaft in rad/s."""
         raise NotImplementedError
 
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
-        """What acts with a phase of its own: its node and ``exp(-j order alpha)``, or 0 where it is out of action."""
+        """Node and phase vector ``exp(-j order alpha)`` of each acting part by name; 0 for a part out of action."""
         del order
         return {node: (node, 1.0 + 0j) for node in self.nodes}
 
     @property
     def rating(self) -> Rating | None:
-        """The mean torque it states, with the speed to which that belongs."""
+        """Rated mean torque and speed as stated by the excitation, or None."""
         return None
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
-        """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
+        """Faults, warnings and notes at speeds of the shaft in rad/s; None where these are not known."""
         del speeds
         return []
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReactingExcitation(OrderExcitation):
-    """Base of those whose torques may act between two nodes: a crankshaft and the block, a pump and its housing."""
+    """Base class of excitations between two nodes, as a crankshaft and the block, or a pump and its housing."""
 
     reaction: str | None = entry(
         NodeName(
@@ -196,12 +197,12 @@ class ReactingExcitation(OrderExcitation):
     def contradictions(self) -> list[Fault]:
         if self.reaction not in self.nodes:
             return []
-        text = f'"{self.reaction}" takes the opposite of a torque on itself; name the node of what it reacts on'
+        text = f'"{self.reaction}" takes the opposite of a torque on itself; name the node of the housing or block'
         return [Fault(text, ("reaction",))]
 
 
 def register_excitation(cls: T) -> T:
-    """Make a type known by its ``kind``."""
+    """Class decorator that registers an excitation type under its ``kind``."""
     known: dict[str, type[OrderExcitation]] = {**_KINDS, cls.kind: cls}
     _KINDS.clear()
     _KINDS.update(sorted(known.items()))
@@ -209,5 +210,5 @@ def register_excitation(cls: T) -> T:
 
 
 def excitation_kinds() -> Mapping[str, type[OrderExcitation]]:
-    """The types of excitation by the word in ``type:``."""
+    """Registered excitation classes by ``type:``."""
     return _KINDS

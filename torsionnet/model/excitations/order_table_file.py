@@ -1,4 +1,4 @@
-"""Recorded orders or spectra in text files, as an order analysis delivers them."""
+"""Reader of text files with recorded orders or spectra from an order analysis."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
 from torsionnet.model.excitations.measured_columns import FORM, measured_lines
 
-SAMPLE = 400
+DIALECT_LINES = 400
+"""Lines from which separators and the first row of numbers are recognised: longer than any head, quick to read."""
 
 
 def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ...], ...]]:
-    """Headings with units, and rows of numbers.
+    """Headings with units and rows of numbers of a text file.
 
     Raises
     ------
     ModelError
-        With the line of the file.
+        The file cannot be read; the message names the line.
     """
     with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         lines = file.readlines()
     above = next((at for at, line in enumerate(lines) if line.strip() and not line.startswith(("#", "%"))), 0)
     body = lines[above:]
-    dialect = detect_dialect(body[:SAMPLE])
-    first = data_start(dialect, body[:SAMPLE])
-    if first == min(len(body), SAMPLE):
+    dialect = detect_dialect(body[:DIALECT_LINES])
+    first = data_start(dialect, body[:DIALECT_LINES])
+    if first == min(len(body), DIALECT_LINES):
         raise _fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, above + 1, lines)
     heading = headings(dialect, body[:first], len(dialect.cells(body[first])))
     if not heading.lines:
@@ -51,6 +52,6 @@ def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ..
 
 
 def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> ModelError:
-    """A fault of a line, counted from 1."""
+    """ModelError with a fault at a line of the file, counted from 1."""
     source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
     return ModelError([Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))], file)

@@ -1,4 +1,4 @@
-"""Pressure traces in text files, as makers and indicators deliver them."""
+"""Reader of text files with pressure traces from makers and indicators."""
 
 from __future__ import annotations
 
@@ -16,29 +16,31 @@ from torsionnet.core.errors import Fault, ModelError, Position
 from torsionnet.core.units import ANGLES, DIMENSIONS, Unit, UnitError, parse_unit
 from torsionnet.model.excitations.order_excitation import FloatArray
 from torsionnet.model.excitations.pressure_trace import (
-    CLOSING,
+    CLOSING_RTOL,
     LEAST_SAMPLES,
     WHOLE_CYCLE,
     PressureTrace,
-    unlikely_size,
+    peak_pressure_fault,
 )
 
-SAMPLE = 400
+DIALECT_LINES = 400
+"""Lines from which separators and the first row of numbers are recognised: longer than any head, quick to read."""
 FORM = "angle [deg];pressure [bar]"
-EVEN = 0.02
-"""Of a step: so far may angles be off, as rounded decimals are."""
-GAP = 1.5
-"""Of a usual step: so much may be missing between the last sample and the end of the cycle."""
-STEEPEST = 1.5
-"""Of the largest step of pressure within the trace: that from its last to its first sample."""
+EVEN_STEP_TOL = 0.02
+"""Share of a step by which angles at even steps may be off: rounding of their decimals."""
+LARGEST_END_GAP = 1.5
+"""Steps that may be missing between the last sample and the end of the cycle: one, and rounding."""
+CLOSING_STEP_RATIO = 1.5
+"""Largest pressure step from the last to the first sample, over the largest step within the trace."""
 MOST_STEPS = 14_400
+"""Largest number of interpolated steps of a cycle: 0.05 deg of two revolutions, finer than indicators sample."""
 _DEGREES = re.compile(r"(\bdeg|°)\s*(CAD?|KW|crank)?(?![A-Za-z])")
-"""As makers write degrees of the crank."""
+"""Spellings of crank degrees in headings."""
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Angles in degrees and pressures in Pa, and where they stand."""
+    """Rows of a trace file: angles in degrees, pressures in Pa, and their lines."""
 
     angles: FloatArray
     pressures: FloatArray
@@ -55,21 +57,21 @@ class _Rows:
 
 
 def read_pressure_file(path: Path) -> PressureTrace:
-    """The trace in a file of two columns, crank angle and pressure, with their units in the heading.
+    """Pressure trace from a file of two columns, crank angle and pressure, with units in the heading.
 
     Even steps are kept as they are, others interpolated linearly at the finest of them.
 
     Raises
     ------
     ModelError
-        With the line of the file.
+        The file cannot be read; the message names the line.
     """
     rows = _rows(path)
     _refuse(_wrong_rows(rows), path)
     revolutions, both_ends = _covered(rows)
     _refuse(_not_closing(rows, both_ends, revolutions), path)
     trace = _trace(rows.without_last() if both_ends else rows, revolutions)
-    _refuse((_fault(text, path.name, rows.heading, rows.lines) for text in [unlikely_size(trace)] if text), path)
+    _refuse((_fault(text, path.name, rows.heading, rows.lines) for text in [peak_pressure_fault(trace)] if text), path)
     return trace
 
 
@@ -80,20 +82,20 @@ def _refuse(faults: Iterator[Fault], path: Path) -> None:
 
 
 def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> Fault:
-    """A fault of a line, counted from 1."""
+    """Fault at a line of the file, counted from 1."""
     source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
     return Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))
 
 
 def _rows(path: Path) -> _Rows:
-    """The two columns of a file."""
+    """Angle and pressure columns of a trace file."""
     with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         lines = file.readlines()
     above = next((at for at, line in enumerate(lines) if line.strip() and not line.startswith(("#", "%"))), 0)
     body = lines[above:]
-    dialect = detect_dialect(body[:SAMPLE])
-    first = data_start(dialect, body[:SAMPLE])
-    if first == min(len(body), SAMPLE):
+    dialect = detect_dialect(body[:DIALECT_LINES])
+    first = data_start(dialect, body[:DIALECT_LINES])
+    if first == min(len(body), DIALECT_LINES):
         raise ModelError([_fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, 1, lines)])
     width = len(dialect.cells(body[first]))
     heading = headings(dialect, [_DEGREES.sub("deg", line) for line in body[:first]], width)
@@ -112,7 +114,7 @@ def _rows(path: Path) -> _Rows:
 def _columns(
     heading: Headings, dialect: Dialect, row: str, file: str, number: int, lines: Sequence[str]
 ) -> tuple[int, int]:
-    """Which column is the crank angle, and which the pressure: by their units, else in this order."""
+    """Column indices of crank angle and pressure, by their units, else in this order."""
     width = len(heading.names)
     if width > 1 and not dialect.cells(row)[-1]:
         width -= 1  # every row ends with a separator
@@ -128,7 +130,7 @@ def _columns(
 
 
 def _factor(heading: Headings, column: int, kind: str, file: str, number: int, lines: Sequence[str]) -> float:
-    """What makes degrees or Pa of a column."""
+    """Factor from the unit of a column to degrees or Pa."""
     name, text = heading.names[column], heading.units[column]
     meant = "angle [deg]" if kind == "angle" else "pressure [bar]"
     unit = _unit(text)
@@ -161,11 +163,11 @@ def _wrong_rows(rows: _Rows) -> Iterator[Fault]:
 
 
 def _covered(rows: _Rows) -> tuple[int, bool]:
-    """Revolutions that the trace covers, and whether it has both ends of them."""
+    """Number of revolutions in the trace, and whether it has both ends of the cycle."""
     step, span = float(np.median(np.diff(rows.angles))), float(rows.angles[-1] - rows.angles[0])
     for revolutions in (1, 2):
         missing = 360 * revolutions - span
-        if -EVEN * step <= missing <= GAP * step:
+        if -EVEN_STEP_TOL * step <= missing <= LARGEST_END_GAP * step:
             return revolutions, missing < step / 2
     text = f"the trace covers {rows.angles[0]:g} to {rows.angles[-1]:g} deg"
     text += f"; {WHOLE_CYCLE}, with one or both ends"
@@ -174,30 +176,30 @@ def _covered(rows: _Rows) -> tuple[int, bool]:
 
 def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fault]:
     p = rows.pressures
-    allowed = CLOSING * float(np.max(np.abs(p)))
+    allowed = CLOSING_RTOL * float(np.max(np.abs(p)))
     if not both_ends:
-        allowed = max(allowed, STEEPEST * float(np.max(np.abs(np.diff(p)))))
+        allowed = max(allowed, CLOSING_STEP_RATIO * float(np.max(np.abs(np.diff(p)))))
     if abs(p[0] - p[-1]) > allowed:
         text = f"the trace does not close: it begins with {p[0] / 1e5:.6g} bar and ends with {p[-1] / 1e5:.6g} bar"
         yield rows.fault(f"{text}; it covers 360 deg: {WHOLE_CYCLE}" if revolutions == 1 else text, len(p) - 1)
 
 
 def _trace(rows: _Rows, revolutions: int) -> PressureTrace:
-    """Even steps, the first of them at or after 0 degrees."""
+    """Pressure trace at even steps, the first at or after 0 degrees."""
     cycle, count = 360.0 * revolutions, len(rows.angles)
     step, note = cycle / count, ""
     angles: FloatArray = rows.angles
     pressures: FloatArray = rows.pressures
-    if np.max(np.abs(angles - angles[0] - step * np.arange(count))) > EVEN * step:
+    if np.max(np.abs(angles - angles[0] - step * np.arange(count))) > EVEN_STEP_TOL * step:
         steps = min(MOST_STEPS, round(cycle / float(np.min(np.diff(angles)))))
         note = f"{rows.file} has uneven steps; it is interpolated linearly at {steps} steps of a cycle"
         step = cycle / steps
         pressures = np.asarray(np.interp(step * np.arange(steps), angles, pressures, period=cycle))
         angles = np.arange(float(steps)) * step
     begin = angles[0] % cycle
-    passed = int(np.ceil((cycle - begin) / step - EVEN)) % len(angles)  # samples before 0 degrees
+    passed = int(np.ceil((cycle - begin) / step - EVEN_STEP_TOL)) % len(angles)  # samples before 0 degrees
     start = begin + passed * step - (cycle if passed else 0)
-    start = 0.0 if abs(start) < EVEN * step else start
+    start = 0.0 if abs(start) < EVEN_STEP_TOL * step else start
     values = tuple(np.roll(pressures, -passed).tolist())
     place = Position(rows.file, rows.heading, 1, 1)
     return PressureTrace(values, float(np.radians(start)), revolutions, rows.file, place, note)

@@ -1,4 +1,4 @@
-"""A pressure over one cycle of an engine."""
+"""Pressure trace over one cycle of an engine: harmonics and mean indicated pressure."""
 
 from __future__ import annotations
 
@@ -11,31 +11,33 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 from torsionnet.model.excitations.slider_crank import harmonics, piston_rate
 
 LOWEST_PEAK, HIGHEST_PEAK = 1e3, 1e9
-"""Pa."""
-CLOSING = 0.02
-"""Share of the peak by which the ends of a trace may differ that holds both."""
+"""Range in Pa of the peak pressure of a cylinder; a number in bar or MPa without its unit lies below."""
+CLOSING_RTOL = 0.02
+"""Share of the peak by which the two ends of a trace may differ: measuring noise and drift."""
 LEAST_SAMPLES = 24
+"""Smallest number of pressures in a cycle: fewer cannot give the orders of a gas torque."""
 WHOLE_CYCLE = "a cycle is 720 deg of a four-stroke engine, 360 deg of a two-stroke engine"
+"""Hint for messages on traces that cover another angle."""
 
 
 @dataclass(frozen=True)
 class PressureTrace:
-    """Pressures at even steps over one cycle, one end of it.
+    """Pressures at even steps over one cycle, without its second end.
 
     Attributes
     ----------
     values : tuple of float
         Pa.
     start : float
-        Crank angle of the first one, rad.
+        Crank angle of the first pressure, rad.
     revolutions : int, optional
-        What a file covers; a list covers what the engine's cycle is.
+        Revolutions that a file covers; a list covers the cycle of the engine.
     file : str
-        Where it came from.
+        Name of the file.
     place : Position, optional
-        Of the heading in that file.
+        Position of the heading in that file.
     note : str
-        What was made of it that its author may want to know.
+        Remark for the author, as on interpolation.
     """
 
     values: tuple[float, ...]
@@ -52,7 +54,7 @@ class PressureTrace:
 
     @property
     def origin(self) -> str:
-        """How messages begin that speak of it."""
+        """Beginning of messages on the trace: its file, or nothing."""
         return f"{self.file}: " if self.file else ""
 
     def tangential(self, ratio: float, revolutions: int, zero: float, below: float) -> tuple[FloatArray, FloatArray]:
@@ -66,20 +68,20 @@ class PressureTrace:
     def harmonics(
         self, ratio: float, revolutions: int, orders: FloatArray, zero: float = 0.0, below: float = 0.0
     ) -> ComplexArray:
-        """Tangential pressure in Pa by order: those of the samples, as they are."""
+        """Complex tangential pressure in Pa by order, from the samples without smoothing."""
         angles, tangential = self.tangential(ratio, revolutions, zero, below)
         return np.asarray(harmonics(tangential, revolutions, orders) * np.exp(-1j * orders * angles[0]))
 
     def mean_indicated_pressure(self, ratio: float, revolutions: int, zero: float = 0.0) -> float:
-        """Work of a cycle over the swept volume, Pa."""
+        """Mean indicated pressure in Pa: work of a cycle over the swept volume."""
         _, tangential = self.tangential(ratio, revolutions, zero, 0.0)
         return float(np.mean(tangential) * np.pi * revolutions)
 
 
-def unlikely_size(trace: PressureTrace) -> str:
-    """Why the peak cannot be that of a cylinder, or nothing."""
+def peak_pressure_fault(trace: PressureTrace) -> str:
+    """Message if the peak pressure is impossible for a cylinder, else an empty text."""
     peak = max(map(abs, trace.values))
     if peak < LOWEST_PEAK:
         meant = "is the column in another unit?" if trace.file else f"a bare number is Pa, write {peak:.6g} bar"
-        return f"a peak of {peak:g} Pa ({peak / 1e5:.2g} bar) is no pressure in a cylinder; {meant}"
-    return f"a peak of {peak / 1e5:g} bar is no pressure in a cylinder" if peak > HIGHEST_PEAK else ""
+        return f"a peak of {peak:g} Pa ({peak / 1e5:.2g} bar) is too low for a cylinder; {meant}"
+    return f"a peak of {peak / 1e5:g} bar is too high for a cylinder; check the unit" if peak > HIGHEST_PEAK else ""

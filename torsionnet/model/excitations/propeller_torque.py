@@ -1,4 +1,4 @@
-"""The torque of a propeller at multiples of its blades."""
+"""Excitation by the torque of a propeller at multiples of its blades."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text, name_fault
 from torsionnet.core.errors import Fault, Path, suggestion_or
 from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.excitations.harmonic_torque import ByOrder
+from torsionnet.model.excitations.harmonic_torque import TableByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
 from torsionnet.model.excitations.rating import Rating
 
 ZERO_PITCH = "zero_pitch"
-"""The condition that only a propeller of controllable pitch has."""
+"""Name of the condition that only a controllable-pitch propeller has."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,12 +36,12 @@ class BladeOrder(Declared):
 
 
 BLADE_ORDER = Nested("share and phase", lambda: BladeOrder, "blade_order")
-_BLADE_ORDERS = ByOrder("multiple of the blades -> share of the mean torque and phase", BLADE_ORDER)
+_BLADE_ORDERS = TableByOrder("multiple of the blades -> share of the mean torque and phase", BLADE_ORDER)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PropellerCondition(Declared):
-    """What a propeller does in another condition than full ahead: at zero pitch, astern, in ice, out of the water."""
+    """Torque of a propeller in another condition than full ahead: at zero pitch, astern, in ice, out of the water."""
 
     kind: ClassVar[str] = "condition"
     article: ClassVar[str] = "a condition"
@@ -57,7 +57,7 @@ class PropellerCondition(Declared):
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
 class PropellerTorque(OrderExcitation):
-    """What a propeller's blades take from the shaft beside the mean torque Q(n) = Q_rated (n/n_rated)^exponent.
+    """Torque of a propeller's blades beside the mean torque Q(n) = Q_rated (n/n_rated)^exponent.
 
     At blade order i of z blades it acts with -share_i Q(n) cos(i z phi + phase_i), phi the angle of the propeller. It
     is 0 where the first cylinder of the engine fires (``phase_zero: engine_tdc1``); phases that count from an upright
@@ -113,7 +113,7 @@ class PropellerTorque(OrderExcitation):
         return list(self._orders_of_the_shaft())
 
     def _orders_of_the_shaft(self) -> Iterator[Fault]:
-        """Blade orders that were probably counted by revolutions: 4 and 8 of 4 blades, without 1."""
+        """Warnings of blade orders that were probably counted by revolutions: 4 and 8 of 4 blades, without 1."""
         tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
         tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
         for path, table in tables.items():
@@ -149,7 +149,7 @@ class PropellerTorque(OrderExcitation):
 
     @property
     def law(self) -> tuple[float, float]:
-        """Mean torque at rated speed in N m in its present condition, and the power of the speed that it follows."""
+        """Mean torque in N m at rated speed in the present condition, and its exponent over speed."""
         if not self.condition:
             return float(self.torque), float(self.exponent)
         present = self.conditions[self.condition]

@@ -1,4 +1,4 @@
-"""What a machine is rated for, as its excitation states it."""
+"""Rated torque and speed of a machine, as its excitation states them."""
 
 from __future__ import annotations
 
@@ -6,28 +6,28 @@ from dataclasses import dataclass
 
 from torsionnet.core.errors import Path
 
-FRICTION = (0.75, 1.0)
-"""Power at the coupling over indicated power: what engines have."""
+MECHANICAL_EFFICIENCIES = (0.75, 1.0)
+"""Usual range of the power at the coupling over the indicated power of engines."""
 
 
 @dataclass(frozen=True)
 class Rating:
-    """The mean torque of a machine at its rated speed, and where both are stated.
+    """Mean torque of a machine at its rated speed, with the entries that state both.
 
     Attributes
     ----------
     torque : float
-        N m that it gives, below zero if it takes it.
+        N m, above zero if the machine drives, below zero if it is driven.
     path, speed_path : Path
-        Of the entries below the excitation; the second is empty where no speed is stated.
+        Entries of torque and speed below the excitation; the second is empty without a stated speed.
     speed : float, optional
-        rad/s of its shaft.
+        Speed of its shaft, rad/s.
     power : float, optional
-        W, where that is stated instead of a torque.
+        Power in W, where the entry states a power.
     exponent : float
-        The torque follows the speed to this power.
+        Exponent of the torque over speed.
     shares : tuple of float
-        Least and largest power at the shaft over this: 1 but for indicated powers.
+        Least and largest power at the shaft over the rated power: 1 but for indicated powers.
     """
 
     torque: float
@@ -39,7 +39,7 @@ class Rating:
     shares: tuple[float, float] = (1.0, 1.0)
 
     def at(self, speed: float) -> tuple[float, ...]:
-        """Power in W as stated, taken to be that at ``speed`` in rad/s; and by its curve, where that differs."""
+        """Power in W as stated, and, with a stated speed, power in W at ``speed`` in rad/s by the torque curve."""
         stated = self.torque * speed if self.power is None else self.power
         if not self.speed:
             return (stated,)

@@ -1,4 +1,4 @@
-"""Engines, compressors and pumps with pistons: gas and inertia torques of every cylinder."""
+"""Excitation by engines, compressors and pumps with pistons: gas and inertia torques of every cylinder."""
 
 from __future__ import annotations
 
@@ -53,21 +53,23 @@ class ReciprocatingEngine(EngineEntries):
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
         silent = {*self._without_injection, *self.gas_off}
         sizes = {number: 0.0 if number in silent else self._factor(number) for number in self.numbers}
-        turned = {number: np.exp(-1j * order * angle) for number, angle in self.acting_phases.items()}
-        return {str(number): (node, complex(sizes[number] * turned[number])) for number, node in self.numbers.items()}
+        phase_factors = {number: np.exp(-1j * order * angle) for number, angle in self.acting_phases.items()}
+        return {
+            str(number): (node, complex(sizes[number] * phase_factors[number])) for number, node in self.numbers.items()
+        }
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         orders, nodes = self.acting_orders, self.nodes
         inertia = self.reciprocating_mass * self.crank.radius**2 * inertia_harmonics(self.crank.ratio, orders)
         moving = speeds[:, None] ** 2 * inertia
-        turned = {number: np.exp(-1j * orders * angle) for number, angle in self.acting_phases.items()}
+        phase_factors = {number: np.exp(-1j * orders * angle) for number, angle in self.acting_phases.items()}
         fired, motored = self._fired(speeds), self._motored(speeds)
-        gas = {number: self._gas_of(number, fired, motored) * turned[number] for number in self.numbers}
+        gas = {number: self._gas_of(number, fired, motored) * phase_factors[number] for number in self.numbers}
         found = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)
         for number, node in self.numbers.items():
-            found[:, :, nodes.index(node)] += moving * turned[number] + gas[number]
+            found[:, :, nodes.index(node)] += moving * phase_factors[number] + gas[number]
         sound = [number for number in self.numbers if number not in self.gas_off]
-        misfires = {number: motored * turned[number] - gas[number] for number in sound}
+        misfires = {number: motored * phase_factors[number] - gas[number] for number in sound}
         scatter = {number: self.spread * gas[number] for number in sound if number not in self._without_injection}
         return OrderTorques(
             orders,
@@ -78,7 +80,7 @@ class ReciprocatingEngine(EngineEntries):
         )
 
     def _shares(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
-        """Torques by cylinder that come on top."""
+        """Torque shares by cylinder, to be added to the sum of all cylinders."""
         return TorqueShares(
             tuple(f"{what} {number}" for number in torques),
             tuple(self.numbers[number] for number in torques),
@@ -91,7 +93,7 @@ class ReciprocatingEngine(EngineEntries):
         return () if isinstance(self.misfire, str) else self.misfire
 
     def _gas_of(self, number: int, fired: ComplexArray, motored: ComplexArray) -> ComplexArray:
-        """Torque of a cylinder's gas by speed and order, before it is turned to its firing angle."""
+        """Torque of a cylinder's gas by speed and order, before the shift to its firing angle."""
         if number in self.gas_off:
             return np.zeros_like(fired)
         if number in self._without_injection:
@@ -99,7 +101,7 @@ class ReciprocatingEngine(EngineEntries):
         return np.asarray(fired * self._factor(number))
 
     def _factor(self, number: int) -> float:
-        """Gas torque of a cylinder over that of the others."""
+        """Factor on the gas torque of a cylinder against the other cylinders."""
         return float((self.factors or {}).get(str(number), 1.0))
 
     def _fired(self, speeds: FloatArray) -> ComplexArray:

@@ -1,4 +1,4 @@
-"""Motion of a piston over the crank angle, and the torques that gas and inertia make of it."""
+"""Motion of a piston over the crank angle, and harmonics of gas and inertia torques."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 
 
 def piston_rate(angle: FloatArray, ratio: float) -> FloatArray:
-    """dx/dphi over the crank radius, x from top dead centre; ``ratio`` is crank radius over rod length.
+    """Piston rate dx/dphi over the crank radius, x from top dead centre; ``ratio`` is crank radius over rod length.
 
     >>> bool(abs(piston_rate(np.array([np.pi / 2]), 0.25)[0] - 1) < 1e-12)
     True
@@ -18,7 +18,7 @@ def piston_rate(angle: FloatArray, ratio: float) -> FloatArray:
 
 
 def piston_curvature(angle: FloatArray, ratio: float) -> FloatArray:
-    """d2x/dphi2 over the crank radius."""
+    """Piston curvature d2x/dphi2 over the crank radius."""
     sine, cosine = np.sin(angle), np.cos(angle)
     root = np.sqrt(1 - (ratio * sine) ** 2)
     # 1 - 2 sin^2 is cos^2 - sin^2; the last term is the change of the rod's own slope.

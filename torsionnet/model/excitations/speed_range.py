@@ -1,4 +1,4 @@
-"""The ``speeds:`` entry: at which speeds of which shaft running machinery is examined."""
+"""Entry ``speeds:`` for the shaft and the speeds at which running machinery is examined."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.element_base.nodes import NodeName
 
 SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
-FORMS = "300..788 rpm or [300 rpm, 788 rpm]"
+RANGE_EXAMPLES = "300..788 rpm or [300 rpm, 788 rpm]"
 MOST_SPEEDS = 100_000
+"""Largest number of speeds of a range: more only come from a step in the wrong unit, and would fill the memory."""
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 
 class SpeedBand(Spec[tuple[float, float]]):
-    """Two speeds, the lower one first; stored in rad/s."""
+    """Entry for a lower and an upper speed, stored in rad/s."""
 
     def coerce(self, raw: object) -> tuple[float, float]:
         low, high = (SPEED.coerce(edge) for edge in self._edges(raw))
         if low >= high:
-            raise EntryError(f"a range goes from a lower to a higher speed, as in {FORMS}; got {raw!r}")
+            raise EntryError(f"a range goes from a lower to a higher speed, as in {RANGE_EXAMPLES}; got {raw!r}")
         return low, high
 
     @staticmethod
@@ -35,7 +36,7 @@ class SpeedBand(Spec[tuple[float, float]]):
             return raw[0], raw[1]
         match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
         if match is None:
-            raise EntryError(f"expected a range such as {FORMS}, got {raw!r}")
+            raise EntryError(f"expected a range such as {RANGE_EXAMPLES}, got {raw!r}")
         if not match[2] and not match[4]:
             text = f"the range of speeds {match[1]}..{match[3]} has no unit"
             raise EntryError(f"{text}; write {match[1]}..{match[3]} rpm, or [{match[1]}, {match[3]}] in rad/s")
@@ -46,7 +47,7 @@ class SpeedBand(Spec[tuple[float, float]]):
 
     def schema(self) -> Schema:
         pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
-        return {"description": f"{self.description}: {FORMS}", "anyOf": [{"type": "string"}, pair]}
+        return {"description": f"{self.description}: {RANGE_EXAMPLES}", "anyOf": [{"type": "string"}, pair]}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,12 +80,12 @@ class SpeedRange(Declared):
         if self.range and not self.step:
             return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True)]
         if self.range and (self.range[1] - self.range[0]) / not_none(self.step) > MOST_SPEEDS:
-            return [Fault(f"these are more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
+            return [Fault(f"the range has more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
         return []
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The speeds in rad/s, rising."""
+        """Speeds in rad/s, rising."""
         if self.list:
             return tuple(sorted(set(self.list)))
         (low, high), step = not_none(self.range), not_none(self.step)

@@ -1,4 +1,4 @@
-"""Tables over speed, straight between their rows."""
+"""Entry for tables over speed, interpolated linearly between their rows."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from torsionnet.model.excitations.order_excitation import FloatArray
 
 SpeedRows = tuple[tuple[float, float], ...]
 _SPEED = Value("a speed", "speed", below=1e6)
-SLACK = 1e-9
+SPEED_RTOL = 1e-9
+"""Share of the largest speed by which a speed may lie outside of a table: rounding of units."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SpeedTable(Spec[SpeedRows]):
-    """SpeedRows [speed, value] with rising speeds; a speed given twice is a step, the second value counts there."""
+    """Entry for rows [speed, value] with rising speeds; at a speed given twice, a step, the second value counts."""
 
     of: Value
 
@@ -55,7 +56,7 @@ class SpeedTable(Spec[SpeedRows]):
 
 
 def not_covered(tables: Mapping[Path, SpeedRows | None], speeds: FloatArray | None) -> list[Fault]:
-    """Tables by their places that do not cover speeds in rad/s, where these are known."""
+    """Faults of tables, given by path, that do not cover the speeds in rad/s; none for unknown speeds."""
     if speeds is None:
         return []
     texts = {path: _outside(table, speeds, str(path[-1])) for path, table in tables.items() if table}
@@ -86,9 +87,9 @@ def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
 
 
 def _outside(table: SpeedRows, speeds: FloatArray, what: str) -> str:
-    """What to say of speeds outside a table, if there are any."""
+    """Message if speeds lie outside of the table, else an empty text."""
     (low, high), (first, last) = (speeds.min(), speeds.max()), (table[0][0], table[-1][0])
-    if low >= first - SLACK * last and high <= last + SLACK * last:
+    if low >= first - SPEED_RTOL * last and high <= last + SPEED_RTOL * last:
         return ""
     return (
         f"the table of {what} covers {first * RPM:.6g} to {last * RPM:.6g} rpm, but the shaft turns with "

@@ -1,4 +1,4 @@
-"""Gas torque by order: tangential pressures as makers of engines list them."""
+"""Entries for tangential pressures by order, as engine makers list them."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Json, Schema, entry, not_none
 from torsionnet.core.errors import Fault
-from torsionnet.model.excitations.by_pressure import ByPressure
-from torsionnet.model.excitations.harmonic_torque import ByOrder
+from torsionnet.model.excitations.harmonic_torque import TableByOrder
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
+from torsionnet.model.excitations.table_by_pressure import TableByPressure
 
 Tables: TypeAlias = "Mapping[float | None, Mapping[float, TangentialHarmonic]]"
 PHASES = ("cosine", "sine")
@@ -24,7 +24,7 @@ _SIGNED = Value("tangential pressure", "pressure", lower=None)
 
 @dataclass(frozen=True, kw_only=True)
 class TangentialHarmonic(Declared):
-    """One order of the tangential pressure: amplitude and phase, or cosine and sine."""
+    """Order of the tangential pressure: amplitude and phase, or cosine and sine."""
 
     kind: ClassVar[str] = "tangential harmonic"
     article: ClassVar[str] = "an order"
@@ -45,18 +45,18 @@ class TangentialHarmonic(Declared):
         return []
 
     def complex_amplitude(self, phase_of: str) -> complex:
-        """T in t(phi) = Re t exp(j h phi), Pa; phi is 0 at firing top dead centre."""
+        """Complex amplitude T in Pa of Re T exp(j h phi), with phi = 0 at firing top dead centre."""
         if self.amplitude is None:
             return complex(not_none(self.cosine), -not_none(self.sine))
         return complex(self.amplitude * np.exp(1j * not_none(self.phase)) * (-1j if phase_of == "sine" else 1))
 
 
-_BY_ORDER = ByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))
-_BY_PRESSURE = ByPressure("mean indicated pressure -> orders", _BY_ORDER)
+_BY_ORDER = TableByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))
+_BY_PRESSURE = TableByPressure("mean indicated pressure -> orders", _BY_ORDER)
 
 
 class HarmonicTables(Composite[Tables]):
-    """One table by order, or several by mean indicated pressure; stored by Pa, None for one that stands alone."""
+    """Entry for a table by order, or for several by mean indicated pressure in Pa; a single table has the key None."""
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):
@@ -77,12 +77,12 @@ class HarmonicTables(Composite[Tables]):
 
 
 def _names_pressure(key: Any) -> bool:
-    """``27 bar`` and not an order; a table that was read before has Pa."""
+    """Whether the key of a table is a pressure, as ``27 bar``, and not an order."""
     return (isinstance(key, str) and any(sign.isalpha() for sign in key)) or (isinstance(key, float) and key >= 1e4)
 
 
 def amplitudes(table: Mapping[float, TangentialHarmonic], orders: FloatArray, phase_of: str) -> ComplexArray:
-    """Tangential pressure by order in Pa, 0 at orders that the table lacks."""
+    """Complex tangential pressure in Pa by order, shape (n_orders,); 0 at orders that the table lacks."""
     found = np.zeros(len(orders), dtype=complex)
     for order, one in table.items():
         found[np.isclose(orders, order)] = one.complex_amplitude(phase_of)

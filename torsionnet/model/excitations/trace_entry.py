@@ -1,4 +1,4 @@
-"""The entry of a pressure trace: a list, or the name of a file."""
+"""Entry for a pressure trace: a list of pressures, or the name of a file."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from torsionnet.core.entries.spec import EntryError, Json, Schema, not_none
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import (
-    CLOSING,
+    CLOSING_RTOL,
     LEAST_SAMPLES,
     WHOLE_CYCLE,
     PressureTrace,
-    unlikely_size,
+    peak_pressure_fault,
 )
 
 PRESSURE = Value("a pressure", "pressure", lower=None)
@@ -28,7 +28,7 @@ _ANGLE = Value("crank angle of the first pressure", "angle", lower=None)
 
 
 class TraceEntry(Composite[PressureTrace]):
-    """A list of pressures at even steps, the same with the angle where it begins, or the name of a file."""
+    """Entry for a pressure trace: a list at even steps, a list with its first angle, or the name of a file."""
 
     @property
     def example(self) -> str:
@@ -59,7 +59,7 @@ class TraceEntry(Composite[PressureTrace]):
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults
 
     def plain(self, value: Any) -> Json:
-        """The numbers, so that a written model can be read anywhere."""
+        """Pressures in Pa instead of the file name, so that a written model can be read anywhere."""
         return list(value.values) if not value.start else {"start": value.start, "pressures": list(value.values)}
 
     def schema(self) -> Schema:
@@ -74,7 +74,7 @@ class TraceEntry(Composite[PressureTrace]):
 
 
 def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], list[Fault]]:
-    """The pressures in Pa, and what is none."""
+    """Pressures in Pa, and the faults of entries that are no pressures."""
     values: list[float] = []
     faults: list[Fault] = []
     for index, one in enumerate(raw.tolist() if isinstance(raw, np.ndarray) else raw):
@@ -86,12 +86,15 @@ def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], li
 
 
 def _wrong(values: Sequence[float]) -> Iterator[str]:
-    """A list has both ends of the cycle where it is odd: 721 values at 0 to 720 degrees are 720 steps."""
+    """Messages on a list of too few pressures, or one that does not close.
+
+    An odd list has both ends of the cycle: 721 values at 0 to 720 degrees are 720 steps.
+    """
     if len(values) < LEAST_SAMPLES:
         yield f"{len(values)} pressures are too few for a cycle; give {LEAST_SAMPLES} or more"
         return
-    if len(values) % 2 and abs(values[0] - values[-1]) > CLOSING * max(map(abs, values)):
+    if len(values) % 2 and abs(values[0] - values[-1]) > CLOSING_RTOL * max(map(abs, values)):
         text = f"the trace does not close: it begins with {values[0]:.6g} Pa and ends with {values[-1]:.6g} Pa"
         yield f"{text}; give the whole cycle, with or without its last point: {WHOLE_CYCLE}"
-    elif text := unlikely_size(PressureTrace(tuple(values))):
+    elif text := peak_pressure_fault(PressureTrace(tuple(values))):
         yield text

@@ -1,4 +1,4 @@
-"""What excitations have in common that impose a twist in an element: errors of teeth, universal joints."""
+"""Base class of excitations that impose a twist in an element, as errors of teeth and universal joints."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from torsionnet.model.excitations.order_excitation import OrderExcitation
 
 @dataclass(frozen=True, kw_only=True)
 class TwistExcitation(OrderExcitation):
-    """Base of excitations of one element, by the revolutions of a shaft at one of its ends."""
+    """Base class of excitations by a twist in one element, with the orders of a shaft at one of its ends."""
 
-    named_by: ClassVar[str] = ""
-    """The entry that names the element."""
+    element_field: ClassVar[str] = ""
+    """Name of the entry that names the element."""
 
     speed_of: str | None = entry(
         NodeName(
@@ -42,9 +42,9 @@ class TwistExcitation(OrderExcitation):
 
     @property
     def element_entry(self) -> tuple[Path, str]:
-        return (self.named_by,), getattr(self, self.named_by)
+        return (self.element_field,), getattr(self, self.element_field)
 
-    def fitted(self, elements: Mapping[str, Element]) -> Self:
+    def with_element_data(self, elements: Mapping[str, Element]) -> Self:
         element = elements.get(self.element_entry[1])
         if self.speed_of or element is None:
             return self
@@ -52,5 +52,5 @@ class TwistExcitation(OrderExcitation):
 
 
 def shafts_of(element: Element) -> list[str]:
-    """The nodes at the ends of an element."""
+    """Nodes of an element without the ground."""
     return [node for node in element.ports.values() if node != GROUND]

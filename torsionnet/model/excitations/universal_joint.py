@@ -1,4 +1,4 @@
-"""The uneven turning of a universal joint that works at an angle."""
+"""Excitation by the non-uniform rotation of a universal joint at an angle."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from torsionnet.model.elements import Element
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation, shafts_of
 
-STEEPEST = math.radians(45)
+LARGEST_JOINT_ANGLE = math.radians(45)
+"""Angle in rad up to which cross joints are built; a number in degrees without its unit is far above."""
 
 
 @register_excitation
@@ -40,7 +41,7 @@ class UniversalJoint(TwistExcitation):
     """
 
     kind: ClassVar[str] = "universal_joint"
-    named_by: ClassVar[str] = "joint"
+    element_field: ClassVar[str] = "joint"
 
     joint: str = entry(ElementName("the element between its input and its output, a spring or a compliant gear"))
     angle: float = entry(Value("angle between input and output shaft", "angle"))
@@ -50,12 +51,12 @@ class UniversalJoint(TwistExcitation):
     multiples: int = entry(Count("how many multiples of twice the speed act", 1, 10), 2)
 
     def contradictions(self) -> list[Fault]:
-        if self.angle < STEEPEST:
+        if self.angle < LARGEST_JOINT_ANGLE:
             return []
-        text = f"a universal joint works at less than {math.degrees(STEEPEST):g} deg"
+        text = f"a universal joint works at less than {math.degrees(LARGEST_JOINT_ANGLE):g} deg"
         return [Fault(f"{text}; a bare number is in radians, write 10 deg", ("angle",))]
 
-    def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
+    def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
         element = elements[self.joint]
         if element.glyph not in ("spring", "shaft"):
             return [

@@ -14,8 +14,8 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.number_text import MISSING_TYPESET, aligned
 from torsionnet.core.units import RPM, expected_unit
-from torsionnet.model.excitations.by_pressure import ByPressure
 from torsionnet.model.excitations.pressure_trace import PressureTrace
+from torsionnet.model.excitations.table_by_pressure import TableByPressure
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
@@ -85,7 +85,7 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
         return NumberText(float(value), 6), unit(expected_unit(spec.dimension))
     if isinstance(value, PressureTrace):
         return plain(str(value)), "–"
-    if isinstance(spec, ByPressure) and all(isinstance(one, PressureTrace) for one in value.values()):
+    if isinstance(spec, TableByPressure) and all(isinstance(one, PressureTrace) for one in value.values()):
         return plain("; ".join(f"at {pressure / 1e5:.6g} bar {one}" for pressure, one in value.items())), "–"
     if isinstance(value, tuple) and len(value) > LONG:
         return f"{len(value)} values between {min(value):.6g} and {max(value):.6g}", "SI"

@@ -19,7 +19,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.limits_fit import limit_subject
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Values
-from torsionnet.model.excitations.engine_phases import running_now
+from torsionnet.model.excitations.engine_phases import running_engines_text
 from torsionnet.model.limits import Limit, limit_rules
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, joined_lines
@@ -67,7 +67,7 @@ def check_limits(
         for verdict in limit.verdicts(name, evidence, lines)
     )
     notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
-    notes += [running] if (running := running_now(drivetrain.definition.excitations)) else []
+    notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,

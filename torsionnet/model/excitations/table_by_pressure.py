@@ -1,4 +1,4 @@
-"""Tables over mean indicated pressure."""
+"""Entry for tables over mean indicated pressure, and interpolation between them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 
 MEAN_PRESSURE = Value("a mean indicated pressure", "pressure")
-LEAST_PRESSURE = 1e3
-"""Pa; an engine that gives less than 0.01 bar, but not nothing, was given bar without the unit."""
-ROUNDING = 1e-6
+SMALLEST_MEAN_PRESSURE = 1e3
+"""Smallest mean indicated pressure in Pa but zero; below 0.01 bar, a number in bar was written without its unit."""
+PRESSURE_RTOL = 1e-6
+"""Relative distance beyond the table that is rounding; more of it is refused, because nothing is extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ByPressure(Composite[Mapping[float, Stored_co]]):
-    """A table by mean indicated pressure; stored by Pa, rising."""
+class TableByPressure(Composite[Mapping[float, Stored_co]]):
+    """Entry for values by mean indicated pressure, stored by rising pressure in Pa."""
 
     of: Spec[Stored_co]
 
@@ -60,19 +61,21 @@ class ByPressure(Composite[Mapping[float, Stored_co]]):
 
 
 def mean_pressure(raw: object) -> float:
-    """A mean indicated pressure in Pa, of a size that an engine has."""
+    """Mean indicated pressure in Pa of an entry; EntryError if it is too small for an engine."""
     try:
         pressure = MEAN_PRESSURE.coerce(raw)
     except EntryError as error:
         raise EntryError(f"a mean indicated pressure has its unit, as 27 bar: {error}") from None
-    if 0 < pressure < LEAST_PRESSURE:
+    if 0 < pressure < SMALLEST_MEAN_PRESSURE:
         shown = f"{pressure:g} Pa ({pressure / 1e5:.2g} bar)"
-        raise EntryError(f"{shown} is no mean indicated pressure; a bare number is Pa, write {pressure:g} bar")
+        raise EntryError(
+            f"{shown} is too small for a mean indicated pressure; a bare number is Pa, write {pressure:g} bar"
+        )
     return pressure
 
 
 def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArray) -> ComplexArray:
-    """Rows of ``values``, which belong to ``known`` pressures, linearly at those ``wanted``.
+    """Rows of ``values`` at ``known`` pressures, interpolated linearly at the ``wanted`` pressures.
 
     Raises
     ------
@@ -80,9 +83,9 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
         A pressure outside of the table.
     """
     low, high = known[0], known[-1]
-    outside = wanted[(wanted < low * (1 - ROUNDING)) | (wanted > high * (1 + ROUNDING))]
+    outside = wanted[(wanted < low * (1 - PRESSURE_RTOL)) | (wanted > high * (1 + PRESSURE_RTOL))]
     if len(outside):
-        text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is asked for"
+        text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is needed"
         there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
         raise UsageError(f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated")
     if len(known) == 1:

@@ -6,8 +6,8 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 
-LIKE = math.radians(0.5)
-"""So far may firing angles be off what the crank and the banks say."""
+FIRING_ANGLE_TOL = math.radians(0.5)
+"""Angle in rad by which firing angles may differ from crank and banks: makers state them to a degree or less."""
 
 
 def even_phases(order: Sequence[int], cycle: float) -> dict[int, float]:
@@ -22,7 +22,7 @@ def even_phases(order: Sequence[int], cycle: float) -> dict[int, float]:
 def banked_phases(
     order: Sequence[int], cycle: float, throws: Mapping[int, str], places: Mapping[int, float]
 ) -> dict[int, float] | None:
-    """The same for cylinders of several banks, of which those on one throw share its crank pin.
+    """Firing angles in rad of cylinders in several banks that share crank pins; None if the order does not fix them.
 
     All fire evenly if the pins allow that, as in a cross-plane V8. Else those of the bank at angle 0 do, and a cylinder
     in another bank fires when its pin has turned to that bank, in this revolution or the next, as the order says. None
@@ -47,7 +47,7 @@ def banked_phases(
     {1: 0, 4: 90, 2: 360, 3: 450}
     """
     evenly = even_phases(order, cycle)
-    if unlike_crank(evenly, throws, places) is None:
+    if firing_against_banks(evenly, throws, places) is None:
         return evenly
     leading = even_phases([number for number in order if not places[number]], cycle)
     on_throw = {throws[number]: angle for number, angle in leading.items()}
@@ -65,7 +65,7 @@ def banked_phases(
 
 
 def shares_pins(throws: Mapping[int, str], places: Mapping[int, float]) -> bool:
-    """Whether cylinders of different banks are on one throw, and no two of one bank: else a node is no crank pin."""
+    """Whether the nodes are crank pins: cylinders of different banks share a throw, cylinders of one bank do not."""
     places_on: dict[str, list[float]] = {}
     for number, throw in throws.items():
         places_on.setdefault(throw, []).append(places.get(number, 0.0))
@@ -74,23 +74,25 @@ def shares_pins(throws: Mapping[int, str], places: Mapping[int, float]) -> bool:
 
 
 def _in_order(order: Sequence[int], choices: Sequence[Sequence[float]], cycle: float) -> dict[int, float] | None:
-    """The one choice of angles with which the cylinders fire in this order."""
+    """Angles in rad by cylinder with which the cylinders fire in this order; None if no or several choices do."""
     found: list[list[float]] = [[one] for one in choices[0]]
     for further in choices[1:]:
         found = [
             [*before, angle]
             for before, angle in itertools.product(found, further)
-            if (before[-1] - before[0]) % cycle < (angle - before[0]) % cycle - LIKE / 10
+            if (before[-1] - before[0]) % cycle < (angle - before[0]) % cycle - FIRING_ANGLE_TOL / 10
         ]
     if len(found) != 1:
         return None
     return {number: (angle - found[0][0]) % cycle for number, angle in zip(order, found[0], strict=True)}
 
 
-def unlike_crank(
+def firing_against_banks(
     phases: Mapping[int, float], throws: Mapping[int, str], places: Mapping[int, float]
 ) -> tuple[int, int, float, float] | None:
-    """Two cylinders on one throw whose firing angles do not fit their banks: both, the angle between, what it would be.
+    """First pair of cylinders on one throw whose firing angles do not fit their banks, or None.
+
+    The tuple is (cylinder, cylinder, angle between them in rad, angle by their banks in rad).
 
     Firing comes once in a cycle and top dead centre once in a revolution, so whole revolutions do not count.
     """
@@ -99,6 +101,6 @@ def unlike_crank(
     for one, other in itertools.combinations(phases, 2):
         if throws[one] == throws[other]:
             apart, due = phases[other] - phases[one], places[other] - places[one]
-            if abs(math.remainder(apart - due, 2 * math.pi)) > LIKE:
+            if abs(math.remainder(apart - due, 2 * math.pi)) > FIRING_ANGLE_TOL:
                 return one, other, apart, due
     return None
