@@ -301,7 +301,7 @@ class TestUniversalFiles:
             read_frequency_response(tmp_path / "r.uff")
         assert [fault.message for fault in caught.value.faults] == [
             "dataset 2 (4+RX over 7-RX) has other frequencies than the first one",
-            "dataset 3 (3+RX over 7-RX) is there twice",
+            "dataset 3 (3+RX over 7-RX) is in the file twice",
         ]
 
     @pytest.mark.parametrize("name", ["a / b", "n" * 80, "größe"])

@@ -1,4 +1,4 @@
-"""Numbers that keep the expression of the model's parameters they come from, so that an export can write it."""
+"""Numbers that carry the expression of the model's parameters they come from, so that an export can write it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.model.elements import Values
 
 @dataclass(frozen=True, eq=False)
 class ExpressionNumber:
-    """A number with its expression; it compares by its present value.
+    """Number with its expression; comparisons use its present value.
 
     Elements run on such numbers as they do on fractions.
 
@@ -88,7 +88,7 @@ class ExpressionNumber:
         return float(self.value)
 
     def is_constantly(self, number: int) -> bool:
-        """Whether it is a number that no parameter can change."""
+        """Whether the number equals ``number`` whatever the values of the parameters."""
         return isinstance(self.expression, Number) and self.value == number
 
     def _with(self, sign: str, right: ExpressionNumber, value: Fraction | float) -> ExpressionNumber:
@@ -96,12 +96,12 @@ class ExpressionNumber:
 
 
 def expression_number(value: Any) -> ExpressionNumber:
-    """A plain number as one without parameters."""
+    """Plain number as an :class:`ExpressionNumber` without parameters."""
     return value if isinstance(value, ExpressionNumber) else ExpressionNumber(value, Number(value))
 
 
 def expression_values(parameters: Mapping[str, Any]) -> Values:
-    """What turns the scalars of elements into numbers that stay open in these parameters."""
+    """Evaluator of an element's scalars that gives numbers with their expressions in these parameters."""
     named = {name: ExpressionNumber(value, Name(name)) for name, value in parameters.items()}
     return Values(named, Algebra(expression_number, _square_root, ExpressionNumber(pi, Compound("pi"))))
 
@@ -111,7 +111,7 @@ def _square_root(number: ExpressionNumber) -> ExpressionNumber:
 
 
 def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
-    """A result; what depends on no parameter and is exact needs no expression."""
+    """Result of an operation, without an expression where it is exact and depends on no parameter."""
     value = float_if_long(value)
     is_plain = isinstance(value, Fraction | int) and not expression.names
     return ExpressionNumber(value, Number(value) if is_plain else expression)

@@ -1,4 +1,4 @@
-"""A drivetrain as a mass-elastic sheet has it: a mass at every node, connections between two, and their speeds."""
+"""Graph of a drivetrain for a mass-elastic sheet: inertias of nodes, connections between two nodes, speed ratios."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Row, Shaft, Values
 
 NODES_PER_CONNECTION = 2
+"""Most nodes that a row of a sheet connects."""
 MOST_LISTED_PARTS = 4
-"""Parts that a message names."""
+"""Parts without a column that an error message lists; of more it gives the number."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Connection:
     diameters: tuple[float, float] | None = None
 
     def from_node(self, node: str) -> Connection:
-        """The same with ``node`` first: stiffness and damping as they are felt there."""
+        """Connection with ``node`` as its first end: stiffness and damping referred to that node."""
         if node == self.first:
             return self
         factor = float(self.tau) ** 2
@@ -53,7 +54,7 @@ class MassElasticGraph:
 
     @property
     def connections_at(self) -> dict[str, list[Connection]]:
-        """Those between two nodes, at each of them."""
+        """Connections between two nodes by node, each listed at both of its ends; those to ground are left out."""
         found: dict[str, list[Connection]] = {node: [] for node in self.inertias}
         for one in self.connections:
             if GROUND not in (one.first, one.second):
@@ -63,7 +64,7 @@ class MassElasticGraph:
 
 
 def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGraph:
-    """The drivetrain in words of a sheet, ``reference`` turning with ratio 1.
+    """Graph of a drivetrain as a mass-elastic sheet shows it, with speed ratios relative to the node ``reference``.
 
     Raises
     ------
@@ -108,7 +109,7 @@ def _lumped(element: Element) -> Element:
 
 
 def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> bool:
-    """Put a law into the graph; whether a sheet can hold it."""
+    """Add a law to the graph and return whether a sheet can hold the law."""
     if (
         law.table is not None
         or len(law.row) > NODES_PER_CONNECTION
@@ -144,7 +145,7 @@ def _connected(name: str, row: Row) -> Connection:
 
 
 def _named(connections: list[Connection]) -> Iterator[Connection]:
-    """Each with a name of its own: an element of several laws has numbers."""
+    """Connections with unique names: several of one element are numbered."""
     names = [one.name for one in connections]
     for index, one in enumerate(connections):
         several = names.count(one.name) > 1

@@ -1,4 +1,4 @@
-"""Makers' mass-elastic sheets as drivetrains."""
+"""Reading of makers' mass-elastic sheets as drivetrains."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def read_mass_elastic(path: str | os.PathLike[str]) -> Drivetrain:
 
 
 def mass_elastic_report(path: str | os.PathLike[str]) -> MassElasticSheet:
-    """What stands in a mass-elastic sheet; its ``report()`` is the table of what was taken as what, in which unit."""
+    """Content of a mass-elastic sheet; its ``report()`` is the table of what was taken as what, in which unit."""
     source = Path(path)
     if not source.is_file():
         raise UsageError(f'there is no file "{source}"')
@@ -45,7 +45,7 @@ def mass_elastic_report(path: str | os.PathLike[str]) -> MassElasticSheet:
 
 
 def sheet_drivetrain(sheet: MassElasticSheet) -> Drivetrain:
-    """The drivetrain of a sheet that was read, its nodes named after the masses."""
+    """Drivetrain of a mass-elastic sheet that was read, its nodes named after the masses."""
     nodes = {mass.name: mass.name for mass in sheet.masses}
     title = Path(sheet.file).stem.replace("_", " ")
     return Drivetrain(title, list(sheet_elements(sheet, nodes)), source=f"mass-elastic sheet {sheet.file}")

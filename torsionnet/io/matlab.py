@@ -1,4 +1,4 @@
-"""Matrices for Matlab and Octave: a readable script, or a MAT file with the same variables."""
+"""Export of matrices to Matlab and Octave: a readable script, or a MAT file with the same variables."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ MATRIX_MEANINGS = {
     "Yu": "outputs from u",
     "T": "angles of all nodes from q",
 }
+"""Matrices that are exported, with the comment on each in the script."""
 NAME_MEANINGS = {
     "coordinates": "q",
     "nodes": "theta",
@@ -37,21 +38,22 @@ NAME_MEANINGS = {
     "outputs": "y",
     "output_units": "",
 }
+"""Lists of names that are exported, with the vector whose entries each list names."""
 RESERVED_WORDS = frozenset({
     "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
     "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while", "do", "until", "endfor",
     "endfunction", "endif", "endswitch", "endwhile", "end_try_catch", "end_unwind_protect", "unwind_protect",
     "unwind_protect_cleanup", "enumeration", "events", "methods", "properties",
 })  # fmt: skip
-"""Words of Matlab and Octave, under which neither runs a script."""
+"""Reserved words of Matlab and Octave: neither runs a script of such a name."""
 LARGEST_INTEGER = 1e15
-"""Up to which whole numbers are written without a point."""
+"""Whole numbers up to this are written without a decimal point."""
 MOST_DENSE_ENTRIES = 400
-"""Entries up to which a matrix is written out whole; larger ones by their entries that are not zero."""
+"""Entries up to which a matrix is written out in full; larger ones are written by their nonzero entries."""
 
 
 def to_matlab(drivetrain: Drivetrain) -> str:
-    """Text of a script that runs in Matlab and Octave and defines the matrices of a drivetrain.
+    """Script text that runs in Matlab and Octave and defines the matrices of a drivetrain.
 
     Variables are M, C, K, F, Y0, Y1, Y2, Yu, T with ``M q'' + C q' + K q = F u``, ``y = Y0 q + Y1 q' + Y2 q'' + Yu u``
     and ``theta = T q``; cell arrays of the names of coordinates, nodes, inputs and outputs; a structure

@@ -1,4 +1,4 @@
-"""A drivetrain as the matrices of second order that other programs take."""
+"""Constant matrices of second order (M, C, K, inputs, outputs) of a drivetrain, as other programs take them."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Matrices:
 
 
 def matrices(drivetrain: Drivetrain) -> Matrices:
-    """The equations of a drivetrain, with its torque inputs and its sensors.
+    """Matrices of the equations of motion of a drivetrain, with its torque inputs and its sensors.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
 
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:
-    """Coefficients (3, n_q) of q, q' and q'' in a reading."""
+    """Coefficients of q, q' and q'' in a reading, shape (3, n_q)."""
     found = np.zeros((3, assembly.system.n_coordinates))
     for term in reading.terms:
         factors = [float(factor) for factor in powers_of_s(assembly, term)]

@@ -1,4 +1,4 @@
-"""Drivetrains as Modelica text, of components of Modelica.Mechanics.Rotational 4.0."""
+"""Export of drivetrains as Modelica text, made of components of Modelica.Mechanics.Rotational 4.0."""
 
 from __future__ import annotations
 
@@ -29,10 +29,11 @@ from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 BLOCKS = "Modelica.Blocks.Interfaces"
 MOTIONS = {"angle": ("AngleSensor", "phi"), "velocity": ("SpeedSensor", "w"), "acceleration": ("AccSensor", "a")}
+"""Component and signal of the Modelica library that measure each quantity of motion."""
 
 
 def to_modelica(drivetrain: Drivetrain) -> str:
-    """A Modelica model of a drivetrain in its configuration.
+    """Text of a Modelica model of a drivetrain in its configuration.
 
     Parameters stay parameters, with their expressions; elements become Inertia, Spring, Damper, SpringDamper,
     IdealGear, IdealPlanetary and Fixed, nodes connection sets, inputs and sensors ``RealInput`` and ``RealOutput``. An
@@ -85,7 +86,7 @@ def _refuse(drivetrain: Drivetrain) -> None:
 
 @dataclass
 class _Model:
-    """Fills a net with everything a drivetrain has."""
+    """Writer of a Modelica model: declares and connects everything that a drivetrain has."""
 
     drivetrain: Drivetrain
     title: str
@@ -140,7 +141,7 @@ class _Model:
         return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{export_unit(unit)}"')
 
     def _attach(self, point: str, node: str, index: int, outputs: list[str]) -> None:
-        """A port to its node, through a torque sensor if there is one: into the element at the first port, else out."""
+        """Connect a port of an element to its node, through a torque sensor if there are torque outputs there."""
         if not outputs:
             self.net.points.join(f"node:{node}", point)
             return

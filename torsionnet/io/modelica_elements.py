@@ -1,4 +1,4 @@
-"""Elements that Modelica.Mechanics.Rotational has nicer components for than those of their laws and constraints."""
+"""Modelica components of element types that Modelica.Mechanics.Rotational has a counterpart of: gears, sets, shafts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Writer = Callable[[Any, Net, ModelicaExpressions], None]
 
 
 def _compliant(element: Any, net: Net, words: ModelicaExpressions, entrance: str) -> str:
-    """The point behind the compliance of a mesh, which sits at its first port; the port itself if it is rigid."""
+    """Connection point behind the compliance of a mesh at its first port; the port itself for a rigid mesh."""
     if element.stiffness is None:
         return entrance
     stiffness = words.expression(element.stiffness)
@@ -96,7 +96,7 @@ def _power(words: ModelicaExpressions, value: Any) -> str:
 
 
 def _segment_inertia(element: Shaft, net: Net, inertia: str, ends: list[str], suffix: str) -> None:
-    """Inertia of a segment on its ends; a consistent one by Simpson's rule, two thirds on the mean angle."""
+    """Write the inertia of a shaft segment on its ends, and of a consistent one two thirds on the mean angle."""
     share = 6 if element.inertia == "consistent" else 2
     for end, side in zip(ends, "ab", strict=True):
         lump = declared(element, net, "Inertia", f"J={inertia}/{share}", f"{suffix}_inertia_{side}")

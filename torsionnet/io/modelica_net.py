@@ -1,4 +1,4 @@
-"""Components and connections while a Modelica text is being put together."""
+"""Declarations and connection sets of a Modelica model while its text is put together."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from torsionnet.core.plain_names import Names
 
 
 class Net:
-    """Declarations, and points that are connected to each other: nodes, ports of elements, flanges."""
+    """Declarations of a Modelica model, and points that are connected: nodes, ports of elements, flanges."""
 
     def __init__(self, names: Names) -> None:
         self.names = names
@@ -16,7 +16,7 @@ class Net:
         self.points: Groups[str] = Groups[str]()
 
     def declare(self, kind: str, wish: str, values: str = "", comment: str = "") -> str:
-        """A component of a type; returns its name."""
+        """Declare a component of a type and return its name."""
         name = self.names.new(wish)
         modifiers = f"({values})" if values else ""
         self.declarations.append(f"{kind} {name}{modifiers}{f' {comment}' if comment else ''};")

@@ -1,4 +1,4 @@
-"""Any element as components of Modelica.Mechanics.Rotational, from its laws and constraints."""
+"""Modelica components of any element, made from its laws and constraints."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ COMPONENTS = f"{ROTATIONAL}.Components"
 FIXED = f"node:{GROUND}"
 
 Lever: TypeAlias = tuple[str, ExpressionNumber]
-"""A point, and what its angle has to be multiplied with to give gamma."""
+"""Connection point, and the factor that its angle is multiplied with to give gamma of the row."""
 
 
 def port(element: Element, name: str) -> str:
-    """The point of a port; joined to its node, or to a torque sensor in between."""
+    """Name of the connection point of a port of an element, joined to its node or to a torque sensor between them."""
     return f"port:{element.name}.{name}"
 
 
 def declared(element: Element, net: Net, kind: str, values: str = "", suffix: str = "") -> str:
-    """A component of an element; the plain one has its description."""
+    """Declare a component of an element and return its name; that without a suffix has the element's description."""
     comment = quoted(element.description) if element.description and not suffix else ""
     return net.declare(f"{COMPONENTS}.{kind}", element.name + suffix, values, comment)
 
 
 def write_parts(element: Element, net: Net, words: ModelicaExpressions) -> None:
-    """Springs, dampers and inertias on the row of each law, ideal gears or nothing but connections for constraints.
+    """Declare springs, dampers and inertias on the row of each law, and ideal gears or connections for constraints.
 
     A row of one node, or the difference of two, is acted on as it is. Any other row becomes the angle of a flange: an
     ideal planetary set has the weighted mean of two angles on its carrier.
@@ -40,7 +40,7 @@ def write_parts(element: Element, net: Net, words: ModelicaExpressions) -> None:
 
 
 def has_counterpart(part: Part) -> bool:
-    """Whether components can do what a part does: nothing that depends on frequency."""
+    """Whether Modelica components can do what a law, constraint or action does: nothing that depends on frequency."""
     if isinstance(part, Action):
         return False
     return isinstance(part, Constraint) or (part.loss_factor == 0 and part.table is None)
@@ -91,7 +91,7 @@ class _PartWriter:
         return point, self.points.get(GROUND, FIXED), factor
 
     def _mean(self, row: Row) -> Lever:
-        """A point that turns with gamma, but for a factor."""
+        """Point whose angle is gamma of a row, but for a factor."""
         levers = [(self.points[node], expression_number(share)) for node, share in row.items()]
         return reduce(self._mean_of_two, levers)
 

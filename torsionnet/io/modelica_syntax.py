@@ -23,7 +23,7 @@ abs sign sqrt sin cos exp log pre edge change sample reinit terminal noEvent smo
 integer min max sum product fill zeros ones ndims size vector matrix transpose cross skew
 """
 KEYWORDS = frozenset(_RESERVED.split())
-"""Names that no component gets."""
+"""Words of Modelica that no component may have as its name."""
 MODELICA_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
@@ -47,17 +47,18 @@ MODELICA_UNITS = {
     "velocity": "m/s",
     "1": "1",
 }
-"""Modelica's way of writing units; of a torque and a stiffness, which have one dimension as rad is 1, both."""
+"""Units as Modelica writes them, by kind of quantity; torque and stiffness have one dimension, as rad is 1."""
 _ALIKE = {DIMENSIONS["stiffness"]: ("stiffness", "torque"), DIMENSIONS["angle"]: ("angle", "1")}
-"""Kinds of one dimension: that with an angle in its unit, and that without."""
+"""Kinds of quantity that share a dimension: first the kind with an angle in its unit, then the one without."""
 LARGEST_INTEGER = 2**31 - 1
+"""Largest value of Modelica's Integer; larger whole numbers are written as Real."""
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 _INTEGER = re.compile(r"(?<![\w.])\d+(?![\w.])")
 
 
 class ModelicaExpressions:
-    """Expressions of a model with its parameters under the names they have in Modelica."""
+    """Converter of a model's expressions to Modelica, with its parameters under the names they have there."""
 
     def __init__(self, names: Mapping[str, str], values: Mapping[str, Any]) -> None:
         self.names: Mapping[str, str] = names
@@ -65,7 +66,7 @@ class ModelicaExpressions:
         self.symbolic: Values = expression_values(values)
 
     def expression(self, value: Expression) -> str:
-        """An expression in SI; equal to the model's for any values of the parameters."""
+        """Modelica text of an expression in SI units; equal to the model's for any values of the parameters."""
         text = _NAME.sub(self._name, value.written()[0].replace("**", "^"))
         return _INTEGER.sub(lambda found: f"{found[0]}.0" if int(found[0]) > LARGEST_INTEGER else found[0], text)
 
@@ -74,14 +75,14 @@ class ModelicaExpressions:
         return known.get(found[0]) or self.names[found[0]]
 
     def damping(self, value: Any, stiffness: Any) -> str:
-        """A viscous coefficient; one given by a damping measure as a number."""
+        """Modelica text of a viscous coefficient; one given by a damping measure becomes a number."""
         if isinstance(value, DampingMeasure):
             return repr(float(viscous(value, self.values(stiffness), self.values)))
         return "0" if value is None else self.expression(value)
 
 
 def factor(text: str) -> str:
-    """An expression as part of a product.
+    """Modelica text of an expression as part of a product, in brackets where needed.
 
     >>> factor("a + b"), factor("k_1")
     ('(a + b)', 'k_1')
@@ -90,7 +91,7 @@ def factor(text: str) -> str:
 
 
 def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension | None]) -> dict[str, str]:
-    """What a parameter is in the entry of an element that it is the value of, or a term of one dimension with it."""
+    """Kind of quantity (inertia, stiffness, ...) of each parameter, from the entries of elements that use it."""
     found: dict[str, str] = {}
     for element in elements:
         for _, _, expression, kind in element.expressions():
@@ -102,7 +103,7 @@ def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension |
 
 
 def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
-    """Modelica's unit of a parameter; empty where there is none to tell.
+    """Modelica's unit of a parameter; empty where none is known.
 
     ``kind`` is what it is used as, if anything; ``written`` its value, whose unit tells a stiffness from a torque.
 
@@ -118,13 +119,13 @@ def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """A description on one line, in quotes."""
+    """Description on one line, in Modelica's quotes."""
     plain = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{plain}"'
 
 
 def export_unit(unit: str) -> str:
-    """An SI unit as Modelica and FMI write it.
+    """Text of an SI unit as Modelica and FMI write it.
 
     >>> export_unit("N*m"), export_unit("rad/s^2")
     ('N.m', 'rad/s2')

@@ -1,4 +1,4 @@
-"""Tables of measured orders in CSV files: of order tracking, or as ``torsionnet orders --csv`` writes them."""
+"""Reading of measured orders from CSV files: tables of order tracking, or files of ``torsionnet orders --csv``."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.order_sums import is_sum_name
 
 EXPECTED_COLUMNS = "speed [rpm], order, amplitude [N*m]"
+"""Columns of an order table, as error messages name them."""
 QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
+"""SI unit of the amplitudes by quantity."""
 _OF_OUTPUT = re.compile(r"(?P<name>.*) (?P<part>real|imag) (?P<unit>\[.*\])")
 _WRITTEN = ("excitation", "frequency [Hz]")
-"""Columns of a file of ``torsionnet orders`` beside speed and order."""
+"""Columns of a file of ``torsionnet orders``, beside speed and order, by which such a file is recognised."""
 
 
 def read_orders(path: str | os.PathLike[str], output: Channel, configuration: str = "") -> tuple[MeasuredOrder, ...]:
-    """The orders of an output in a file, with their speeds.
+    """Orders of an output in a file: amplitudes over speed in the unit of the output.
 
     Parameters
     ----------
@@ -35,7 +37,7 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         file of ``torsionnet orders``, of which the columns of the output are taken, and orders of the reference shaft.
     output : Channel
     configuration : str, optional
-        Whose rows are taken of a file with several.
+        Configuration whose rows are taken from a file with several.
 
     Raises
     ------
@@ -61,7 +63,7 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
 
 
 def _cells(path: Path) -> list[list[str]]:
-    """Cells of every line that is neither empty nor a remark."""
+    """Cells of every line that is neither empty nor a comment."""
     try:
         text = path.read_text(encoding=detect_encoding(path), errors="replace")
     except OSError as error:
@@ -70,7 +72,7 @@ def _cells(path: Path) -> list[list[str]]:
 
 
 def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, configuration: str) -> MeasuredLines:
-    """Real and imaginary parts of the output, lines of one frequency added, by orders of the reference shaft."""
+    """Orders of the output in a file of ``torsionnet orders``: complex amplitudes, lines of one frequency added."""
     heading, *written = rows
     excitation = heading.index("excitation")
     chosen = [cells for cells in written if not is_sum_name(cells[excitation])]
@@ -91,7 +93,9 @@ def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, conf
     try:
         numbers = np.array([[float(cells[place]) for place in places] for cells in chosen])
     except (IndexError, ValueError):
-        raise UsageError(f"{file} is no whole file of torsionnet orders any more; write it again") from None
+        raise UsageError(
+            f"{file} has incomplete rows or cells without a number; write it again with torsionnet orders --csv"
+        ) from None
     sums: dict[tuple[float, float], complex] = {}
     for speed, frequency, real, imag in numbers.tolist():
         key = (speed, round(60 * frequency / speed, 9))

@@ -1,4 +1,4 @@
-"""Laws and constraints in words, for what a format has no words for."""
+"""Descriptions of laws and constraints in words, for messages about what an export format cannot hold."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from torsionnet.model.elements import Action, Element, Law, Part
 
 
 def describe_element_part(element: Element, part: Part) -> str:
-    """An element and the part of it that cannot be written.
+    """Name and type of an element with the law or constraint of it that cannot be written.
 
     >>> import torsionnet as tn
     >>> from torsionnet.model.elements import Values
@@ -20,7 +20,7 @@ def describe_element_part(element: Element, part: Part) -> str:
 
 
 def describe_part(part: Part) -> str:
-    """What acts, and on which weighted sum of angles."""
+    """Description of a law, constraint or action: what acts, and on which weighted sum of angles."""
     if isinstance(part, Action):
         return f"torque on {row_text(part.row)} that follows {row_text(part.sensed)}"
     if not isinstance(part, Law):
@@ -37,7 +37,7 @@ def describe_part(part: Part) -> str:
 
 
 def row_text(row: dict[str, Any]) -> str:
-    """A weighted sum of angles by the names of the nodes; ``0`` for none.
+    """Text of a weighted sum of angles by the names of the nodes; ``0`` for an empty one.
 
     >>> row_text({"a": 1, "b": -2.5})
     'a - 2.5*b'

@@ -1,4 +1,4 @@
-"""Recordings from and into files of any known format."""
+"""Reading and writing of recordings in files of any known format."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def iter_blocks(
 
 
 def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
-    """Names of the channels in a file that :func:`read_recording` reads without being told more about them."""
+    """Names of the channels in a file that :func:`read_recording` can read without further arguments."""
     with _opened(Path(path), {}) as source:
         names = dict.fromkeys(channel.name for channel in source.channels)
         return tuple(name for name in names if not choose(source, [name], {}, {})[1])

@@ -1,4 +1,4 @@
-"""Frequency responses from and into files, by the ending."""
+"""Reading and writing of frequency responses in files, in the format of the ending."""
 
 from __future__ import annotations
 

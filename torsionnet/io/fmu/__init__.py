@@ -1,4 +1,4 @@
-"""Functional mock-up units (FMI 2.0 and 3.0) of generated C."""
+"""Export of drivetrains as functional mock-up units (FMI 2.0 and 3.0) of generated C."""
 
 from torsionnet.io.fmu.archive import write_fmu
 

@@ -1,4 +1,4 @@
-"""Drivetrains as functional mock-up units that need nothing but themselves where they run."""
+"""Writing of functional mock-up units: ZIP archives of model description, C sources and compiled libraries."""
 
 from __future__ import annotations
 
@@ -36,19 +36,20 @@ C_SOURCES = (
     "advancing.c",
     "services.c",
 )
+"""Files of C code that every FMU has, in the folder ``c``."""
 VERSION_SOURCES = {
     "2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"),
     "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c"),
 }
-"""Version of the interface -> its types and functions in C."""
+"""Files of C code by version of the interface: its types first, then its functions."""
 LONGEST_IDENTIFIER = 60
-"""Characters of a title that go into names of files."""
+"""Characters of a title that go into the model identifier, and so into names of files."""
 
 
 STEPS_PER_PERIOD = 50
 """Steps per period of the highest mode: inputs that run on in straight lines are then 0.8 % off at its frequency."""
 HIGHEST_EXCITED = 1000.0
-"""Hz beyond which modes do not count: what excites a drivetrain lies below."""
+"""Hz beyond which modes do not count for the step: what excites a drivetrain lies below."""
 
 
 def write_fmu(
@@ -69,7 +70,7 @@ def write_fmu(
         The communication step in s that hosts are advised to take. Default: 50 steps per period of the highest mode,
         or of 1 kHz where modes lie beyond.
     version : str
-        Of the interface: ``"2.0"`` or ``"3.0"``.
+        Version of FMI: ``"2.0"`` or ``"3.0"``.
 
     Returns
     -------
@@ -128,7 +129,7 @@ def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> N
 
 
 def _sources(version: str) -> dict[str, str]:
-    """The part of the sources that is the same for all models."""
+    """C sources that are the same for all models, by name of the file."""
     folder = resources.files("torsionnet.io.fmu") / "c"
     names = (*C_SOURCES, *VERSION_SOURCES[version])
     sources = {name: (folder / name).read_text(encoding="ascii") for name in names}
@@ -151,13 +152,13 @@ def _description(subject: FmuDescription, version: str) -> bytes:
 
 
 def _token(description: bytes, *texts: str) -> str:
-    """What tells this FMU from others: a digest in the form of a GUID, of all that is in it."""
+    """Token of an FMU, different for any other content: a digest of all that is in it, in the form of a GUID."""
     digest = hashlib.sha256(description + "".join(texts).encode()).hexdigest()
     return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
 
 
 def _archive(files: Mapping[str, bytes]) -> bytes:
-    """The files in alphabetical order and without the date of today."""
+    """Bytes of a ZIP archive of the files, in alphabetical order and without today's date."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         for name in sorted(files):
@@ -168,7 +169,7 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
 
 
 def suggested_step(drivetrain: Drivetrain) -> float:
-    """Communication step in s, of the form 1, 2 or 5 times a power of ten.
+    """Communication step in s that hosts are advised to take: 1, 2 or 5 times a power of ten.
 
     Examples
     --------

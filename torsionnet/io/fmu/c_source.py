@@ -1,4 +1,4 @@
-"""A traced system as C: sizes, start values, and one function that fills all matrices from the parameters."""
+"""C code of a traced system: sizes, start values, and one function that fills all matrices from the parameters."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ HEADER = """/* Sizes of this model. */
 #define TN_Y {outputs}
 #define TN_P {parameters}
 #define TN_Q {derived}
+"""
+"""Template of ``model.h``: numbers of coordinates by kind (H with inertia, B with dampers, S static), signals,
+parameters.
 """
 
 MODEL = """/* {title}: its matrices, from its parameters in SI units.
@@ -52,10 +55,11 @@ static void tn_fill(const double *p, double *derived, tn_mechanics *m)
 #undef R2
 #undef F
 """
+"""Template of ``model.c``: start values of the parameters and the function that fills the matrices."""
 
 
 def header_source(system: System, variables: Variables, token: str) -> str:
-    """``model.h``: sizes and token."""
+    """Text of ``model.h``: the sizes of the model and the token."""
     motion = system.motion
     return HEADER.format(
         token=token,
@@ -70,7 +74,7 @@ def header_source(system: System, variables: Variables, token: str) -> str:
 
 
 def model_source(system: System, variables: Variables, title: str) -> str:
-    """``model.c``: start values and matrices."""
+    """Text of ``model.c``: start values of the parameters, and the function that fills the matrices from them."""
     code = _Code(system, {name: number for number, name in enumerate(variables.open)})
     wanted = [*variables.derived.values(), *(v for entries in system.matrices.values() for _, _, v in entries)]
     lines = code.steps(wanted)
@@ -95,7 +99,7 @@ class _Code:
     numbers: Mapping[str, int]
 
     def steps(self, wanted: Iterable[Traced]) -> list[str]:
-        """Lines that make the numbers, each once."""
+        """C statements that calculate the numbers, each once."""
         places = self.system.motion.tape.needed(wanted)
         return [f"const double {self._place(place)} = {self._operation(place)};" for place in places]
 
@@ -107,7 +111,7 @@ class _Code:
         return f"sqrt({names[0]})" if sign == "sqrt" else f"{names[0]} {sign} {names[1]}"
 
     def name(self, number: Traced) -> str:
-        """A constant, or the variable that holds the number."""
+        """C name of a number on the tape: the variable that holds it, or the literal of a constant."""
         return literal(float(number.value)) if number.place is None else self._place(number.place)
 
     def _place(self, place: int) -> str:
@@ -120,7 +124,7 @@ class _Code:
 
 
 def literal(value: float) -> str:
-    """A double in C, to the last digit.
+    """Text of a double in C, to the last digit.
 
     >>> literal(460.0), literal(-0.1)
     ('460.0', '(-0.1)')
@@ -129,6 +133,6 @@ def literal(value: float) -> str:
 
 
 def _comment(text: str) -> str:
-    """Text that cannot end a comment, on one line, in ASCII."""
+    """Text for a C comment: on one line, in ASCII, and without what would end the comment."""
     plain = " ".join(text.split()).encode("ascii", "replace").decode()
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?")

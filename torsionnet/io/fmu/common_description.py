@@ -1,4 +1,4 @@
-"""What the model descriptions of both versions of the interface have in common."""
+"""Model descriptions of FMUs: what FMI 2.0 and 3.0 have in common."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ ROLE_ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "settled": {"causality": "local", "variability": "constant", "initial": "exact"},
     "flag": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
 }
-"""By the role of a variable."""
+"""Attributes causality, variability and initial of a variable, by its role."""
 UNKNOWN_AT_START = ("output", "rate", "derived")
+"""Roles of variables that a host has to calculate when it initialises the FMU."""
 
 
 @dataclass(frozen=True)
 class FmuDescription:
-    """What a model description describes.
+    """Content of a model description: title, variables, dependencies and default step.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ def description_root(
     sources: Sequence[str],
     add_variable: Callable[[Element, Variable], None],
 ) -> Element:
-    """A description down to its variables; ``about`` are attributes of its own, ``kinds`` what it can be run as."""
+    """XML tree of a model description; ``about`` are attributes of its root, ``kinds`` the modes it can be run in."""
     common = {
         "description": subject.description,
         "generationTool": f"torsionnet {subject.version}",
@@ -82,7 +83,7 @@ def _add_units(root: Element, variables: Variables) -> None:
 
 
 def xml_attributes(attributes: Mapping[str, str]) -> dict[str, str]:
-    """Attributes that say something, on one line and without characters that XML cannot hold."""
+    """Attributes that are not empty, each on one line and without characters that XML cannot hold."""
     return {name: _plain(text) for name, text in attributes.items() if text}
 
 
@@ -91,7 +92,7 @@ def _plain(text: str) -> str:
 
 
 def xml_document(root: Element) -> bytes:
-    """The document as it stands in the archive."""
+    """Bytes of the XML document as it stands in the archive."""
     indent(root)
     text = tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

@@ -1,4 +1,4 @@
-"""Shared libraries from C sources: for many platforms by Zig, or for this one by the C compiler at hand."""
+"""Compilation of C sources to shared libraries: for many platforms by Zig, or for this one by an installed compiler."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ from torsionnet.io.fmu.platforms import PLATFORMS, Platform, this_machine, unive
 from torsionnet.io.formats.extras import import_extra
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
-"""Without fused products what cancels does so alike on every machine."""
+"""Options of the compiler; without fused products terms that cancel do so alike on every machine."""
 COMPILERS = ("cc", "gcc", "clang")
+"""C compilers that are looked for, after the one in the environment variable ``CC``."""
 COMPILER_TIMEOUT = 600
-"""Seconds a compiler may take."""
+"""Seconds that one call of the compiler may take."""
 
 
 class CompilerError(TorsionnetError):
-    """A C compiler refused, with what it said."""
+    """Failure of the C compiler, with its messages."""
 
 
 def compile_libraries(sources: Mapping[str, str], identifier: str, version: str, folder: Path) -> dict[str, bytes]:
-    """Path in the archive of an FMU -> shared library, made from ``sources`` in an empty ``folder``.
+    """Shared libraries made from ``sources`` in an empty ``folder``, by their path in the archive of an FMU.
 
     Raises
     ------
@@ -44,7 +45,7 @@ def compile_libraries(sources: Mapping[str, str], identifier: str, version: str,
 
 
 def _commands() -> dict[Platform, list[str]]:
-    """How to call a compiler for each platform that can be reached."""
+    """Command that calls the compiler, for each platform that a library can be made for."""
     try:
         import_extra("fmu")
     except MissingExtraError as error:
@@ -57,7 +58,7 @@ def _commands() -> dict[Platform, list[str]]:
 
 
 def _compiler() -> str | None:
-    """The C compiler at hand; ``CC`` says which."""
+    """Path of the installed C compiler; ``CC`` says which is taken, None if there is none."""
     named = (os.environ.get("CC", ""), *COMPILERS)
     return next((found for name in named if name and (found := shutil.which(name))), None)
 
@@ -82,7 +83,7 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
 
 
 def _placed(made: Mapping[Platform, bytes], identifier: str, version: str) -> dict[str, bytes]:
-    """Libraries by their path; those for one folder go into one file."""
+    """Libraries by their path in the archive; those for one folder go into one file."""
     together: dict[str, dict[Platform, bytes]] = {}
     for platform, library in made.items():
         path = f"binaries/{platform.folder(version)}/{identifier}{platform.suffix}"

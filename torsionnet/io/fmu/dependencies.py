@@ -1,4 +1,4 @@
-"""Which states and inputs each output and derivative takes, from the pattern of the matrices alone.
+"""States and inputs that each output and state derivative depends on, from the pattern of the matrices alone.
 
 Hosts look here for direct ways from inputs to outputs. The pattern holds for any values of the parameters; it may name
 one more than needed where numbers would cancel.
@@ -17,7 +17,7 @@ Pattern: TypeAlias = NDArray[np.bool_]
 
 
 def dependencies(system: System) -> dict[int, tuple[int, ...]]:
-    """Reference of every output and rate -> references of states and inputs, ascending."""
+    """References of the states and inputs that an output or rate depends on, by the reference of that variable."""
     rates, outputs = _patterns(system)
     n_u, n_y, n_x = len(system.inputs), len(outputs), len(rates)
     first = 1 + n_u + n_y
@@ -28,7 +28,7 @@ def dependencies(system: System) -> dict[int, tuple[int, ...]]:
 
 
 def _patterns(system: System) -> tuple[Pattern, Pattern]:
-    """Of A, B and of C, D, states and inputs side by side."""
+    """Patterns of nonzero entries of (A, B) and (C, D), with the columns of states before those of inputs."""
     motion, n_u = system.motion, len(system.inputs)
     n_h, n_b, n = len(motion.heavy), len(motion.damped), len(system.coordinates)
     n_x = 2 * n_h + n_b
@@ -60,7 +60,7 @@ def _pattern(system: System, letter: str, rows: int, columns: int) -> Pattern:
 
 
 def _solved(matrix: Pattern, right: Pattern) -> Pattern:
-    """The inverse of a symmetric matrix is full within every connected part of it."""
+    """Pattern of the inverse of a symmetric matrix times ``right``: the inverse is full within every connected part."""
     from scipy.sparse.csgraph import connected_components
 
     if not len(matrix):

@@ -1,4 +1,4 @@
-"""modelDescription.xml of FMI 2.0."""
+"""Writing of modelDescription.xml of FMI 2.0."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = {"ModelExchange": STATES, "CoSimulation": STEPS | STATES}
 
 
 def describe(subject: FmuDescription) -> bytes:
-    """The model description of a subject."""
+    """Bytes of the model description of an FMU for FMI 2.0."""
     about = {"fmiVersion": "2.0", "modelName": subject.title, "guid": subject.token}
     root = description_root(subject, about, KINDS, ["all.c"], _add_variable)
     root.set("numberOfEventIndicators", "0")
@@ -56,5 +56,5 @@ def _add_structure(root: Element, subject: FmuDescription) -> None:
 
 
 def _index(reference: int) -> str:
-    """Variables are counted from 1 in the order of their references."""
+    """Index of a variable as FMI 2.0 counts: from 1 in the order of the references."""
     return str(reference + 1)

@@ -1,4 +1,4 @@
-"""modelDescription.xml and buildDescription.xml of FMI 3.0."""
+"""Writing of modelDescription.xml and buildDescription.xml of FMI 3.0."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ KINDS = {"ModelExchange": STATES, "CoSimulation": STATES | STEPS}
 
 
 def describe(subject: FmuDescription) -> bytes:
-    """The model description of a subject."""
+    """Bytes of the model description of an FMU for FMI 3.0."""
     about = {"fmiVersion": "3.0", "modelName": subject.title, "instantiationToken": subject.token}
     root = description_root(subject, about, KINDS, [], _add_variable)
     _add_structure(root, subject)
@@ -61,7 +61,7 @@ def _add_structure(root: Element, subject: FmuDescription) -> None:
 
 
 def describe_build(identifier: str) -> bytes:
-    """How the sources are compiled."""
+    """Bytes of buildDescription.xml, which says how the C sources are compiled."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
     SubElement(SubElement(configuration, "SourceFileSet", language="C99"), "SourceFile", name="all.c")

@@ -1,4 +1,4 @@
-"""Coordinates in which the state space of a drivetrain has its zeros where the mechanics has them.
+"""Coordinates of the state space of an FMU, chosen so that its matrices have zeros where the mechanics has them.
 
 The kept coordinates q of a drivetrain are changed, exactly, into three kinds:
 
@@ -30,7 +30,7 @@ _Names: TypeAlias = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Motion:
-    """The laws of a drivetrain over its changed coordinates, on a tape.
+    """Laws of a drivetrain over the coordinates of its FMU, on a tape.
 
     Attributes
     ----------
@@ -38,9 +38,9 @@ class Motion:
     parameters : dict
         Every parameter on the tape.
     values : Values
-        Of expressions, on the tape.
+        Values of expressions, on the tape.
     kinematics : Kinematics
-        On the tape.
+        Constraints and coordinates of the drivetrain, on the tape.
     changes : tuple of dict
         Coordinate -> row over the coordinates of the next stage, one after the other.
     heavy, damped, static : tuple of str
@@ -60,7 +60,7 @@ class Motion:
     relative: frozenset[str]
 
     def over_coordinates(self, row: Mapping[str, Any]) -> dict[str, Traced]:
-        """A row over nodes as one over the changed coordinates."""
+        """Row over node angles converted to a row over the FMU's coordinates."""
         current: dict[str, Any] = self.kinematics.reduced({node: self.tape.number(a) for node, a in row.items()})
         for change in self.changes:
             current = substitute(current, change)
@@ -68,7 +68,7 @@ class Motion:
 
 
 def trace_motion(drivetrain: Drivetrain) -> Motion:
-    """The motion of a drivetrain with as many parameters left open as its structure allows."""
+    """Coordinates and laws of a drivetrain on a tape, with as many parameters left open as its structure allows."""
     settled: set[str] = set()
     while True:
         motion = _traced(drivetrain, settled)
@@ -88,7 +88,7 @@ def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
 
 
 class _Kinds:
-    """Tells the coordinates apart, stage by stage."""
+    """Separation of the coordinates into heavy, damped and static ones, in three stages."""
 
     def __init__(self, tape: NumberTape, kinematics: Kinematics) -> None:
         self.tape = tape
@@ -117,7 +117,7 @@ class _Kinds:
         return bool(row) and bool(self.tape.number(coefficient) != 0)
 
     def _separated(self, rows: list[dict[str, Any]], order: tuple[str, ...]) -> tuple[str, ...]:
-        """The coordinates that ``rows`` leave free; the others are now counted from where these take them."""
+        """Coordinates that ``rows`` leave free; the others become relative to where the free ones take them."""
         reduction = reduce_rows(rows, {name: place for place, name in enumerate(order)})
         free = tuple(name for name in order if reduction.is_free(name))
         change: dict[str, Any] = {}
@@ -139,7 +139,7 @@ class _Kinds:
 def _parameters(
     tape: NumberTape, definitions: Mapping[str, Parameter], values: Mapping[str, Any], settled: Iterable[str]
 ) -> dict[str, Traced]:
-    """Every parameter on a tape; derived ones follow those they are made of, settled ones are constants."""
+    """Parameters on a tape by name; derived ones follow from others, settled ones are constants."""
     traced: dict[str, Traced] = {}
     for name in evaluation_order(definitions)[0]:
         expression = definitions[name].value

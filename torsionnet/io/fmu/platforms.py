@@ -1,4 +1,4 @@
-"""The machines an FMU has binaries for, and what they are called in its archive."""
+"""Platforms that an FMU has binaries for, and their names in its archive."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Platform:
-    """One kind of machine.
+    """Kind of machine that an FMU has a shared library for.
 
     Attributes
     ----------
     name : str
-        Also the folder of FMI 3.0.
+        Processor and system; also the folder in FMI 3.0.
     target : str
-        What Zig calls it.
+        Name of the platform for Zig.
     fmi2_folder : str
         The folder of FMI 2.0: it has one for all Macs, and none for Linux on ARM, where the new name has come into use.
     suffix : str
-        Of a shared library.
+        Ending of a shared library.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Platform:
     suffix: str
 
     def folder(self, version: str) -> str:
-        """Where its binaries are."""
+        """Name of the folder of the platform's binaries in an FMU of this version of FMI."""
         return self.fmi2_folder if version == "2.0" else self.name
 
 
@@ -41,11 +41,11 @@ PLATFORMS = (
     Platform("x86_64-darwin", "x86_64-macos", "darwin64", ".dylib"),
     Platform("aarch64-darwin", "aarch64-macos", "darwin64", ".dylib"),
 )
-"""What Zig compiles for."""
+"""Platforms that Zig compiles libraries for."""
 
 
 def this_machine() -> Platform:
-    """The platform this program runs on."""
+    """Platform that this program runs on."""
     system = {"Windows": "windows", "Darwin": "darwin"}.get(platform.system(), "linux")
     processor = "aarch64" if platform.machine().lower() in ("aarch64", "arm64") else "x86_64"
     return next(
@@ -57,10 +57,11 @@ def this_machine() -> Platform:
 _ALIGNMENT = 14
 """Binary logarithm of the size of a page on Macs with ARM processors."""
 _PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
+"""Type and subtype of processors in a universal binary of macOS (``mach/machine.h``)."""
 
 
 def universal_binary(libraries: Mapping[str, bytes]) -> bytes:
-    """One library for several processors, by processor: a header, then each on pages of its own."""
+    """Bytes of one macOS library for several processors: a header, then the library of each on pages of its own."""
     page = 1 << _ALIGNMENT
     header, body, start = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
     for processor, library in libraries.items():

@@ -1,4 +1,4 @@
-"""The entries of all matrices behind the state space of a drivetrain, as numbers on a tape.
+"""Entries of all matrices behind the state space of a drivetrain, as numbers on a tape.
 
     M h'' + C (h', b') + K (h, b, d) = L u
     y = R_0 c + R_1 c' + R_2 c'' + F u,     c = (h, b, d)
@@ -26,7 +26,7 @@ MOST_COORDINATES = 400
 
 @dataclass(eq=False)
 class Entries:
-    """A matrix by those of its entries that are not always zero."""
+    """Sparse matrix of traced numbers: the entries that are not zero for all values of the parameters."""
 
     of: dict[tuple[int, int], Traced] = field(default_factory=dict)
 
@@ -40,7 +40,7 @@ class Entries:
 
 @dataclass(frozen=True)
 class System:
-    """A drivetrain as its FMU knows it.
+    """Matrices, inputs and outputs of a drivetrain as its FMU calculates with them.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class System:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Heavy angles, their speeds, damped angles."""
+        """Names of the states: angles of heavy coordinates, their speeds, angles of damped coordinates."""
         motion = self.motion
         return (
             *(f"angle({name})" for name in motion.heavy),
@@ -70,7 +70,7 @@ class System:
 
 
 def trace_system(drivetrain: Drivetrain) -> System:
-    """The system of a drivetrain.
+    """Matrices of the state space of a drivetrain, traced over its parameters.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
 
 
 def _refuse(drivetrain: Drivetrain) -> None:
-    """What has no state space, by name."""
+    """Refuse a drivetrain that an FMU cannot hold: imposed angles, too many coordinates, no state space."""
     channels, assembly = active_channels(drivetrain), drivetrain.assembly
     imposed = [name for name, channel in channels.inputs.items() if channel.quantity != "torque"]
     if imposed:
@@ -130,7 +130,7 @@ def _add_reading(
     matrices: Mapping[str, Entries], number: int, sensor: Sensor, drivetrain: Drivetrain, motion: Motion,
     place: Mapping[str, int], loads: Sequence[Mapping[str, int]],
 ) -> None:  # fmt: skip
-    """Add what a sensor reads of coordinates and of torques, each on the nodes of its row."""
+    """Add the coefficients of a sensor's reading over the coordinates and over the applied torques."""
     tape, laws = motion.tape, motion.kinematics.laws
     rows = [(owner, law.row) for owner, law in laws]
     read = reading(sensor, drivetrain.elements, motion.values, rows, motion.kinematics.constraints)

@@ -20,21 +20,22 @@ from torsionnet.model.elimination import exact
 from torsionnet.solve.modes.modular import residue
 
 CHECK_PRIME = 2**61 - 1
+"""Prime modulus of the second set of values: large, so that other numbers are hardly ever equal by chance."""
 
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """A number on a tape.
+    """Number on a tape: its value, and the operation on parameters that gave it.
 
     Attributes
     ----------
     tape : NumberTape
     value : Fraction
-        With the present values of the parameters.
+        Value with the present values of the parameters.
     other : int
-        With the arbitrary ones, modulo ``CHECK_PRIME``.
+        Value with the arbitrary values, modulo ``CHECK_PRIME``.
     place : int or None
-        Of the operation that makes it; None for a constant.
+        Place on the tape of the operation that gave the number; None for a constant.
     """
 
     tape: NumberTape
@@ -96,7 +97,7 @@ class Traced:
 
     @property
     def vanishes(self) -> bool:
-        """Whether it is zero for any values of the parameters."""
+        """Whether the number is zero for any values of the parameters."""
         return self.value == 0 and self.other == 0
 
     def __eq__(self, right: object) -> bool:
@@ -116,7 +117,7 @@ class Traced:
         return self.value > right.value
 
     def _settled(self, right: object) -> Traced:
-        """What it is compared with, on this tape: other values of either may change the order."""
+        """Traced number of ``right``; both numbers become settled, as other values may change their order."""
         found = self.tape.number(right)
         self.tape.settle(self, found)
         return found
@@ -127,7 +128,7 @@ class Traced:
 
 @dataclass(eq=False)
 class NumberTape:
-    """Operations in the order of their calculation.
+    """Operations that gave traced numbers, in the order of their calculation.
 
     Attributes
     ----------
@@ -152,14 +153,14 @@ class NumberTape:
     _draw: random.Random = field(default_factory=lambda: random.Random(1))
 
     def number(self, value: Any) -> Traced:
-        """Anything as a number on this tape; fractions and floats become constants."""
+        """Traced number of any value; fractions and floats become constants."""
         if isinstance(value, Traced):
             return value
         written = exact(value)
         return Traced(self, written, residue(written, CHECK_PRIME))
 
     def parameter(self, name: str, value: Any) -> Traced:
-        """A parameter with its present value."""
+        """Traced number of a parameter with its present value."""
         return self._recorded(("parameter", name), exact(value), self._draw.randrange(1, CHECK_PRIME))
 
     def sqrt(self, argument: Any) -> Traced:
@@ -171,13 +172,13 @@ class NumberTape:
 
     @property
     def algebra(self) -> Algebra:
-        """For expressions of a model."""
+        """Arithmetic on this tape for expressions of a model."""
         from math import pi
 
         return Algebra(number=self.number, sqrt=self.sqrt, pi=self.number(pi))
 
     def operation(self, sign: str, left: Traced, right: Traced, value: Fraction, other: int) -> Traced:
-        """The result of two numbers."""
+        """Traced result of an operation on two numbers."""
         if left.is_constant and right.is_constant:
             return self.number(float_if_long(value))
         if sign != "/" and _order(right) < _order(left):
@@ -192,14 +193,14 @@ class NumberTape:
         return self._known[key]
 
     def settle(self, *numbers: Traced) -> None:
-        """Note that a decision rests on the parameters behind these numbers."""
+        """Record that a decision rests on the parameters behind these numbers."""
         self.settled |= {self.operations[place][1] for place in self.needed(numbers) if self._is_parameter(place)}
 
     def _is_parameter(self, place: int) -> bool:
         return bool(self.operations[place][0] == "parameter")
 
     def needed(self, numbers: Iterable[Traced]) -> list[int]:
-        """Places of all operations that these numbers take, in order."""
+        """Places of all operations that these numbers depend on, ascending."""
         waiting = [number.place for number in numbers if number.place is not None]
         found: set[int] = set()
         while waiting:
@@ -212,5 +213,5 @@ class NumberTape:
 
 
 def _order(number: Traced) -> tuple[int, Any]:
-    """Constants first: equal operations have equal keys whatever the order of their operands."""
+    """Sort key of an operand, constants first: operations with exchanged operands have equal keys."""
     return (0, number.value) if number.place is None else (1, number.place)

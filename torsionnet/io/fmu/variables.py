@@ -1,4 +1,4 @@
-"""The variables of an FMU in the order of their value references."""
+"""Variables of an FMU in the order of their value references."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FMI_UNITS = {
     "Pa": {"kg": 1, "m": -1, "s": -2},
     "s": {"s": 1},
 }
-"""Units as FMI writes them, in its base units."""
+"""Units of FMI with their powers of base units."""
 DIMENSION_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
@@ -38,12 +38,14 @@ DIMENSION_UNITS = {
     "density": "kg/m3",
     "shear modulus": "Pa",
 }
+"""FMI's unit of a parameter by its dimension."""
 SETTLED = "cannot be changed here: the structure of the model rests on its value"
+"""Description of parameters that an FMU holds constant."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable; ``role`` is time, input, output, state, rate, parameter, derived, settled or flag."""
+    """Variable of an FMU; ``role`` is time, input, output, state, rate, parameter, derived, settled or flag."""
 
     name: str
     role: str
@@ -51,13 +53,13 @@ class Variable:
     description: str = ""
     start: float | None = None
     of: int | None = None
-    """The reference of the state a rate belongs to."""
+    """Reference of the state that a rate belongs to."""
     reference: int = 0
 
 
 @dataclass(frozen=True)
 class Variables:
-    """All variables, the parameters that are open with their values, and the derived ones on the tape."""
+    """All variables of an FMU; values of the open and settled parameters, and the derived ones on the tape."""
 
     all: tuple[Variable, ...]
     open: dict[str, float]
@@ -69,12 +71,12 @@ class Variables:
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Every unit once."""
+        """Units of all variables, each once."""
         return tuple(dict.fromkeys(variable.unit for variable in self.all if variable.unit))
 
 
 def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
-    """The variables of a drivetrain as its C code numbers them."""
+    """Variables of a drivetrain's FMU in the order in which its C code numbers them."""
     traced, values = system.motion.parameters, drivetrain.parameters
     written = drivetrain.parameter_definitions
     open_ = {

@@ -1,4 +1,4 @@
-"""Binary files of other programs, read in a process of its own.
+"""Binary files of other programs, read in a separate process.
 
 The libraries behind them crash on damaged files, print, or take all the memory there is. In a process of its own that
 becomes one sentence: :class:`ForeignFileError`. What is in a file comes as :class:`Content`, named arrays with

@@ -22,17 +22,18 @@ import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import Content, ForeignFileError, count_samples
 
 LONGEST_MESSAGE = 300
-"""Characters of what a library says."""
+"""Characters of a library's error message that are passed on."""
 _CLASS = re.compile(r"<class '(?:\w+\.)*(\w+)'>")
+"""Class in the text of an error of a library, which is shortened to its name."""
 Answers = Generator[dict[str, Any], dict[str, Any], None]
 
 
 class _FullError(Exception):
-    """There is no room for the samples."""
+    """Full disk, or another failure to write the samples into the folder."""
 
 
 def main(folder: Path, questions: TextIO, answers: TextIO) -> None:
-    """Answer until nobody asks."""
+    """Answer the questions of the program that reads, one line of JSON each, until no more come."""
     conversation: Answers | None = None
     for line in questions:
         try:
@@ -57,7 +58,7 @@ def main(folder: Path, questions: TextIO, answers: TextIO) -> None:
 
 
 def error_line(error: BaseException) -> str:
-    """What an error says, in one line of characters that can be shown."""
+    """Message of an error on one line of printable characters."""
     if isinstance(error, MemoryError):
         return "it asks for more memory than a file of its size may take; it is damaged"
     words = _CLASS.sub(r"\1", (str(error).splitlines() or [""])[0].strip())

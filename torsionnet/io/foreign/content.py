@@ -1,4 +1,4 @@
-"""What every format comes down to: named arrays with attributes."""
+"""Content of a binary file, whatever its format: named arrays with attributes, read in blocks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 COMPLEX, ROW = "complex", "row"
-"""Attributes of an array of complex numbers, and of one that is a row in the file and a column here."""
+"""Attributes of an array of complex numbers, and of an array that is a row in the file and a column here."""
 
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
 """Attributes under which programs keep the unit of an array."""
@@ -22,12 +22,12 @@ Blocks: TypeAlias = "Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]
 
 
 class ForeignFileError(Exception):
-    """A file that its library cannot read, or must not; the text says why, in one line."""
+    """Failure of a library to read a file, or a refusal to read it; the text gives the reason in one line."""
 
 
 @dataclass(frozen=True)
 class StoredArray:
-    """An array of a file: samples by columns; ``value`` is that of a single number."""
+    """Array of a file: samples by columns; ``value`` is the number where the array is a single one."""
 
     name: str
     shape: tuple[int, ...]
@@ -41,7 +41,7 @@ class StoredArray:
 
 @dataclass(frozen=True)
 class Content:
-    """An open file.
+    """Arrays and attributes of an open file.
 
     ``blocks(numbers, count)`` reads so many samples of these arrays at a time, everything at once where ``count`` is 0.
     ``others`` are the names of what is neither numbers nor text.
@@ -54,7 +54,7 @@ class Content:
 
 
 def sliced_blocks(readers: Sequence[Slice], lengths: Sequence[int]) -> Blocks:
-    """Blocks of arrays of which each can be read from one sample to another; they end with the shortest."""
+    """Blocks of samples of arrays that can each be read from one sample to another; they end with the shortest."""
 
     def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:
         length = min((lengths[number] for number in numbers), default=0)
@@ -70,7 +70,7 @@ def memory_content(
     attributes: Mapping[str, Plain] | None = None,
     others: Sequence[str] = (),
 ) -> Content:
-    """Content of arrays that the library has read already."""
+    """Content made of arrays that the library has read already."""
     stored = tuple(
         StoredArray(name, values.shape, given, float(values.real.ravel()[0]) if values.size == 1 else None)
         for name, values, given in arrays
@@ -84,7 +84,7 @@ def _slice(values: NDArray[Any]) -> Slice:
 
 
 def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
-    """Attributes that are text or a number; others say nothing that is needed here.
+    """Attributes that are text or a single number; all others are left out.
 
     >>> plain_attributes({"unit": b"N*m", "count": 3, "table": [1, 2]})
     {'unit': 'N*m', 'count': 3}
@@ -108,5 +108,5 @@ def _number(value: Any) -> float | None:
 
 
 def count_samples(arrays: Sequence[StoredArray]) -> int:
-    """Numbers in all arrays together."""
+    """Number of samples in all arrays together."""
     return sum(prod(item.shape) for item in arrays)

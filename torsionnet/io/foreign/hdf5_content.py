@@ -1,4 +1,4 @@
-"""HDF5 files, and MAT v7.3 files, which are HDF5: every dataset of numbers. Only what is inside the file is read."""
+"""Reading of HDF5 files, and of MAT v7.3 files, which are HDF5: every dataset of numbers inside the file."""
 
 from __future__ import annotations
 
@@ -22,19 +22,21 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ATTRIBUTES = (*UNIT_NAMES, "quantity")
+"""Attributes of datasets that are passed on."""
 CLASS = "MATLAB_class"
+"""Attribute in which MATLAB keeps the class of a variable."""
 HERE = "."
-"""Name of the file itself, for a virtual dataset."""
+"""Name by which a virtual dataset refers to its own file."""
 
 
 def load() -> None:
-    """Import the library."""
+    """Import h5py before the limits of memory and time begin."""
     import h5py  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """The datasets, rows and columns as they were meant."""
+    """Datasets of numbers of an open file, those of MATLAB with rows and columns exchanged."""
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -64,7 +66,7 @@ def _datasets(file: Any) -> list[tuple[str, Any]]:
 
 
 def _other_files(item: Any) -> list[str]:
-    """Files in which a dataset keeps its samples: as external storage, or as sources of a virtual dataset."""
+    """Names of other files that hold samples of a dataset, as external storage or as sources of a virtual dataset."""
     if item.is_virtual:
         return [source.file_name for source in item.virtual_sources() if source.file_name != HERE]
     return [part[0] for part in item.external or ()]
@@ -75,7 +77,7 @@ def _elsewhere(name: str, other: Any) -> str:
 
 
 def _attributes(item: Any) -> dict[str, Plain]:
-    """Attributes of a type that is known; an array of other things is none of ours."""
+    """Attributes of a dataset or file that h5py can decode and that are text or a number."""
     found: dict[str, Any] = {}
     for name in item.attrs:
         with contextlib.suppress(TypeError):

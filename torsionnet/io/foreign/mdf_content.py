@@ -1,4 +1,4 @@
-"""MDF files, through asammdf, which reads all channels as a whole."""
+"""Reading of MDF files through asammdf, which reads all channels as a whole."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from torsionnet.io.foreign.content import Content, Plain, memory_content
 
 
 def load() -> None:
-    """Import the library."""
+    """Import asammdf before the limits of memory and time begin."""
     import asammdf  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """The channels of numbers, then the time stamps of the first; the comment is the file's."""
+    """Channels of numbers of an MDF file, then the time stamps of the first channel; the comment is the file's."""
     import asammdf
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""A foreign file as the program that reads it sees it: its content, which another process has open."""
+"""Content of a foreign file for the program that reads it, while another process has the file open."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def open_content(path: Path, form: str) -> Iterator[Content]:
-    """Open a file; ``form`` is a module of this package.
+    """Content of a file that another process has open; ``form`` names a module of this package.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def _content(process: ReaderProcess, answer: dict[str, Any]) -> Content:
 
 
 def _loaded(path: Path) -> list[NDArray[Any]]:
-    """Arrays one behind the other in a file, which goes."""
+    """Arrays that stand one behind the other in a file, which is deleted after reading."""
     import numpy as np
 
     with path.open("rb") as stream:

@@ -1,4 +1,4 @@
-"""Processes that read foreign files: started when one is needed, kept for the next file, ended with the program."""
+"""Processes that read foreign files: started when needed, kept for the next file, ended with the program."""
 
 from __future__ import annotations
 
@@ -17,31 +17,34 @@ from typing import Any
 from torsionnet.io.foreign.content import ForeignFileError
 
 PACKAGE = Path(__file__).parents[2]
+"""Folder of the package torsionnet, whose parent goes onto the search path of the process."""
 END_TIMEOUT = 5.0
-"""Seconds for a process to end when it is told to."""
+"""Seconds that a process may take to end when its input is closed; then it is killed."""
 TIMEOUT_EXIT_CODE = -getattr(signal, "SIGPROF", 0) or None
-"""How a process ends whose time is over, where there is such a limit."""
+"""Exit code of a process that has used up its processor time; None on systems without such a limit."""
 DEBUG = "TORSIONNET_DEBUG"
+"""Environment variable that lets messages of the libraries through to the screen."""
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}
+"""Environment that keeps libraries of linear algebra from starting threads, which reading a file does not need."""
 
 
 class ReaderCrashError(ForeignFileError):
-    """The process ended in the middle of an answer."""
+    """Crash of the process in the middle of an answer."""
 
 
 class _ReaderTimeoutError(ForeignFileError):
-    """The process took longer than reading may take; once is enough."""
+    """Reading that took longer than its limit of processor time; the file is not tried again."""
 
 
 class ReaderProcess:
-    """One process and the folder through which its arrays come."""
+    """Process that reads foreign files, and the folder through which its arrays come."""
 
     def __init__(self) -> None:
         import subprocess
 
         if not sys.executable:
             raise ForeignFileError(
-                "there is no Python program to start (sys.executable is empty), which such files are read with"
+                "such files are read in a process of Python, which cannot be started: sys.executable is empty"
             )
         self.is_used = False
         self.is_responsive = True
@@ -61,12 +64,12 @@ class ReaderProcess:
         return self.is_responsive and self._running.poll() is None
 
     def ask(self, question: dict[str, Any]) -> dict[str, Any]:
-        """The answer to a question, whatever the file does to the library.
+        """Answer of the process to a question, both as JSON data.
 
         Raises
         ------
         ForeignFileError
-            What the library said, or how it ended.
+            The library cannot read the file, or crashed.
         """
         assert self._running.stdin is not None
         assert self._running.stdout is not None
@@ -88,7 +91,7 @@ class ReaderProcess:
         return answer
 
     def end(self) -> None:
-        """End it, in order if it can."""
+        """End the process by closing its input, or kill it if that takes too long."""
         import subprocess
 
         assert self._running.stdin is not None
@@ -105,7 +108,7 @@ class ReaderProcess:
 
 
 def search_path() -> str:
-    """Where this process finds modules, for another; without the working folder, which may change."""
+    """Search path of modules for the process; without the working folder, which may change."""
     known = [entry for entry in sys.path if entry]
     root = str(PACKAGE.parent)
     return os.pathsep.join(known if root in known else [root, *known])
@@ -128,7 +131,7 @@ _owner = os.getpid()
 
 @contextlib.contextmanager
 def borrow_process(*, fresh: bool = False) -> Iterator[ReaderProcess]:
-    """A process for one file: the one that read the file before, unless that is still open, or a new one."""
+    """Process to read one file with: the one that read the file before, unless that is still open, or a new one."""
     process = _taken(fresh=fresh)
     try:
         yield process
@@ -158,6 +161,6 @@ def _taken(*, fresh: bool) -> ReaderProcess:
 
 @atexit.register
 def end_all() -> None:
-    """End what waits for another file."""
+    """End the processes that wait for another file."""
     while _idle and _owner == os.getpid():
         _idle.pop().end()

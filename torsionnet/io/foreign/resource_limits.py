@@ -1,4 +1,4 @@
-"""How much a file may grow when it is unpacked, and what a process that reads it may use."""
+"""Limits to the unpacked size of a file, and to the memory and processor time of the process that reads it."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from pathlib import Path
 from torsionnet.io.foreign.content import ForeignFileError
 
 LEAST_UNPACKED, UNPACKED_RATIO = 256_000_000, 100
-"""A file unpacks to at most the greater of so many bytes and so many times its own size."""
+"""A file unpacks to at most so many bytes, or so many times its own size where that is more."""
 SPARE_MEMORY, MEMORY_COPIES = 1_000_000_000, 4
-"""Bytes of memory beside what unpacked samples may take several times over."""
+"""Bytes that a library may take besides the samples, and copies of the samples that it may hold at once."""
 LEAST_CPU_TIME, BYTES_PER_CPU_SECOND = 1.4, 3e5
-"""Processor time that reading may take, and bytes of a file that take another second."""
+"""Processor time in s that reading any file may take, and bytes of a file that allow another second."""
 BYTES_PER_SAMPLE = 8
-"""Bytes: samples become floating-point numbers, whatever they are in the file."""
+"""Bytes of a sample in memory: all become floating-point numbers, whatever they are in the file."""
 
 
 def largest_unpacked(path: Path) -> int:
-    """Bytes that a file may unpack to."""
+    """Largest size in bytes that a file may unpack to."""
     return max(LEAST_UNPACKED, UNPACKED_RATIO * path.stat().st_size)
 
 
 def check(size: float, path: Path, what: str = "the file") -> None:
-    """Refuse what would unpack to more bytes than is allowed."""
+    """Refuse data that would unpack to more bytes than a file of this size may."""
     if size > largest_unpacked(path):
         raise ForeignFileError(
             f"{what} would take {size / 1e6:.6g} MB when unpacked; "
@@ -34,7 +34,7 @@ def check(size: float, path: Path, what: str = "the file") -> None:
 
 
 def confine(path: Path) -> None:
-    """Let this process end before it takes the machine's memory or time for one file; Linux only."""
+    """Limit the memory and processor time of this process for reading one file; Linux only."""
     if sys.platform != "linux":
         return
     import resource
@@ -51,7 +51,7 @@ def confine(path: Path) -> None:
 
 
 def _lower(which: int, limit: int) -> None:
-    """Only the soft limit: the next file may have another."""
+    """Set the soft limit of a resource, so that the next file may have another."""
     import resource
 
     _, hard = resource.getrlimit(which)

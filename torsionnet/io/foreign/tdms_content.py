@@ -1,4 +1,4 @@
-"""TDMS files of LabVIEW, through npTDMS."""
+"""Reading of TDMS files of LabVIEW through npTDMS."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 def load() -> None:
-    """Import the library."""
+    """Import nptdms before the limits of memory and time begin."""
     import nptdms  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """The channels of numbers with their properties, and ``group`` where there are several groups."""
+    """Channels of numbers of a TDMS file with their properties, and ``group`` where there are several groups."""
     import nptdms
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""Universal files, through pyuff: two arrays for each dataset, its values and its abscissa."""
+"""Reading of universal files through pyuff: two arrays for each dataset, its values and its abscissa."""
 
 from __future__ import annotations
 
@@ -11,20 +11,22 @@ from typing import Any
 from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, memory_content, plain_attributes
 
 FUNCTION_DATASET = 58
+"""Number of the dataset of universal files that holds a function."""
 _MARK = re.compile(rb" {4}-1(?: {74})?[ \r]*(?:\n|$)")
 _LINES, _RATE, _NUMBERING = slice(1, 2), slice(3, 4), slice(6, 7)
-"""Lines of a dataset 58 behind its type: the first and third of text, and the one with its sequence number."""
+"""Lines of a dataset 58 after its type: first and third line of text, and the line with its sequence number."""
 _SEQUENCE = slice(15, 20)
+"""Columns of the sequence number in its line."""
 
 
 def load() -> None:
-    """Import the library."""
+    """Import pyuff before the limits of memory and time begin."""
     import pyuff  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Every dataset with its entries as attributes; only functions have values."""
+    """Datasets of a universal file with their entries as attributes; only functions have values."""
     import numpy as np
     import pyuff
 
@@ -44,7 +46,7 @@ def open_content(path: Path) -> Iterator[Content]:
 
 
 def check_end(raw: bytes) -> None:
-    """Refuse a file that ends early: datasets stand between two marks, those written here count down to the last."""
+    """Refuse a file that ends early: marks of datasets come in pairs, and those written here count down to the last."""
     marks = [found.end() for found in _MARK.finditer(raw)]
     if not marks:
         raise ForeignFileError("there is no whole dataset in it; the file ends early, or is no universal file")
@@ -61,14 +63,14 @@ def check_end(raw: bytes) -> None:
 
 
 def _is_own(lines: list[bytes]) -> bool:
-    """A sequence that counts down is a habit of this package: others may count up, or give a version."""
+    """Whether a dataset was written by this package, whose sequence numbers count down."""
     return any(line.startswith(b"sampling rate ") for line in lines[_RATE]) or any(
         b" / " in line for line in lines[_LINES]
     )
 
 
 def _after(lines: list[bytes]) -> str:
-    """How many datasets should follow one; nothing where it does not say so."""
+    """Words for how many datasets should follow one; empty where the file does not say."""
     try:
         left = int(b"".join(lines[_NUMBERING])[_SEQUENCE])
     except ValueError:

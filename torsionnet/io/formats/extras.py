@@ -1,4 +1,4 @@
-"""Packages that only one file format needs, and files that are read with them."""
+"""Optional packages that only one file format needs, and reading of files with them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ EXTRA_PACKAGES = {
     "mdf": ("asammdf", "asammdf", "MDF4"),
     "fmu": ("ziglang", "ziglang", "FMU"),
 }
-"""Extra: its module, the package it comes in, and the files it is for."""
+"""Optional packages by the name of the extra: module, package it comes in, and files it is for."""
 
 
 def import_extra(extra: str) -> Any:
-    """The module of an extra.
+    """Module of an extra, imported.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def require_extra(extra: str) -> None:
 
 
 def open_foreign(path: Path, form: str) -> AbstractContextManager[Content]:
-    """The arrays of a file, read in a process of their own; ``form`` is a module of :mod:`torsionnet.io.foreign`."""
+    """Content of a file that is read in a separate process; ``form`` names a module of :mod:`torsionnet.io.foreign`."""
     if form in EXTRA_PACKAGES:
         require_extra(form)
     return opening.open_content(path, form)

@@ -1,4 +1,4 @@
-"""NPZ files of numpy, read member by member in blocks: a large file never has to fit into memory.
+"""Recordings and frequency responses in NPZ files of numpy, read in blocks: a file never has to fit into memory.
 
 What a file says that it holds is checked against what is there before anything is unpacked.
 """
@@ -27,10 +27,11 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray, Recording
 
 ARRAY_ENDING = ".npy"
+"""Ending of an array's name in the archive."""
 
 
 class _Stream:
-    """Reads a one-dimensional member front to back."""
+    """Reader of a one-dimensional array from front to back."""
 
     def __init__(self, archive: zipfile.ZipFile, entry: str, dtype: np.dtype[Any], header: int) -> None:
         self.file, self.at = archive.open(entry), 0
@@ -47,7 +48,7 @@ class _Stream:
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """An NPZ file: every numeric array is a channel, or one for every column."""
+    """Channels of an open NPZ file: every numeric array is a channel, or every column of the array."""
     # An archive keeps its file open for as long as one of its members is.
     with zipfile.ZipFile(path) as archive, contextlib.ExitStack() as members:
         headers = _checked_headers(archive, path)
@@ -74,13 +75,13 @@ def _member(
 
 
 def write(recording: Recording, path: Path) -> None:
-    """An NPZ file of one array for every signal, with a description of the recording."""
+    """Write an NPZ file of one array for every signal, with a description of the recording."""
     arrays = {column.name: column.values for column in saved_columns(recording)}
     _write({**arrays, KEY: recording_json(recording)}, path)
 
 
 def read_response(path: Path) -> FrequencyResponse:
-    """The response in an NPZ file of :func:`write_response`."""
+    """Frequency response in an NPZ file of :func:`write_response`."""
     with zipfile.ZipFile(path) as archive:
         there = _checked_headers(archive, path)
         response_description.check_members(there, path, "archive", "is empty")
@@ -89,7 +90,7 @@ def read_response(path: Path) -> FrequencyResponse:
 
 
 def write_response(response: FrequencyResponse, path: Path) -> None:
-    """An archive of arrays; equal responses give equal bytes."""
+    """Write an NPZ file of the arrays of a response; equal responses give equal bytes."""
     _write(
         {**response_description.arrays(response), response_description.KEY: response_description.description(response)},
         path,
@@ -106,7 +107,7 @@ def _write(arrays: Mapping[str, Any], path: Path) -> None:
 
 @dataclass(frozen=True)
 class Header:
-    """Shape and type of an array, and where its values begin."""
+    """Shape and type of an array of an NPZ file, and the offset of its values in bytes."""
 
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
@@ -114,7 +115,7 @@ class Header:
 
 
 def _checked_headers(archive: zipfile.ZipFile, path: Path) -> dict[str, Header]:
-    """The headers by name.
+    """Headers of the arrays by name, checked against the sizes in the archive.
 
     Raises
     ------
@@ -129,7 +130,7 @@ def _checked_headers(archive: zipfile.ZipFile, path: Path) -> dict[str, Header]:
     for entry in entries:
         name = entry.filename.removesuffix(ARRAY_ENDING)
         if name in headers:
-            faults.append(f"{name} is there twice")
+            faults.append(f"{name} is in the archive twice")
         header = headers[name] = _header(archive, entry)
         claimed = header.offset + header.dtype.itemsize * prod(header.shape)
         if header.dtype.hasobject:
@@ -148,11 +149,11 @@ def _header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Header:
         read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
         shape, _fortran, dtype = read(file)
         if any(size < 0 for size in shape):
-            raise ForeignFileError(f"{entry.filename} has the shape {shape}")
+            raise ForeignFileError(f"{entry.filename} has a negative size in its shape {shape}; the file is damaged")
         return Header(shape, dtype, file.tell())
 
 
 def _loaded(archive: zipfile.ZipFile, name: str) -> Any:
-    """A whole array, whose header was checked."""
+    """Whole array of an archive, whose header was checked."""
     with archive.open(f"{name}{ARRAY_ENDING}") as file:
         return np.load(file, allow_pickle=False)

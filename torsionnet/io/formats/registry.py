@@ -32,7 +32,7 @@ Holding = Literal["recording", "frequency response"]
 
 @dataclass(frozen=True)
 class Format:
-    """One format; it holds recordings where it has ``opened``, responses where it has ``read_response``."""
+    """File format; it holds recordings where it has ``open_source``, responses where it has ``read_response``."""
 
     label: str
     endings: tuple[str, ...]
@@ -42,6 +42,7 @@ class Format:
     write_response: Callable[[FrequencyResponse, Path], None] | None = None
 
     def holds(self, what: Holding) -> bool:
+        """Whether files of the format hold recordings, or frequency responses."""
         return (self.open_source if what == "recording" else self.read_response) is not None
 
 
@@ -56,10 +57,11 @@ FORMATS = (
     Format("Parquet", (".parquet", ".pq"), parquet.open_source, parquet.write),
     Format("MDF", (".mf4", ".mdf"), mdf.open_source, mdf.write),
 )
+"""File formats of recordings and frequency responses."""
 
 
 def format_of(path: Path, what: Holding) -> Format:
-    """The format of a file by its ending; raises :class:`UsageError` where no format of that ending holds such."""
+    """Format of a file by its ending; raises :class:`UsageError` where no format of that ending holds such data."""
     known = {ending: form for form in FORMATS if form.holds(what) for ending in form.endings}
     ending = path.suffix.lower()
     if ending not in known:
@@ -70,7 +72,7 @@ def format_of(path: Path, what: Holding) -> Format:
 
 @contextlib.contextmanager
 def reading(path: Path, what: Holding) -> Iterator[Format]:
-    """The format that reads a file; whatever goes wrong with the file becomes an error with its name.
+    """Format that reads a file; errors in the ``with`` block become errors that name the file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""TDMS files of LabVIEW, through npTDMS."""
+"""Recordings in TDMS files of LabVIEW, through npTDMS."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PIECE = 1 << 20
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """A TDMS file; rate and start are those of the waveform properties."""
+    """Channels of an open TDMS file; sampling rate and start are those of the waveform properties."""
     with open_foreign(path, "tdms") as content:
         channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
         waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
@@ -39,7 +39,7 @@ def open_source(path: Path) -> Iterator[Source]:
 
 
 def _notes(waves: Sequence[Mapping[str, Plain]], name: str, what: str) -> tuple[str, ...]:
-    """A warning where channels differ in this property, s."""
+    """Warning where channels differ in a waveform property in s; empty where they agree."""
     found = sorted({float(wave.get(name) or 0) for wave in waves})
     if len(found) < 2:
         return ()
@@ -54,7 +54,7 @@ def _channel(item: StoredArray, number: int) -> FileChannel:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """A TDMS file of one group, with waveform properties and units."""
+    """Write a TDMS file of one group, with waveform properties and units."""
     columns = saved_columns(recording)
     nptdms = import_extra("tdms")
     root = nptdms.RootObject({"name": recording.title or path.stem, KEY: recording_json(recording)})
@@ -71,6 +71,6 @@ def write(recording: Recording, path: Path) -> None:
 
 
 def _properties(attributes: Mapping[str, str], wave: Mapping[str, float]) -> dict[str, str | float]:
-    """Those of a signal; time stamps have a unit alone."""
+    """Properties of a channel: quantity, unit and waveform; of time stamps the unit alone."""
     named = {"unit_string" if name == "unit" else name: text for name, text in attributes.items()}
     return {**wave, **named} if "quantity" in named else {**named}

@@ -1,1 +1,1 @@
-"""What becomes of a file's channels, whichever format it is in: a recording, whole or in blocks."""
+"""Recordings from the channels of a file, whichever format it is in: whole or in blocks."""

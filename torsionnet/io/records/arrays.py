@@ -1,4 +1,4 @@
-"""Files of named arrays (NPZ, MAT, HDF5): which arrays are channels, and which number is the sampling rate."""
+"""Channels and sampling rate of files that hold named arrays (NPZ, MAT, HDF5)."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from torsionnet.io.records.recording_description import with_description
 from torsionnet.io.records.source import FileChannel, Source, names_a_rate
 from torsionnet.response.recording import FloatArray
 
-MOST_COLUMNS = 256  # more make a picture or a matrix of something else
+MOST_COLUMNS = 256
+"""Columns of an array up to which they are channels; more make a picture, or a matrix of something else."""
 
 
 def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, title: str) -> Source:
-    """Source of named arrays: a number named ``fs`` or the like is the rate, other single numbers are passed over.
+    """Channels of named arrays: a number named ``fs`` or the like is the rate, other single numbers are left out.
 
     ``blocks`` knows the arrays by their place in ``arrays``.
     """
@@ -42,7 +43,7 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
 
 
 def _by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
-    """Blocks of columns out of blocks of arrays, each of which is read once."""
+    """Reader of blocks of columns from a reader of blocks of arrays, each of which is read once."""
 
     def columns_of(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         wanted = [places[column] for column in columns]
@@ -59,10 +60,10 @@ def _column(block: FloatArray, column: int) -> FloatArray:
 
 
 def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChannel:
-    """A channel, of the quantity that the array has as an attribute."""
+    """Channel of an array, of the quantity that the array has as an attribute."""
     return FileChannel(name, number, unit, attribute_text(item, "quantity") or None, item.length)
 
 
 def attribute_text(item: StoredArray, *names: str) -> str:
-    """The first of these attributes that an array has, as text; empty where it has none."""
+    """Text of the first of these attributes that an array has; empty where it has none."""
     return next((str(item.attributes[name]) for name in names if name in item.attributes), "")

@@ -1,4 +1,4 @@
-"""From an open file to recordings: channels chosen, units made SI, times understood, all faults together."""
+"""Recordings from an open file: channels chosen, units converted to SI, times checked, all faults together."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What the caller says about a file."""
+    """Options of the caller for reading a file: names, quantities, units, sampling rate, encoder pulses."""
 
     names: Sequence[str] | Mapping[str, str] | None = None
     quantities: Mapping[str, str] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class ReadOptions:
 
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
-    """The source with the unit of time that the caller gives a channel, which is the time then, and what is left."""
+    """Source whose time stamps are the channel that the caller gives a unit of time, and the options left over."""
     every = {channel.name: channel for channel in (*source.channels, *([source.time] if source.time else []))}
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
@@ -51,7 +51,7 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
 
 
 def recordings(source: Source, options: ReadOptions, file: str, seconds: float | None = None) -> Iterator[Recording]:
-    """Recordings of so many seconds one after the other, or one of everything; raises :class:`ModelError`."""
+    """Recordings of ``seconds`` each one after the other, or one of the whole file; raises :class:`ModelError`."""
     stamps = source.time.name if source.time else ""
     units = {name: unit for name, unit in options.units.items() if name != stamps}
     choices, faults = choose(source, options.names, options.quantities, units)
@@ -76,7 +76,7 @@ def recordings(source: Source, options: ReadOptions, file: str, seconds: float |
 
 def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:
     if source.time is None and not options.sampling_rate and source.rate and not is_rate(source.rate):
-        text = f"the file says a sampling rate of {source.rate:g} Hz, at which nothing is sampled"
+        text = f"the file has a sampling rate of {source.rate:g} Hz, which no recorder has"
         return [Fault(f"{text}; give sampling_rate= in Hz")]
     if source.time is not None or options.sampling_rate or source.rate:
         return []
@@ -104,7 +104,7 @@ def _clock(
     file: str,
     begin: float,
 ) -> Clock:
-    """The clock of a block before which so many samples were read, from the time ``begin`` on."""
+    """Clock of a block that ``done`` samples come before, the first of them at the time ``begin`` in s."""
     if not stamps:
         assert rate is not None
         return Clock(rate, source.start + done / rate)
@@ -146,7 +146,7 @@ def _size_faults(signal: Signal) -> list[Fault]:
     beyond = np.flatnonzero((sizes > LARGEST) & np.isfinite(sizes))
     if not len(beyond):
         return []
-    text = f"{signal.name} has the value {signal.values[beyond[0]]:g}, which nothing on a test bench has"
+    text = f"{signal.name} has the value {signal.values[beyond[0]]:g}, too large for a measurement; check its unit"
     return [Fault(text, ("channels", signal.name))]
 
 

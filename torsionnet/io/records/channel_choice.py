@@ -1,4 +1,4 @@
-"""Which channels of a file are read, as what quantity, and with which factor to SI."""
+"""Choice of the channels of a file that are read, with the quantity of each and the factor to SI."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.response.recording import QUANTITY_UNITS
 
 @dataclass(frozen=True)
 class ChannelChoice:
-    """A channel to be read under a name of its own."""
+    """Channel to be read, with its name in the recording, its quantity and the factor to SI."""
 
     channel: FileChannel
     name: str
@@ -30,7 +30,7 @@ def choose(
     quantities: Mapping[str, str],
     units: Mapping[str, str],
 ) -> tuple[list[ChannelChoice], list[Fault]]:
-    """The choices, and every fault in them; all names are those in the file."""
+    """Channels to be read, and all faults in names, quantities and units; all names are those in the file."""
     known = {channel.name: channel for channel in reversed(source.channels)}
     asked = list(names) if names is not None else []
     faults = [
@@ -80,7 +80,7 @@ def _unknown(unit: str, name: str) -> str:
 
 
 def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Fault]:
-    """One fault that says how many values every channel has, where they differ."""
+    """Fault that lists how many values every channel has, where they differ; empty where they agree."""
     channels = [choice.channel for choice in choices] + ([source.time] if source.time else [])
     lengths = {channel.name: channel.length for channel in channels if channel.length is not None}
     if len(set(lengths.values())) < 2:

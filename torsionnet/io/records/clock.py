@@ -1,4 +1,4 @@
-"""From time stamps to a sampling rate, or the stamps themselves where they are not uniform."""
+"""Sampling rate and start of a block from its time stamps, or the stamps themselves where they are not uniform."""
 
 from __future__ import annotations
 
@@ -11,22 +11,24 @@ from torsionnet.core.errors import Fault
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
-UNIFORM_TOLERANCE = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
+UNIFORM_TOLERANCE = 0.01
+"""Share of a sampling interval by which uniform stamps may be off, as rounded decimals are."""
 SAME_RATE_TOLERANCE = 1e-3
+"""Relative difference up to which a given sampling rate agrees with the time stamps."""
 SAME_INTERVAL_TOLERANCE = 5e-3
-"""Of an interval that may have been written with few digits."""
+"""Relative difference up to which an interval in a header, maybe written with few digits, agrees with the stamps."""
 FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE = 3, 0.01
-"""So many stamps equal to the one before, and such a share of all, are no slip of the recorder."""
+"""Stamps equal to the one before, and their share of all, from which on they are no slip of the recorder."""
 LATEST_TIME = 1e15
-"""Seconds; thirty million years, in whatever unit a clock counted."""
+"""Largest time stamp in s, thirty million years: larger ones are damage, in whatever unit a clock counted."""
 
 UNUSUAL_RATE, USUAL_RATE, UNUSUAL_LENGTH = 20.0, 200.0, 3600.0
-"""Hz below which nobody samples a torsional vibration, and nobody for so many s; milliseconds look like that."""
+"""Rates in Hz below which torsional vibration is never, or not for longer than these s, sampled."""
 
 
 @dataclass(frozen=True)
 class Clock:
-    """When the samples of a block were taken."""
+    """Sampling rate in Hz, start in s, and time stamps of a block where they are not uniform."""
 
     rate: float
     start: float
@@ -34,13 +36,16 @@ class Clock:
 
 
 def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
-    """Faults of stamps that are no numbers or do not increase."""
+    """Faults of time stamps that are not finite or do not increase, each with its position."""
     assert source.time is not None
     column = source.time.name
     broken = np.flatnonzero(~np.isfinite(stamps))
     texts = {int(row): f"sample {first + row + 1} has no time stamp in {column}" for row in broken[:MOST_FAULTS]}
     beyond = np.flatnonzero(np.abs(stamps) > LATEST_TIME)
-    texts |= {int(row): f"{column} has the time {stamps[row]:g} s, beyond all time" for row in beyond[:1]}
+    texts |= {
+        int(row): f"{column} has the time {stamps[row]:g} s, and no recording is that late; give its unit"
+        for row in beyond[:1]
+    }
     if texts:
         return [_fault(text, source, first + row) for row, text in texts.items()]
     if is_coarse(stamps):
@@ -52,7 +57,7 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
 
 
 def is_coarse(stamps: FloatArray) -> bool:
-    """Whether stamps do not fall and many are equal: written in coarser steps than samples were taken."""
+    """Whether stamps never decrease and many are equal: they were written in coarser steps than samples were taken."""
     steps = np.diff(stamps)
     return bool(
         np.all(steps >= 0) and np.count_nonzero(steps == 0) >= max(FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE * len(steps))
@@ -67,12 +72,12 @@ def _coarse_text(stamps: FloatArray, column: str) -> str:
 
 
 def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault:
-    """The clock of coarse stamps between which a rate is given, or why the two do not agree."""
+    """Clock of coarse stamps for a given rate, or the fault that the two do not agree."""
     steps = np.diff(stamps)
     off = stamps - np.arange(len(stamps)) / rate
     if np.ptp(off) <= (1 + UNIFORM_TOLERANCE) * float(steps.max()):
         return Clock(rate, begin)
-    return Fault(f"the time stamps are not those of samples at {rate:g} Hz, which sampling_rate= gives")
+    return Fault(f"the time stamps do not fit samples at {rate:g} Hz; correct sampling_rate=, or leave it out")
 
 
 def _fault(text: str, source: Source, row: int) -> Fault:
@@ -81,7 +86,7 @@ def _fault(text: str, source: Source, row: int) -> Fault:
 
 
 def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -> Clock:
-    """The clock of increasing stamps in s; a known ``rate`` stands where it agrees with them.
+    """Clock of increasing stamps in s; a known ``rate`` in Hz is kept where it agrees with them.
 
     >>> clock_of(np.array([1.0, 1.1, 1.2]), None).rate.__round__(9)
     10.0
@@ -96,13 +101,13 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -
 
 
 def _rounded(rate: float) -> float:
-    """The rate without the rounding of the stamps it comes from, which are good for some nine digits."""
+    """Rate without the rounding errors of the stamps it comes from, which are good for some nine digits."""
     plain = float(f"{rate:.7g}")
     return plain if abs(plain / rate - 1) < 1e-9 else rate
 
 
 def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
-    """A warning where stamps without a unit make a record slower, or longer, than those of test benches are."""
+    """Warning where stamps without a unit make a record unusually slow or long, as milliseconds taken for s do."""
     if source.time is None or source.time.unit or len(stamps) < 2:
         return ()
     span = float(stamps[-1] - stamps[0])
@@ -115,7 +120,7 @@ def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
 
 
 def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
-    """Fault of a sampling rate given that is not the one of the stamps."""
+    """Fault of a given sampling rate that differs from that of the stamps; empty where they agree."""
     if given is None or len(stamps) < 2:
         return []
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
@@ -125,7 +130,7 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
 
 
 def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
-    """Fault of an interval said besides the time stamps that is not theirs."""
+    """Fault of a sampling interval in the header that differs from that of the stamps; empty where they agree."""
     stated = source.stated
     if stated is None or source.time is None or len(stamps) < 2:
         return []

@@ -1,4 +1,4 @@
-"""What a recording is besides its values, as one JSON text that goes into a file next to them."""
+"""Description of a recording (everything but its values) as one JSON text that is saved in a file next to them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
 
 KEY = "torsionnet_recording"
+"""Name under which the description stands in a file."""
 TIME = "time"
+"""Name of the time stamps in a file."""
 
 
 def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
@@ -37,7 +39,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
 
 @dataclass(frozen=True)
 class SavedColumn:
-    """Values with the name they have in the file, and their unit and quantity as attributes."""
+    """Values of a signal with their name in the file, and unit and quantity as attributes."""
 
     name: str
     values: FloatArray
@@ -45,7 +47,7 @@ class SavedColumn:
 
 
 def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> list[SavedColumn]:
-    """One column for every signal, and one of time stamps where there are any; no two of one name."""
+    """Columns of a recording to save: every signal, and the time stamps where there are any; names are unique."""
     check_names(recording)
     columns = [
         SavedColumn(key, signal.values, {"unit": signal.unit, "quantity": signal.quantity})
@@ -55,7 +57,7 @@ def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> li
 
 
 def with_description(source: Source, text: str) -> Source:
-    """The source with what ``text`` says about it, or with its time found where it says nothing.
+    """Source with what its description says; without a description, with its time channel found.
 
     Raises
     ------
@@ -96,7 +98,7 @@ def _named(source: Source, key: str) -> FileChannel:
 
 
 def check_names(recording: Recording, *, with_time: bool = False) -> None:
-    """Raise where two channels of a file would have one name."""
+    """Refuse a recording of which two channels would have one name in a file."""
     names = [*recording.names, *([TIME] if with_time or recording.times is not None else [])]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -104,7 +106,7 @@ def check_names(recording: Recording, *, with_time: bool = False) -> None:
 
 
 def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,)) -> list[str]:
-    """Names without what ``pattern`` finds, each of them once, for formats that do not take every name.
+    """Unique names without what ``pattern`` finds, for formats that do not take every name.
 
     >>> plain_keys(["T [1]", "T_1_", "time"], "[^A-Za-z0-9_]")
     ['T__1_', 'T_1_', 'time_2']

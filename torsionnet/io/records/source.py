@@ -1,4 +1,4 @@
-"""What every reader makes of its file: channels that are read in blocks, before units are looked at."""
+"""Channels of an open file that are read in blocks, before their units are looked at."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
+"""Names of channels of time stamps, in lower case."""
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
+"""Names of single numbers that are the sampling rate, in lower case."""
 
 
 @dataclass(frozen=True)
 class FileChannel:
-    """A channel as the file has it; ``column`` is what the source's ``blocks`` know it by.
+    """Channel as the file has it; ``column`` is its number for ``Source.blocks``.
 
     ``quantity`` is None where the file says nothing, empty where it says that none is known.
     """
@@ -32,7 +34,7 @@ class FileChannel:
 
 @dataclass(frozen=True)
 class StatedInterval:
-    """The time between samples, s, that an entry of a file says besides its time stamps."""
+    """Sampling interval in s that an entry of a file gives besides the time stamps."""
 
     name: str
     seconds: float
@@ -41,7 +43,7 @@ class StatedInterval:
 
 @dataclass(frozen=True)
 class Source:
-    """An open file.
+    """Channels, sampling rate and notes of an open file.
 
     ``blocks(columns, count)`` reads so many samples at a time, everything at once where ``count`` is 0.
     ``discovered`` grows while blocks are read: what was assumed about the values.
@@ -60,7 +62,7 @@ class Source:
     stated: StatedInterval | None = None
 
     def with_time_channel(self) -> Source:
-        """With the channel of time stamps, known by its name or unit, set apart from the others."""
+        """Source with the channel of time stamps, known by its name or unit, taken out of the others."""
         for channel in self.channels:
             if is_time(channel):
                 others = tuple(other for other in self.channels if other is not channel)
@@ -81,6 +83,6 @@ def is_time(channel: FileChannel) -> bool:
 
 
 def names_a_rate(name: str) -> bool:
-    """Whether a single number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
+    """Whether a number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
     folded = name.rpartition(".")[2].casefold()
     return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")

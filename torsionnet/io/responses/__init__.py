@@ -1,1 +1,1 @@
-"""What files of frequency responses have in common, whichever format they are in."""
+"""Frequency responses in files: what all formats have in common."""

@@ -1,4 +1,4 @@
-"""What a frequency response is besides its numbers, as one JSON text that goes into a file next to them."""
+"""Description of a frequency response (everything but its arrays) as one JSON text that is saved next to them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import read_estimation
 
 KEY = "torsionnet_frequency_response"
+"""Name under which the description stands in a file."""
 NUMBERS = ("frequencies", "values", "coherence", "conditioning")
+"""Names of the arrays of a response."""
 _LIMIT = re.compile(r"usable up to (\S+) Hz")
 
 
 def description(response: FrequencyResponse) -> str:
-    """JSON text of names, units, title and notes."""
+    """JSON text of names, units, title and notes of a response."""
     data: dict[str, Any] = {
         "outputs": [[channel.name, channel.unit] for channel in response.outputs],
         "inputs": [[channel.name, channel.unit] for channel in response.inputs],
@@ -35,12 +37,12 @@ def description(response: FrequencyResponse) -> str:
 
 
 def arrays(response: FrequencyResponse) -> dict[str, Any]:
-    """The numbers by name; coherence and conditioning only where there are any."""
+    """Arrays of a response by name; coherence and conditioning only where there are any."""
     return {name: values for name in NUMBERS if (values := getattr(response, name)) is not None}
 
 
 def check_members(there: Collection[str], path: Path, whole: str, nothing: str) -> None:
-    """Refuse a file of named arrays without those of a response; ``nothing`` is what it does if it holds none."""
+    """Refuse a file of named arrays that lacks those of a response; ``nothing`` says what a file without any is."""
     missing = [name for name in (KEY, "frequencies", "values") if name not in there]
     if missing:
         words = f"has {', '.join(there)}" if there else nothing
@@ -49,7 +51,7 @@ def check_members(there: Collection[str], path: Path, whole: str, nothing: str) 
 
 
 def parse_description(text: str) -> dict[str, Any]:
-    """A description taken apart: what a response is made of but for its numbers; ``ValueError`` where it is damaged."""
+    """Arguments of :class:`FrequencyResponse` but for its arrays; raises ``ValueError`` for a damaged description."""
     try:
         data = json.loads(text)
         sides = {side: tuple(Channel(str(n), str(u)) for n, u in data[side]) for side in ("outputs", "inputs")}
@@ -69,7 +71,7 @@ def parse_description(text: str) -> dict[str, Any]:
 
 
 def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
-    """The response made of a description and numbers; ``ValueError`` where the two do not fit each other."""
+    """Frequency response of a description and arrays; raises ``ValueError`` where the two do not fit."""
     said = parse_description(text)
     sizes = (len(numbers["frequencies"]), len(said["outputs"]), len(said["inputs"]))
     shapes = {"frequencies": sizes[:1], "values": sizes, "coherence": sizes, "conditioning": sizes[:1]}
@@ -80,7 +82,7 @@ def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
 
 
 def usable_limit_in(lines: Iterable[str]) -> float | None:
-    """What the line about it says, for files that hold nothing but lines of text.
+    """Frequency in Hz up to which a response is usable, from its line among the texts of a file; None without one.
 
     >>> usable_limit_in(["a title", "usable up to 16.8 Hz"])
     16.8

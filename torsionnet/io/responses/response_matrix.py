@@ -1,4 +1,4 @@
-"""A matrix of transfer functions out of single ones, as files hold them."""
+"""Matrix of transfer functions put together from single ones, as files hold them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
 UNKNOWN_UNIT = "1"
-"""Unit of a channel of which the file only says that it is that of its partner."""
+"""Unit of a channel of which the file only says that it has the unit of its partner."""
 
 
 @dataclass
 class SingleResponse:
-    """One output over one input; its values are in SI."""
+    """Transfer function of one output over one input, in SI units."""
 
     values: ComplexArray
     output_unit: str
@@ -28,13 +28,13 @@ class SingleResponse:
 
 @dataclass
 class ResponseMatrix:
-    """Transfer functions by (output, input), in the order in which they were found."""
+    """Transfer functions by (output, input), in the order of the file."""
 
     frequencies: FloatArray
     pairs: dict[tuple[str, str], SingleResponse] = field(default_factory=dict)
 
     def response(self, file: str, title: str, notes: tuple[str, ...] = (), **more: Any) -> FrequencyResponse:
-        """The matrix; ModelError names what is missing, or has two units."""
+        """Frequency response of the whole matrix; ModelError names missing pairs and channels with two units."""
         outputs, inputs = (list(dict.fromkeys(pair[side] for pair in self.pairs)) for side in (0, 1))
         missing = [f"{o}/{i}" for o in outputs for i in inputs if (o, i) not in self.pairs]
         faults = [Fault(f"the matrix is not complete: there is no {', '.join(missing)}")] if missing else []
@@ -62,7 +62,7 @@ class ResponseMatrix:
         return np.ascontiguousarray(np.moveaxis(np.array(table), 2, 0))
 
     def _coherence(self, outputs: list[str], inputs: list[str]) -> FloatArray | None:
-        """NaN where only some pairs have a coherence."""
+        """Coherences of the matrix, NaN for pairs that have none; None where no pair has one."""
         if all(single.coherence is None for single in self.pairs.values()):
             return None
         unknown = np.full(len(self.frequencies), np.nan)
@@ -73,7 +73,7 @@ class ResponseMatrix:
 
 
 def resolve_units(pairs: Mapping[tuple[str, str], SingleResponse]) -> list[str]:
-    """Give channels that share an unknown unit the one other pairs tell; what stays unknown is returned as notes."""
+    """Replace unknown units by those that other pairs tell, and return a note for each pair that stays unknown."""
     changed = True
     while changed:
         changed = False

@@ -1,4 +1,4 @@
-"""Channels of a text file that end before others do."""
+"""Checks of the lengths of channels in a text file, and notes on empty cells."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.records.source import FileChannel
 
 EMPTY_CELLS_NOTE = " empty cells are NaN"
+"""End of the note on empty cells, by which an earlier note is found."""
 
 
 def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
-    """Refuse rows that were read to their end and of which the last are empty in some of the channels."""
+    """Refuse rows of which the last are empty in some of the channels, after all of them were read."""
     lengths = {channel.name: int(rows.filled[channel.column]) for channel in channels}
     if len(set(lengths.values())) > 1:
         sizes = ", ".join(f"{name} has {length}" for name, length in lengths.items())
@@ -20,7 +21,7 @@ def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) 
 
 
 def count_empty(rows: NumberRows, columns: Sequence[int], discovered: list[str]) -> None:
-    """Note how many cells were empty so far, instead of what was noted before."""
+    """Update the note on how many cells were empty so far."""
     empty = int(rows.empty[list(columns)].sum())
     if empty:
         discovered[:] = [

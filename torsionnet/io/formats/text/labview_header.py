@@ -1,4 +1,4 @@
-"""Headers of LabVIEW's measurement files, and of text exports with the same entries."""
+"""Reading of headers of LabVIEW's measurement files, and of text exports with the same entries."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ from torsionnet.io.formats.text.labview_lines import (
 )
 
 LARGEST_NUMBER = 1e15
+"""Largest number that a header of a recording may hold; larger ones are damage."""
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
 class Segment:
-    """What a header says about the rows below it; ``columns`` are those of the channels, ``times`` those of X_Value.
+    """Header of a segment; ``columns`` are those of the channels in the rows below, ``times`` those of X_Value.
 
     ``interval`` is Delta_X and ``start`` X0, both in s; ``clock`` is the time of day in s.
     """
@@ -48,7 +49,7 @@ class Segment:
 
     @property
     def labels(self) -> list[str]:
-        """A name for every column of the rows."""
+        """Name of every column of the rows."""
         known = dict(zip(self.columns, self.names, strict=True))
         return [known.get(at, X_VALUE if at in self.times else COMMENT) for at in range(self.width)]
 
@@ -60,7 +61,7 @@ class _Entry:
     text: str
 
     def place(self, file: str, separator: str, cell: int = 1) -> Position:
-        """Where its cell of this number is."""
+        """Position of a cell of the entry in the file."""
         parts = self.text.rstrip("\r\n").split(separator)
         at = sum(len(part) + 1 for part in parts[:cell]) if cell < len(parts) else 0
         width = len(parts[cell]) if cell < len(parts) else len(self.text.rstrip())
@@ -68,7 +69,7 @@ class _Entry:
 
 
 def next_segment(lines: HeadedLines, file: str, dialect: Dialect, *, is_first: bool) -> Segment | None:
-    """The header that comes next, with its row of names; None at the end of the file."""
+    """Header of the next segment with its row of names; None at the end of the file."""
     entries, ends, line, whole = dict[str, _Entry](), 0, "", False
     while line := lines.take():
         key, *cells = (cell.strip() for cell in line.rstrip("\r\n").lstrip("\ufeff").split(dialect.separator))
@@ -123,7 +124,7 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
     )
     for at, what in enumerate(entries["X_Dimension"].cells if "X_Dimension" in entries else (), 1):
         if what and what.casefold() != "time":
-            text = f"the values stand over {what}, not over time: this is no record"
+            text = f"the values are over {what}; only values over time can be read as a recording"
             faults.append(Fault(text, position=entries["X_Dimension"].place(file, dialect.separator, at)))
     intervals = _numbers(entries.get("Delta_X"), "Delta_X", file, dialect, faults)
     starts = _numbers(entries.get("X0"), "X0", file, dialect, faults)
@@ -163,7 +164,7 @@ def _whole(entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: 
 def _numbers(
     entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: list[Fault]
 ) -> list[tuple[int, float]]:
-    """Numbers of an entry with the numbers of their cells, whatever decimal sign they have."""
+    """Numbers of an entry with the number of their cell, whatever their decimal sign."""
     found = []
     for at, cell in enumerate(entry.cells if entry else (), 1):
         assert entry is not None
@@ -172,12 +173,15 @@ def _numbers(
             found.append((at, value))
         elif cell:
             faults.append(
-                Fault(f'{key}: "{cell}" is no number of a record', position=entry.place(file, dialect.separator, at))
+                Fault(
+                    f'{key}: "{cell}" is not a number up to {LARGEST_NUMBER:g}',
+                    position=entry.place(file, dialect.separator, at),
+                )
             )
     return found
 
 
 def _clock(text: str) -> float | None:
-    """Seconds since midnight of ``10:12:13.001``."""
+    """Seconds since midnight of a time such as ``10:12:13.001``; None for other text."""
     found = re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)", text.strip())
     return int(found[1]) * 3600 + int(found[2]) * 60 + float(found[3].replace(",", ".")) if found else None

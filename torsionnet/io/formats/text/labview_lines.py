@@ -1,4 +1,4 @@
-"""Lines of LabVIEW's text files: which are headers and which are rows, and how their cells are separated."""
+"""Lines of LabVIEW's text files: headers and rows told apart, and the separator of cells."""
 
 from __future__ import annotations
 
@@ -12,31 +12,33 @@ from torsionnet.core.errors import Fault, ModelError, Position
 FIRST_LINE, END, X_VALUE, COMMENT = "LabVIEW Measurement", "***End_of_Header***", "X_Value", "Comment"
 SPECIAL, SPECIAL_END = "***Start_Special***", "***End_Special***"
 SEGMENT_KEYS = frozenset({"Channels", "Samples", "Y_Unit_Label", "Y_Dimension", "X_Dimension", "X0", "Delta_X"})
-"""What the header of a segment has for every channel, besides Date and Time."""
+"""Entries that the header of a segment has for every channel, besides Date and Time."""
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
+"""Separators of cells by their names in a header."""
 _KEYS = SEGMENT_KEYS | {"Date", "Time", X_VALUE}
 
 
 @dataclass
 class HeadedLines:
-    """Lines of a file with their numbers, of which one may be given back."""
+    """Lines of a file with their numbers; the last line taken can be given back."""
 
     lines: Iterator[str]
     number: int = 0
     _back: list[str] = field(default_factory=list)
 
     def take(self) -> str:
-        """The next line, empty at the end of the file."""
+        """Next line of the file, empty at the end."""
         line = self._back.pop() if self._back else next(self.lines, "")
         self.number += bool(line)
         return line
 
     def give_back(self, line: str) -> None:
+        """Put back the line that was taken last."""
         self._back.append(line)
         self.number -= 1
 
     def data(self) -> Iterator[str]:
-        """Lines up to the next header, blank ones only where more numbers follow."""
+        """Lines of rows up to the next header; blank lines only where more numbers follow."""
         blank = 0
         while line := self.take():
             if line.startswith(SPECIAL):
@@ -55,13 +57,13 @@ class HeadedLines:
 
 
 def is_labview(lines: Sequence[str]) -> bool:
-    """Whether a text begins as LabVIEW's measurement files do, or has a header of their entries."""
+    """Whether a text begins as LabVIEW's measurement files do, or has a header with the same entries."""
     keys = {re.split(r"[\t,;]", line.lstrip("\ufeff"), maxsplit=1)[0].strip() for line in lines}
     return bool(lines) and (lines[0].startswith(FIRST_LINE) or END in keys or {"Delta_X", X_VALUE} <= keys)
 
 
 def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: str | None) -> Dialect:
-    """Separator and decimal sign that a header says; ``separator`` and ``decimal`` stand against it."""
+    """Separator and decimal sign that a header gives, unless ``separator`` and ``decimal`` are given."""
     said: dict[str, tuple[int, str]] = {}
     between = "\t"
     for number, line in enumerate(lines, 1):
@@ -79,11 +81,14 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
     chosen = separator or known or between
     if chosen == sign:
         raise line_error(
-            "cells are separated by the decimal sign: Separator and Decimal_Separator are one", file, number
+            "Separator and Decimal_Separator are the same sign; correct one, or give separator= and decimal=",
+            file,
+            number,
         )
     return Dialect(chosen, sign)
 
 
 def line_error(text: str, file: str, line: int, source: str = "", column: int = 1) -> ModelError:
+    """Error on a line of a text file, with the position."""
     position = Position(file, line, column, column + 1, source.rstrip()[:200].replace("\t", " "))
     return ModelError([Fault(text, position=position)], file)

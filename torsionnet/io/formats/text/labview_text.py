@@ -1,4 +1,4 @@
-"""LabVIEW's measurement files (.lvm) and text exports with the same header."""
+"""Reading of recordings in LabVIEW's measurement files (.lvm) and in text exports with the same header."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from torsionnet.io.records.source import FileChannel, Source, StatedInterval
 from torsionnet.response.recording import FloatArray
 
 LARGEST_SEGMENT_GAP = 0.1
-"""Of a sampling interval: so far may the beginning of a segment be from the end of the one before."""
+"""Share of a sampling interval by which a segment may begin off the end of the one before and still continue it."""
 SECONDS_PER_DAY = 86_400.0
+"""Seconds of a day."""
 
 
 def labview_source(
     file: io.TextIOWrapper, name: str, title: str, lines: Sequence[str], separator: str | None, decimal: str | None
 ) -> Source:
-    """Source of an open file that begins with ``lines``; its segments are one record where they follow each other."""
+    """Channels of an open file that begins with ``lines``; segments that follow each other are one record."""
     dialect = dialect_of(lines, name, separator, decimal)
     file.seek(0)
     head = HeadedLines(iter(file))
@@ -62,7 +63,7 @@ def _filled(cells: Sequence[str], at: int) -> bool:
 
 
 class _Reader:
-    """Reads the rows of all segments, and refuses those that do not go on where the one before ended."""
+    """Reader of the rows of all segments; refuses a segment that does not continue the one before."""
 
     def __init__(
         self,
@@ -79,12 +80,12 @@ class _Reader:
         self.begun: list[tuple[int, int]] = []
 
     def place(self, row: int) -> Position | None:
-        """Where a sample is, of the segments read so far; blank lines between rows are not counted."""
+        """Position of a sample in the segments read so far; blank lines between rows are not counted."""
         known = [(first, line) for first, line in self.begun if first <= row]
         return Position(self.name, known[-1][1] + row - known[-1][0], 1, 1) if known else None
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        """Blocks of so many samples across segments, or everything."""
+        """Blocks of ``count`` samples across segments, or all samples where it is 0."""
         kept: list[list[FloatArray]] = []
         held = 0
         for piece in self._pieces(columns, count):
@@ -157,7 +158,7 @@ class _Reader:
 
 
 def _follows(first: Segment, segment: Segment, done: int) -> bool:
-    """Whether a segment begins where so many samples end, by X0 or, where all have the same X0, by the time of day."""
+    """Whether a segment begins where ``done`` samples end, by X0 or, with equal X0, by the time of day."""
     if first.interval is None:
         return True
     span, near = done * first.interval, LARGEST_SEGMENT_GAP * first.interval

@@ -1,4 +1,4 @@
-"""CSV and other text files of columns: separator, decimal sign, names and units are found out, and reported."""
+"""Recordings in CSV and other text files of columns; separator, decimal sign, names and units are detected."""
 
 from __future__ import annotations
 
@@ -30,12 +30,14 @@ from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.response.recording import FloatArray, Recording
 
 SNIFFED_LINES = 400
+"""Lines from which the format of a text file is detected."""
 READ_ONLY_ENDING = ".lvm"
+"""Ending of LabVIEW's measurement files, which are read but not written."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
-    """A text file; ``separator`` and ``decimal`` are found out, or said by a header, where they are not given."""
+    """Channels of an open text file; ``separator`` and ``decimal`` are detected where they are not given."""
     encoding = detect_encoding(path)
     with path.open(encoding=encoding, newline=None) as file:
         lines = list(islice(file, SNIFFED_LINES))
@@ -70,7 +72,7 @@ def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
 
 
 def _headings(dialect: Dialect, above: Sequence[str], width: int, stamped: Sequence[tuple[int, ...]]) -> Headings:
-    """Headings, of which one may stand over a date and a time that white space separates."""
+    """Headings of columns, where one heading may stand over a date and a time in two columns."""
     found = headings(dialect, above, width)
     pair = next((columns for columns in stamped if len(columns) > 1), None)
     shorter = headings(dialect, above, width - 1) if pair and not found.lines else found
@@ -146,9 +148,9 @@ def _source(
 def _with_clock(
     channels: Sequence[FileChannel], stamped: Sequence[tuple[int, ...]]
 ) -> tuple[list[FileChannel], tuple[int, ...], tuple[str, ...]]:
-    """Channels of which the first column of time stamps is one, unless a column of numbers holds the time.
+    """Channels with the first column of time stamps among them, unless a column of numbers holds the time.
 
-    Also which columns these stamps are in, and what is told of others.
+    Also returned: the columns of these stamps, and notes on other columns of stamps, which are left out.
     """
     every = {column for columns in stamped for column in columns}
     numbers = [channel for channel in channels if channel.column not in every]
@@ -164,7 +166,7 @@ def _with_clock(
 
 
 def write(recording: Recording, path: Path) -> None:
-    """A CSV file: a description of the recording, headings with units, a column of time, all digits."""
+    """Write a CSV file: a description of the recording, headings with units, a column of time, all digits."""
     if path.suffix.lower() == READ_ONLY_ENDING:
         words = f"{READ_ONLY_ENDING} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv"
         raise UsageError(f'"{path.name}": {words}')

@@ -1,4 +1,4 @@
-"""Dataset 58, a function, as universal files have it (SDRC, `<https://www.ceas3.uc.edu/sdrluff/>`_); through pyuff."""
+"""Datasets 58 (functions) of universal files (SDRC, `<https://www.ceas3.uc.edu/sdrluff/>`_), through pyuff."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ from torsionnet.core.atomic import replacing
 from torsionnet.io.formats.extras import import_extra
 
 FUNCTION_DATASET = 58
+"""Number of the dataset of universal files that holds a function."""
 GENERAL_FUNCTION, TIME_RESPONSE, FRF, TRANSMISSIBILITY, COHERENCE = 0, 1, 4, 5, 6
-"""Record 6, field 1."""
+"""Types of functions: record 6, field 1."""
 ROTATION_ABOUT_X = 4
-"""Record 6, fields 7 and 10: rotation about +X; negative about -X, 5 and 6 about Y and Z."""
+"""Direction of a rotation about +X: record 6, fields 7 and 10; negative about -X, 5 and 6 about Y and Z."""
 TRANSLATIONS = frozenset({1, 2, 3})
+"""Directions of translations along X, Y and Z: record 6, fields 7 and 10."""
 ID_LINE_WIDTH = 80
 """Characters of an ID line."""
 PAIR_SEPARATOR = " / "
+"""Text between the names of output and input in the first ID line."""
 
 DATA_TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13, "Pa": 2}
-"""Records 9 and 10, field 1: displacement, velocity, acceleration, excitation force, of a rotation."""
+"""Codes of data types by SI unit (records 9 and 10, field 1): rotation, its derivatives, torque, stress."""
 UNITS = {code: unit for unit, code in DATA_TYPES.items()} | {9: "N*m"}
-"""The SI unit behind a code where the file gives no label; 9 is a reaction."""
+"""SI unit of a data type where the file gives no label; 9 is a reaction."""
 _EMPTY = ("", "NONE")
+"""Texts of an ID line that stand for none."""
 _UNUSED = {
     f"{axis}_{entry}": 0
     for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
@@ -33,19 +37,19 @@ _UNUSED = {
 
 
 def function_dataset(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
-    """A binary function in double precision, with its five lines of text."""
+    """Entries of a binary dataset 58 in double precision, with its five lines of text."""
     texts = {f"id{at}": " ".join(line.split())[:ID_LINE_WIDTH] or "NONE" for at, line in enumerate(lines, 1)}
     return {**_UNUSED, "type": FUNCTION_DATASET, "binary": 1, "load_case_id": 0, **texts, **entries}
 
 
 def text_in(entries: Mapping[str, Any], key: str) -> str:
-    """A text of a dataset; empty where there is none."""
+    """Text of an entry of a dataset; empty where there is none."""
     line = str(entries.get(key) or "").strip()
     return "" if line in _EMPTY else line
 
 
 def write_sets(sets: Iterable[Mapping[str, Any]], path: Path) -> None:
-    """Write datasets one behind the other, whole or not at all."""
+    """Write datasets one behind the other into a universal file, whole or not at all."""
     pyuff = import_extra("uff")
     with replacing(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")

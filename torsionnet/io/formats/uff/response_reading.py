@@ -1,4 +1,4 @@
-"""Datasets 58 of any origin put together to one matrix of transfer functions."""
+"""Frequency response put together from datasets 58 of any origin."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
 def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
-    """One response of all transfer functions; ModelError lists what does not fit, by the number of the dataset."""
+    """Frequency response of all transfer functions in a file; ModelError lists the datasets that do not fit."""
     numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION_DATASET]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
@@ -66,7 +66,7 @@ def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Faul
     if not np.array_equal(np.asarray(item["x"], dtype=float), matrix.frequencies):
         return [Fault(f"{label} has other frequencies than the first one")]
     if pair in matrix.pairs:
-        return [Fault(f"{label} is there twice")]
+        return [Fault(f"{label} is in the file twice")]
     try:
         (above, up), (below, down) = (
             _unit(item, axis, side) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
@@ -84,14 +84,16 @@ def _cohere(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[F
     pair, values = _pair(item), np.real(np.asarray(item["data"]))
     if pair not in matrix.pairs or len(values) != len(matrix.frequencies):
         return [
-            Fault(f"dataset {number}: a coherence of {pair[0]} and {pair[1]}, of which there is no response like it")
+            Fault(
+                f"dataset {number}: a coherence of {pair[0]} and {pair[1]} without a response at the same frequencies"
+            )
         ]
     matrix.pairs[pair].coherence = np.asarray(values, dtype=float)
     return []
 
 
 def _pair(item: dict[str, Any]) -> tuple[str, str]:
-    """Names as written here in the first line, or else entity, node and direction."""
+    """Names of output and input: as written here in the first line, or else entity, node and direction."""
     output, between, driven = text_in(item, "id1").partition(PAIR_SEPARATOR)
     return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
 
@@ -103,7 +105,7 @@ def _place(item: dict[str, Any], side: str) -> str:
 
 
 def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
-    """SI unit of one side and the factor to it: by its label, or by its code where it is a rotation."""
+    """SI unit of output or input and the factor to it: by its label, or by its code where it is a rotation."""
     label = text_in(item, f"{axis}_axis_units_lab")
     if not label:
         code = int(item.get(f"{axis}_spec_data_type") or 0)

@@ -1,4 +1,4 @@
-"""Universal files: units (dataset 164), the channels as nodes (15), and dataset 58 for the functions.
+"""Frequency responses in universal files: units (dataset 164), channels as nodes (15), functions (58).
 
 That is one of type 4 for every transfer function, of type 6 for its coherence. Both sides are rotations about the X
 axis (direction 4). An output and an input have the number of one node only if they have one name, as programs take such
@@ -33,15 +33,18 @@ from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, limit_line
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20
+"""Characters of the name of an entity, and of the label of a unit, in a dataset 58."""
 FREQUENCY_AXIS = 18
+"""Data type of an abscissa of frequencies."""
 _SI = {
     "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
     "temp_offset": 273.15,
 }  # fmt: skip
+"""Dataset of units: SI."""
 
 
 def read(path: Path) -> FrequencyResponse:
-    """All transfer functions of a universal file as one response."""
+    """Frequency response of all transfer functions in a universal file."""
     with open_foreign(path, "uff") as content:
         sets: list[dict[str, Any]] = [dict(item.attributes) for item in content.arrays[::2]]
         for number, item in enumerate(sets):
@@ -52,7 +55,7 @@ def read(path: Path) -> FrequencyResponse:
 
 
 def write(response: FrequencyResponse, path: Path) -> None:
-    """Binary datasets 58 in double precision."""
+    """Write a universal file of binary datasets 58 in double precision."""
     require_extra("uff")
     if len(response.frequencies) < 2:
         raise UsageError("a universal file takes responses at two frequencies or more; write an .npz or .csv file")
@@ -77,7 +80,7 @@ def _numbers(response: FrequencyResponse) -> dict[str, int]:
 
 
 def _nodes(response: FrequencyResponse) -> dict[str, Any]:
-    """A drivetrain has no places in space: its channels stand one behind the other on the axis."""
+    """Dataset of nodes: the channels one behind the other on the x axis, as a drivetrain has no places in space."""
     numbers = list(_numbers(response).values())
     aside = np.zeros(len(numbers))
     return {"type": 15, "node_nums": numbers, "x": np.arange(len(numbers), dtype=float), "y": aside, "z": aside}
