@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 import torsionnet as tn
 from torsionnet.symbolic.algebra import loops
-from torsionnet.symbolic.algebra.adjugate import bilinear, determinant, seen_from
+from torsionnet.symbolic.algebra.adjugate import bilinear, determinant, recursion_from
 from torsionnet.symbolic.algebra.algebras import NumericValues
 from torsionnet.symbolic.algebra.block_tree import is_forest, orient, roots_of
-from torsionnet.symbolic.algebra.loops import Split
+from torsionnet.symbolic.algebra.loops import SplitBlock
 from torsionnet.symbolic.algebra.network import Network, NetworkMember, Stiffness
 from torsionnet.symbolic.algebra.program import Program
-from torsionnet.symbolic.mechanical import single_edges
+from torsionnet.symbolic.tree_fraction import single_edges
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 30), deadline=None)
 COEFFICIENTS = [-3, -2, -1, 1, 1, 2, sympy.Rational(1, 3)]
@@ -136,8 +136,8 @@ class TestExactly:
         drawn.grounds(0.6)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(loops, "MOST_LOOPS", 0)
-            blocks = seen_from(drawn.names[0], drawn.network, Program()).solved.values()
-            assert not any(isinstance(block, Split) for block in blocks)
+            blocks = recursion_from(drawn.names[0], drawn.network, Program()).solved.values()
+            assert not any(isinstance(block, SplitBlock) for block in blocks)
             assert_exact(drawn)
 
     def test_a_block_that_nothing_holds(self):

@@ -18,7 +18,7 @@ from sympy import Rational, Symbol, simplify
 import torsionnet as tn
 from torsionnet.symbolic.algebra.block_tree import orient
 from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
-from torsionnet.symbolic.algebra.loops import tied
+from torsionnet.symbolic.algebra.loops import solve_block
 from torsionnet.symbolic.algebra.program import Program
 
 F = np.array([0.31, 3.3, 17.0, 61.0])
@@ -125,8 +125,8 @@ class TestEveryFormIsTheNumericResponse:
         elements.append(tn.Spring("x", nodes=("a", "d"), stiffness=321))
         model = tn.Drivetrain("dense", elements, parameters, inputs={"T": {"torque": "a"}})
         H = model.symbolic().transfer_function("torque(g4)", "T")
-        (block,) = orient(H.asked.mechanism.network, "a").below["a"]
-        assert isinstance(tied(block, {}, Program()), ExpandedBlock)
+        (block,) = orient(H.request.mechanism.network, "a").below["a"]
+        assert isinstance(solve_block(block, {}, Program()), ExpandedBlock)
         expected = model.frequency_response("torque(g4)", "T", F).values[:, 0, 0]
         assert_equal(H.evaluate(F).values[:, 0, 0], expected, "evaluate")
         assert_equal(run_code(H.python_code())(F), expected, "code")

@@ -120,10 +120,10 @@ def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[
     return tuple(value / lead for value in above), tuple(value / lead for value in below)
 
 
-def divided(numerator: Polynomial, denominator: Polynomial) -> tuple[Polynomial, Polynomial]:
+def divide_polynomials(numerator: Polynomial, denominator: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Quotient and remainder of a polynomial divided by a monic denominator.
 
-    >>> divided((Fraction(1), Fraction(0), Fraction(2)), (Fraction(3), Fraction(1)))
+    >>> divide_polynomials((Fraction(1), Fraction(0), Fraction(2)), (Fraction(3), Fraction(1)))
     ((Fraction(-6, 1), Fraction(2, 1)), (Fraction(19, 1),))
     """
     rest, degree = list(numerator), len(denominator) - 1

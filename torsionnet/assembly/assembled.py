@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from torsionnet.assembly.system import Assembly
 
 
-class Siblings:
+class SharedAssembly:
     """Latest assembly made by a model or by its changed copies, which share rows with it."""
 
     latest: Assembly | None = None
@@ -27,13 +27,13 @@ class AssembledModel(Model):
         """Assembly of the drivetrain: coordinates, rows and coefficients in numbers."""
         from torsionnet.assembly.system import assemble  # numpy, which checking a file does without
 
-        found = assemble(self.definition, self.exact_values, like=self._siblings.latest)
-        self._siblings.latest = found
+        found = assemble(self.definition, self.exact_values, like=self._shared.latest)
+        self._shared.latest = found
         return found
 
     @cached_property
-    def _siblings(self) -> Siblings:
-        return Siblings()
+    def _shared(self) -> SharedAssembly:
+        return SharedAssembly()
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
         """Changed copy of the model, whose assembly shares rows with the model's own where they are the same."""
@@ -44,5 +44,5 @@ class AssembledModel(Model):
         return self._sharing(super().operated(values))
 
     def _sharing(self, changed: Self) -> Self:
-        changed.__dict__["_siblings"] = self._siblings
+        changed.__dict__["_shared"] = self._shared
         return changed

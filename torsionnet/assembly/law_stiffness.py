@@ -95,7 +95,7 @@ class LawStiffness:
         values.imag = self.damping[variants].T * omega
         for law, sampled in self.sampled:
             values[law] += sampled[variants, places]
-        return replace(self, omega=omega, actions=actions).sampled_as(values)
+        return replace(self, omega=omega, actions=actions).with_sampled_stiffness(values)
 
     def variants(self, which: NDArray[np.intp]) -> LawStiffness:
         """Dynamic stiffness of selected variants, at the same frequencies."""
@@ -109,7 +109,7 @@ class LawStiffness:
             actions=tuple(values[which] for values in self.actions),
         )
 
-    def sampled_as(self, values: ComplexArray) -> LawStiffness:
+    def with_sampled_stiffness(self, values: ComplexArray) -> LawStiffness:
         """Dynamic stiffness given by values (n_laws, n_f) in N m/rad for one variant, at the same frequencies."""
         nothing = np.zeros((1, self.n_laws))
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
@@ -120,7 +120,7 @@ class LawStiffness:
         """Whether no law has damping, so that all dynamic stiffnesses are real."""
         return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
 
-    def gathered(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
+    def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
         """Dynamic stiffness of sums of laws, one sum for each of ``sources``: (law, factor), ..."""
         shape = (len(self.stiffness), len(sources))
         J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)

@@ -261,11 +261,11 @@ class _Sum:
         size = len(self.index)
         result = sympy.zeros(size, size)
         for place, groups in self.entries.items():
-            result[place] = collected(groups)
+            result[place] = collect_by_ratio(groups)
         return result
 
 
-def collected(groups: Mapping[Any, Any]) -> Any:
+def collect_by_ratio(groups: Mapping[Any, Any]) -> Any:
     """Sum of ratio * total over the groups, each total expanded by itself."""
     if not groups:
         return sympy.Integer(0)

@@ -10,8 +10,8 @@ from torsionnet.symbolic.algebra.algebras import InPowersOfS, S
 from torsionnet.symbolic.algebra.delay import refuse_delays
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.algebra.zero_tests import surely_zero
-from torsionnet.symbolic.numbers import first_term, lowest
-from torsionnet.symbolic.rational import factored, tidy
+from torsionnet.symbolic.numeric_evaluation import first_term, lowest_terms_in_s
+from torsionnet.symbolic.rational import factor_if_short, to_expression
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def static_gain(function: SymbolicFraction) -> Any:
     """Limit of a symbolic transfer function for s -> 0: an expression, zero or infinity."""
-    above, below = lowest(function, Program().leaf, surely_zero)
+    above, below = lowest_terms_in_s(function, Program().leaf, surely_zero)
     if above is None or above[0] > below[0]:
         return sympy.Integer(0)
     return sympy.oo if above[0] < below[0] else _quotient(above[1], below[1])
@@ -27,7 +27,7 @@ def static_gain(function: SymbolicFraction) -> Any:
 
 def low_frequency(function: SymbolicFraction) -> Any:
     """Leading term of a symbolic transfer function for s -> 0, gain * s^power."""
-    above, below = lowest(function, Program().leaf, surely_zero)
+    above, below = lowest_terms_in_s(function, Program().leaf, surely_zero)
     return sympy.Integer(0) if above is None else _quotient(above[1], below[1]) * S ** (above[0] - below[0])
 
 
@@ -49,5 +49,5 @@ def _quotient(above: Any, below: Any) -> Any:
     """Quotient of two program nodes as an expression, without common factors."""
     program = (above if isinstance(above, ProgramNode) else below).program
     numerator, denominator = program.reduced(above, below)
-    above, below = (tidy(node) for node in (numerator, denominator))
-    return factored(above / below)
+    above, below = (to_expression(node) for node in (numerator, denominator))
+    return factor_if_short(above / below)

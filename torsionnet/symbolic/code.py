@@ -12,13 +12,13 @@ import sympy
 from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import S
 from torsionnet.symbolic.algebra.delay import delays_of
-from torsionnet.symbolic.where import WhereTable, continued_table, where_table
+from torsionnet.symbolic.straight_line import WhereTable, continued_table, where_table
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-MOST_FACTORS = 25
+MOST_MULTIPLIED_COORDINATES = 25
 """Coordinates (roughly) from which the code uses the continued fraction: longer products may overflow floats."""
 
 
@@ -43,7 +43,7 @@ def python_code(function: SymbolicFraction, name: str) -> str:
             "import numpy as _np",
             "",
             "",
-            f"def {checked(name)}({_signature(function, arguments, tables)}):",
+            f"def {checked_identifier(name)}({_signature(function, arguments, tables)}):",
             *_docstring(function, bool(tables)),
             "    _s = 2j * _np.pi * _np.asarray(_f, dtype=float)",
             *_body(table, {**arguments, **tables, **factors, S: "_s"}),
@@ -53,15 +53,18 @@ def python_code(function: SymbolicFraction, name: str) -> str:
 
 
 def _table(function: SymbolicFraction) -> WhereTable:
-    if len(function.values) > 3 * MOST_FACTORS or len(function.steps.steps) > 20 * MOST_FACTORS:
+    if (
+        len(function.values) > 3 * MOST_MULTIPLIED_COORDINATES
+        or len(function.steps.steps) > 20 * MOST_MULTIPLIED_COORDINATES
+    ):
         return continued_table(function) or where_table(function)
     return where_table(function)
 
 
-def checked(name: str) -> str:
+def checked_identifier(name: str) -> str:
     """Name unchanged if it is a plain Python identifier, safe in source text; refused otherwise.
 
-    >>> checked("k_1")
+    >>> checked_identifier("k_1")
     'k_1'
     """
     if not IDENTIFIER.fullmatch(name) or keyword.iskeyword(name):
@@ -76,7 +79,7 @@ def _plain(names: dict[Any, str]) -> dict[Any, str]:
         wish = name.replace(".", "_")
         while wish in found.values():
             wish += "_"
-        found[owner] = checked(wish)
+        found[owner] = checked_identifier(wish)
     return found
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.symbolic.shown import latex
+from torsionnet.symbolic.formula_text import latex
 from torsionnet.symbolic.symbol_names import angle_latex, symbol_latex
 
 if TYPE_CHECKING:
@@ -29,17 +29,20 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
     if part in ("M", "C", "K", "H", "B"):
         return matrix_latex(getattr(system, part).tolist())
     if part == "q":
-        return column([angle_latex(name) for name in system.coordinates])
+        return column_latex([angle_latex(name) for name in system.coordinates])
     if part == "u":
-        return column([symbol_latex(name) for name in system.inputs])
+        return column_latex([symbol_latex(name) for name in system.inputs])
     if part:
-        raise UsageError(f'"{part}" is no part of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}')
-    terms = [f"{to_latex(system, key)} {dotted(system.coordinates, dots)}" for key, dots in DOTS.items()]
+        raise UsageError(
+            f'unknown part "{part}" of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}'
+        )
+    terms = [f"{to_latex(system, key)} {angle_derivatives(system.coordinates, dots)}" for key, dots in DOTS.items()]
     rest = complex_stiffness(system)
     terms += [f"{matrix_latex(rest.tolist())} {to_latex(system, 'q')}"] if any(rest) else []
     loads = [f"{to_latex(system, 'B')} {to_latex(system, 'u')}"] if system.inputs else []
     loads += [
-        f"{column([latex(value) for value in one.row])} {symbol_latex(f'T_{one.owner}')}" for one in system.actions
+        f"{column_latex([latex(value) for value in one.row])} {symbol_latex(f'T_{one.owner}')}"
+        for one in system.actions
     ]
     return f"{' + '.join(terms)} = {' + '.join(loads) or '0'}"
 
@@ -53,30 +56,30 @@ def complex_stiffness(system: SymbolicMatrices) -> Any:
 
 def matrix_latex(rows: list[list[Any]]) -> str:
     """LaTeX of rows of expressions as a matrix in square brackets."""
-    return bracketed([[latex(cell) for cell in row] for row in rows])
+    return bracketed_matrix([[latex(cell) for cell in row] for row in rows])
 
 
-def column(entries: list[str]) -> str:
+def column_latex(entries: list[str]) -> str:
     """LaTeX of entries as a column vector in square brackets."""
-    return bracketed([[entry] for entry in entries])
+    return bracketed_matrix([[entry] for entry in entries])
 
 
-def bracketed(rows: list[list[str]]) -> str:
+def bracketed_matrix(rows: list[list[str]]) -> str:
     r"""LaTeX of a matrix in square brackets from cells that are LaTeX already.
 
-    >>> print(bracketed([["a", "b"], ["c", "d"]]))
+    >>> print(bracketed_matrix([["a", "b"], ["c", "d"]]))
     \begin{bmatrix} a & b \\ c & d \end{bmatrix}
     """
     lines = r" \\ ".join(" & ".join(row) for row in rows)
     return rf"\begin{{bmatrix}} {lines} \end{{bmatrix}}"
 
 
-def dotted(coordinates: tuple[str, ...], dots: str) -> str:
+def angle_derivatives(coordinates: tuple[str, ...], dots: str) -> str:
     """LaTeX of the column of coordinate angles with a time derivative, such as ``\\ddot``."""
-    return column([dotted_angle(name, dots) for name in coordinates])
+    return column_latex([angle_derivative(name, dots) for name in coordinates])
 
 
-def dotted_angle(node: str, dots: str) -> str:
+def angle_derivative(node: str, dots: str) -> str:
     """LaTeX of the angle of a node with a time derivative, such as ``\\ddot``."""
     base, index = angle_latex(node).split("_", 1)
     return f"{dots}{{{base}}}_{index}" if dots else f"{base}_{index}"
@@ -104,7 +107,7 @@ def _terms(system: SymbolicMatrices, row: int) -> Iterator[str]:
     stiffness = system.K + complex_stiffness(system)
     for matrix, dots in ((system.M, r"\ddot"), (system.C, r"\dot"), (stiffness, "")):
         for place, name in enumerate(system.coordinates):
-            text = _signed(matrix[row, place], dotted_angle(name, dots))
+            text = _signed(matrix[row, place], angle_derivative(name, dots))
             if text:
                 yield text
 

@@ -11,7 +11,7 @@ import sympy
 from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import TermCounts
 from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
-from torsionnet.symbolic.shown import shown
+from torsionnet.symbolic.formula_text import for_display
 
 MOST_PRINTED = 100
 """Largest number of terms of an expanded quotient that is printed as text; longer ones print their length only."""
@@ -43,7 +43,7 @@ class Expanded:
         return f"<Expanded: {self.terms} terms>"
 
     def __str__(self) -> str:
-        return str(shown(self.expression)) if self.terms <= MOST_PRINTED else repr(self)
+        return str(for_display(self.expression)) if self.terms <= MOST_PRINTED else repr(self)
 
     @cached_property
     def expression(self) -> Any:

@@ -12,8 +12,8 @@ import sympy
 from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, TermCounts, in_s
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.algebra.zero_tests import surely_zero
-from torsionnet.symbolic.rational import factored, tidy
-from torsionnet.symbolic.shown import latex, polynomial_text, shown
+from torsionnet.symbolic.formula_text import for_display, latex, polynomial_text
+from torsionnet.symbolic.rational import factor_if_short, to_expression
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -75,7 +75,7 @@ class Factor:
             form = power.format("1 + 2*zeta*s/omega_n + s**2/omega_n**2")
             return f"{form} with omega_n = {_both(self.omega_n, values)} rad/s, zeta = {_both(self.zeta, values)}"
         return power.format(
-            polynomial_text(f"({shown(value)})" if n else "1" for n, value in enumerate(self.coefficients))
+            polynomial_text(f"({for_display(value)})" if n else "1" for n, value in enumerate(self.coefficients))
         )
 
 
@@ -83,7 +83,7 @@ def _both(expression: Any, values: Mapping[Any, Any]) -> str:
     """Text of an expression in symbols, and as a number where all symbols have values."""
     number = expression.xreplace(dict(values))
     in_figures = f"{float(number):.6g}" if number.is_real and not number.free_symbols else ""
-    in_symbols = str(shown(expression)) if expression.free_symbols or not in_figures else ""
+    in_symbols = str(for_display(expression)) if expression.free_symbols or not in_figures else ""
     return " = ".join(part for part in (in_symbols, in_figures) if part)
 
 
@@ -147,7 +147,7 @@ class Normalised:
 def normalised(function: SymbolicFraction) -> Normalised:
     """Normalised form of a transfer function, from the recursion's factors and those sympy finds in short ones."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
-    gain, power = factored(above[0] / below[0]), above[1] - below[1]
+    gain, power = factor_if_short(above[0] / below[0]), above[1] - below[1]
     return Normalised(gain, power, above[2], below[2], function.values)
 
 
@@ -171,7 +171,9 @@ def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, t
 def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
     """Irreducible factors of one program step, each as coefficients in s and a power."""
     (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
-    coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]
+    coefficients = [
+        sympy.Integer(0) if surely_zero(value) else to_expression(value) for value in polynomial.coefficients
+    ]
     (count,) = function.steps.run(TermCounts(), [function.steps.at(index)])
     whole = in_s(coefficients)
     if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):

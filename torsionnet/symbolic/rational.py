@@ -13,21 +13,21 @@ from torsionnet.symbolic.algebra.algebras import InPowersOfS, TermCounts, in_s
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.algebra.raw import RawExpressions
 from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
-from torsionnet.symbolic.shown import polynomial_latex, polynomial_text, where_text, with_where
+from torsionnet.symbolic.formula_text import polynomial_latex, polynomial_text, where_text, with_where
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
-SHORT = 60
+MOST_EXPANDED_COEFFICIENT_TERMS = 60
 """Largest number of terms of a coefficient that is written expanded; longer ones are written nested."""
-FEW = 4000
+MOST_TERMS_EXPANDED_WHOLE = 4000
 """Largest number of terms of a transfer function that is expanded as a whole first; more take too long."""
 
 
 class NamedCoefficients(Protocol):
     """Protocol of calculated polynomial coefficients that can be written as expressions."""
 
-    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Sympy coefficients of 1, s, s^2, ... of numerator and denominator."""
         ...
 
@@ -46,7 +46,7 @@ class Rational:
 
     @cached_property
     def _written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        above, below = (list(_trimmed(part)) for part in self.coefficients.written())
+        above, below = (list(_trimmed(part)) for part in self.coefficients.expressions())
         # A drivetrain that turns freely has powers of s above and below.
         while min(len(above), len(below)) > 1 and above[0] == 0 and below[0] == 0:
             del above[0], below[0]
@@ -118,23 +118,23 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 def rational(function: SymbolicFraction) -> Rational:
     """Polynomial form of a transfer function: coefficients expanded where short, else as a program of their own."""
     program, outputs = function.steps, [function.numerator, function.denominator]
-    if sum(program.run(TermCounts(), outputs)) <= FEW or len(function.free_symbols) <= 6:
+    if sum(program.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
         above, below = program.run(algebra, outputs)
-        return Rational(Flat(above, below, algebra))
+        return Rational(ExpandedCoefficients(above, below, algebra))
     polynomials = program.run(InPowersOfS(Program().leaf), outputs)
-    return Rational(Stepwise(*(polynomial.coefficients for polynomial in polynomials)))
+    return Rational(ProgramCoefficients(*(polynomial.coefficients for polynomial in polynomials)))
 
 
 @dataclass(frozen=True)
-class Flat:
+class ExpandedCoefficients:
     """Polynomial coefficients from fully expanded polynomials in parameters and s."""
 
     above: Sparse
     below: Sparse
     algebra: Monomials
 
-    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         depth = max(self.above.depth, self.below.depth)
         above, below = (
             tuple(
@@ -147,15 +147,15 @@ class Flat:
 
 
 @dataclass(frozen=True)
-class Stepwise:
+class ProgramCoefficients:
     """Polynomial coefficients as results of a straight-line program."""
 
     above: Sequence[Any]
     below: Sequence[Any]
 
-    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         nodes = [value for value in (*self.above, *self.below) if isinstance(value, ProgramNode)]
-        found = dict(zip((node.index for node in nodes), tidied(nodes), strict=True))
+        found = dict(zip((node.index for node in nodes), to_expressions(nodes), strict=True))
         above, below = (
             tuple(found[value.index] if isinstance(value, ProgramNode) else sympy.Integer(0) for value in part)
             for part in (self.above, self.below)
@@ -163,17 +163,17 @@ class Stepwise:
         return above, below
 
 
-def tidy(node: Any) -> Any:
+def to_expression(node: Any) -> Any:
     """Sympy expression of a program step: expanded if short, else nested."""
-    return tidied([node])[0]
+    return to_expressions([node])[0]
 
 
-def tidied(nodes: Sequence[ProgramNode]) -> list[Any]:
+def to_expressions(nodes: Sequence[ProgramNode]) -> list[Any]:
     """Sympy expressions of steps of one program: expanded if short, else nested."""
     program = nodes[0].program
     counts = program.run(TermCounts(), nodes)
-    short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= SHORT]
-    long = [node for node, terms in zip(nodes, counts, strict=True) if terms > SHORT]
+    short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= MOST_EXPANDED_COEFFICIENT_TERMS]
+    long = [node for node, terms in zip(nodes, counts, strict=True) if terms > MOST_EXPANDED_COEFFICIENT_TERMS]
     algebra = monomials_for(program.payloads(short))
     written = {
         node.index: algebra.expression(part.terms, part.scale**part.depth)
@@ -184,7 +184,7 @@ def tidied(nodes: Sequence[ProgramNode]) -> list[Any]:
     return [written[node.index] for node in nodes]
 
 
-def factored(expression: Any) -> Any:
+def factor_if_short(expression: Any) -> Any:
     """Factored form of a short real expression; longer or complex ones unchanged, as sympy takes too long on them."""
-    easy = not expression.has(sympy.I) and sympy.count_ops(expression) <= SHORT
+    easy = not expression.has(sympy.I) and sympy.count_ops(expression) <= MOST_EXPANDED_COEFFICIENT_TERMS
     return sympy.factor(expression) if easy else expression

@@ -28,7 +28,7 @@ from torsionnet.solve.modes.modes import modes, modes_against
 from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.symbolic.transfer_function import TransferFunction
 
-POINTS = 400
+COMPARISON_POINTS = 400
 """Number of frequencies in the band at which the responses are compared: more find narrower differences."""
 
 
@@ -153,7 +153,7 @@ def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple
         return lowest / 20, 2 * lowest
     low, high = band
     if not 0 < low < high < math.inf:
-        raise UsageError("band is two frequencies in Hz, 0 < low < high")
+        raise UsageError(f"band must be two frequencies in Hz with 0 < low < high, got {low:g}, {high:g}")
     return low, high
 
 
@@ -198,7 +198,7 @@ class _Reference:
     def __init__(self, drivetrain: AssembledModel, request: SimplificationRequest) -> None:
         self.request = request
         low, high = request.band
-        self.frequencies = np.geomspace(low, high, POINTS)
+        self.frequencies = np.geomspace(low, high, COMPARISON_POINTS)
         self.poles = [pole for pole in self._poles(drivetrain) if abs(pole) <= 2 * np.pi * high]
         if not self.poles:
             raise UsageError(f"there is no mode of vibration up to {high:g} Hz to be kept; widen band=")

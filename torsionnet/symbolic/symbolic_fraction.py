@@ -13,8 +13,8 @@ from torsionnet.response import Channel
 from torsionnet.symbolic.algebra.algebras import Expressions, Lengths
 from torsionnet.symbolic.algebra.network import Stiffness
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.continued_fraction import continued_fraction_expression
 from torsionnet.symbolic.symbolic_request import SymbolicRequest
-from torsionnet.symbolic.written import continued_expression
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class SymbolicFraction:
         Results of one program, common factors left out.
     values : dict
         Symbol -> exact rational value in the model.
-    asked : SymbolicRequest or None
+    request : SymbolicRequest or None
         The mechanism behind, for the continued fraction.
     tables : dict
         What depends on frequency by the symbolic function that stands for it, kappa(omega).
@@ -40,7 +40,7 @@ class SymbolicFraction:
     numerator: ProgramNode
     denominator: ProgramNode
     values: Mapping[Any, Any]
-    asked: SymbolicRequest | None = None
+    request: SymbolicRequest | None = None
     tables: Mapping[Any, Any] = field(default_factory=dict)
     title: str = ""
     notes: tuple[str, ...] = ()
@@ -92,11 +92,11 @@ class SymbolicFraction:
         return int(above.leaves + below.leaves)
 
     @cached_property
-    def continued(self) -> Any:
+    def continued_fraction(self) -> Any:
         """Continued fraction, a sympy expression; None where there are closed loops."""
-        return None if self.asked is None else continued_expression(self.asked)
+        return None if self.request is None else continued_fraction_expression(self.request)
 
     @property
     def mechanical(self) -> Any:
         """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
-        return self.nested if self.continued is None else self.continued
+        return self.nested if self.continued_fraction is None else self.continued_fraction

@@ -82,7 +82,7 @@ def resolve(
         return whole
     if vanishes(seen.numerator(measured[0], load)):
         felt = f"{request.names} does not feel the {request.excitations[0]}"
-        raise UsageError(f"{felt}: the transfer function against it does not exist")
+        raise UsageError(f"{felt}: the transfer function against it does not exist; choose another excitation")
     whole = replace(whole, measured=measured[0])
     kept = beyond_cut(drivetrain, request)
     return whole if kept is None else _of_cut(drivetrain, kept, request, whole, referred_to)

@@ -44,7 +44,7 @@ class SymbolicPart:
 
 
 @dataclass(frozen=True)
-class Reduced:
+class ReducedNetwork:
     """Network after contracting rigid rows, with the rows carried along and the factor of the determinant."""
 
     network: Network[Stiffness]
@@ -94,7 +94,7 @@ class Mechanism:
         members = tuple(NetworkMember(row, Stiffness(*parts)) for parts, row in laws if row)
         return Network(self.kinematics.coordinates, members)
 
-    def reduced(self, rows: Collection[SymbolRow], loose: int | None = None) -> Reduced:
+    def reduced(self, rows: Collection[SymbolRow], loose: int | None = None) -> ReducedNetwork:
         """Network with all rigid connections but ``loose`` contracted; the row of ``loose`` is appended to the rows."""
         rigid = {index: self.row(self.kinematics.constraints[index][1]) for index in self.loose}
         network, factor = self.network, ONE
@@ -105,7 +105,7 @@ class Mechanism:
             network, factor = contraction.network, factor * contraction.factor
             waiting = [contraction.row(row) for row in waiting]
             carried = [contraction.row(row) for row in carried]
-        return Reduced(network, tuple(carried), factor)
+        return ReducedNetwork(network, tuple(carried), factor)
 
     def determinant(self, load: SymbolRow) -> ProgramNode:
         """Determinant of the dynamic stiffness, det D, as a program node."""

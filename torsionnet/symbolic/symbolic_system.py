@@ -18,10 +18,15 @@ from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import ask
 from torsionnet.symbolic.algebra.delay import Delay, delay_symbol
 from torsionnet.symbolic.algebra.program import ProgramNode
-from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
+from torsionnet.symbolic.imposed_angles import (
+    hold_imposed_angles,
+    is_imposed,
+    require_one_channel_each,
+    without_imposed_angles,
+)
 from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
 from torsionnet.symbolic.transfer_function import TransferFunction
-from torsionnet.symbolic.transfer_matrix import TransferMatrix, over_measured
+from torsionnet.symbolic.transfer_matrix import TransferMatrix, measured_transfer_matrix
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.simplified import Simplified
@@ -66,13 +71,13 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
-        single(output, input)
-        request = posed(drivetrain, output, input, excitation)
+        require_one_channel_each(output, input)
+        request = without_imposed_angles(drivetrain, output, input, excitation)
         memo = self.memo if request.drivetrain is drivetrain else None
         asked = resolve(request.drivetrain, output, request.input, request.excitation, self.referred_to, memo)
         if request.channel is not None:
             asked = replace(asked, channels=(asked.channels[0], request.channel))
-        return replace(self._written(asked.channels, *_fraction(asked), asked.notes), asked=asked)
+        return replace(self._written(asked.channels, *_fraction(asked), asked.notes), request=asked)
 
     def transfer_matrix(
         self,
@@ -96,7 +101,7 @@ class SymbolicSystem(SymbolicMatrices):
         drivetrain = self._model
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
-            return over_measured(drivetrain, request, self._written)
+            return measured_transfer_matrix(drivetrain, request, self._written)
         given = excitation if isinstance(excitation, str | Input | None) else excitation[0]
         source = given if request.is_measured else None
         return TransferMatrix(
@@ -171,7 +176,7 @@ class SymbolicSystem(SymbolicMatrices):
     @property
     def _model(self) -> AssembledModel:
         if self.drivetrain is None:
-            raise TypeError("these matrices do not know their drivetrain")
+            raise TypeError("this SymbolicSystem has no drivetrain; make it with Drivetrain.symbolic()")
         return self.drivetrain
 
 
@@ -201,6 +206,6 @@ def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
 def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:
     """Symbolic matrices and transfer functions of a drivetrain; see :meth:`torsionnet.Drivetrain.symbolic`."""
     names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
-    matrices = symbolic_matrices(at_rest(drivetrain) if is_imposed(drivetrain) else drivetrain, names)
+    matrices = symbolic_matrices(hold_imposed_angles(drivetrain) if is_imposed(drivetrain) else drivetrain, names)
     content = {entry.name: getattr(matrices, entry.name) for entry in fields(SymbolicMatrices)}
     return SymbolicSystem(**content, drivetrain=drivetrain, referred_to=tuple(names))

@@ -12,18 +12,18 @@ from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
-from torsionnet.symbolic.algebra.algebras import Changed, Derivatives
+from torsionnet.symbolic.algebra.algebras import Derivatives, SubstitutedLeaves
 from torsionnet.symbolic.algebra.delay import refuse_delays
 from torsionnet.symbolic.algebra.program import Program
-from torsionnet.symbolic.readable import require_readable, require_short
-from torsionnet.symbolic.shown import latex, shown, with_where
+from torsionnet.symbolic.formula_text import for_display, latex, with_where
+from torsionnet.symbolic.length_limits import require_readable, require_short
 from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.expanded import Expanded
     from torsionnet.symbolic.normalised import Normalised
     from torsionnet.symbolic.rational import Rational
-    from torsionnet.symbolic.where import WhereTable
+    from torsionnet.symbolic.straight_line import WhereTable
 
 MOST_PRINTED = 60
 """Largest number of operations of a transfer function that is printed in one line."""
@@ -69,7 +69,7 @@ class TransferFunction(SymbolicFraction):
     @cached_property
     def program(self) -> WhereTable:
         """Straight-line program of the function: every intermediate result once, under a name."""
-        from torsionnet.symbolic.where import where_table
+        from torsionnet.symbolic.straight_line import where_table
 
         return where_table(self)
 
@@ -130,7 +130,7 @@ class TransferFunction(SymbolicFraction):
         above, below = self.steps.run(algebra, [self.numerator, self.denominator])
         numerator = above.slope * below.value + below.slope * above.value * -1
         numerator, denominator = program.reduced(numerator, below.value * below.value)
-        return replace(self, numerator=numerator, denominator=denominator, asked=None)
+        return replace(self, numerator=numerator, denominator=denominator, request=None)
 
     def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:
         """Transfer function with numbers (exact: 0.5 becomes 1/2) or sympy expressions for parameters."""
@@ -155,13 +155,13 @@ class TransferFunction(SymbolicFraction):
             return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
 
         program = Program()
-        nodes = self.steps.run(Changed(program, change), [self.numerator, self.denominator])
+        nodes = self.steps.run(SubstitutedLeaves(program, change), [self.numerator, self.denominator])
         numerator, denominator = program.reduced(*nodes)
-        asked = None if self.asked is None else self.asked.changed(change)
+        request = None if self.request is None else self.request.changed(change)
         tables = {
             name: table.with_coefficients(*map(change, table.coefficients)) for name, table in self.tables.items()
         }
-        return replace(self, numerator=numerator, denominator=denominator, asked=asked, tables=tables)
+        return replace(self, numerator=numerator, denominator=denominator, request=request, tables=tables)
 
     def _symbol(self, name: str) -> Any:
         known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}
@@ -179,7 +179,7 @@ class TransferFunction(SymbolicFraction):
         >>> round(float(abs(H.evaluate([8.116]).values.item())) * 57.29578, 4)
         0.2519
         """
-        from torsionnet.symbolic.numbers import evaluate
+        from torsionnet.symbolic.numeric_evaluation import evaluate
 
         return evaluate(self, frequencies, {self._symbol(name): value for name, value in parameters.items()})
 
@@ -207,7 +207,7 @@ class TransferFunction(SymbolicFraction):
         """
         if form == "mechanical":
             require_short(self, MOST_LEAVES)
-            return str(shown(self.mechanical))
+            return str(for_display(self.mechanical))
         if form in ("polynomial", "normalised"):
             require_readable(self)
         if form in FORMS:
@@ -215,7 +215,7 @@ class TransferFunction(SymbolicFraction):
         if form == "python":
             return self.python_code()
         known = (*FORMS, "python")
-        raise UsageError(f'"{form}" is no form{did_you_mean(form, known)}; choose {", ".join(known)}')
+        raise UsageError(f'unknown form "{form}"{did_you_mean(form, known)}; choose {", ".join(known)}')
 
     def to_latex(self, form: str = "mechanical") -> str:
         """LaTeX of one form of the transfer function: mechanical, polynomial, normalised, program or expanded.
@@ -236,7 +236,7 @@ class TransferFunction(SymbolicFraction):
             return with_where(latex(result), table)
         if form == "expanded":
             return latex(self.expanded().expression)
-        raise UsageError(f'"{form}" is no form{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}')
+        raise UsageError(f'unknown form "{form}"{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}')
 
     def _repr_latex_(self) -> str | None:
         form = self._short_form
@@ -259,7 +259,7 @@ class TransferFunction(SymbolicFraction):
         """Mechanical form of the transfer function if short, else its straight-line program."""
         names = "/".join(channel.name for channel in self.channels)
         if self._short_form == "mechanical":
-            return f"{names} = {shown(self.mechanical)}"
+            return f"{names} = {for_display(self.mechanical)}"
         if self._short_form == "program":
             return f"{names} = {self.program}"
         return f"{names}: {self.program.operations} operations; print its .program, or ask for .python_code()"

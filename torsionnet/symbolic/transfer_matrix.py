@@ -25,7 +25,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.symbolic.active_mechanism import mechanism
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.algebra.zero_tests import vanishes
-from torsionnet.symbolic.imposed import at_rest, is_imposed
+from torsionnet.symbolic.imposed_angles import hold_imposed_angles, is_imposed
 from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolic.transfer_function import TransferFunction
 
@@ -105,11 +105,11 @@ def _place(key: int | str, names: Sequence[str]) -> int:
     if isinstance(key, int):
         return key
     if key not in names:
-        raise UsageError(f'nothing is named "{key}"{did_you_mean(key, names)}; there is {", ".join(names)}')
+        raise UsageError(f'no row or column is named "{key}"{did_you_mean(key, names)}; choose {", ".join(names)}')
     return names.index(key)
 
 
-def over_measured(drivetrain: AssembledModel, request: TransferRequest, write: Write) -> TransferMatrix:
+def measured_transfer_matrix(drivetrain: AssembledModel, request: TransferRequest, write: Write) -> TransferMatrix:
     """Transfer functions against several measured inputs under as many excitations.
 
     ``write`` makes a transfer function of channels, numerator and denominator.
@@ -136,7 +136,7 @@ def _mechanism(
     drivetrain: AssembledModel, driven: Input | None, sensors: Sequence[Sensor], program: Program
 ) -> Mechanism:
     """Mechanism of the drivetrain with all imposed angles at rest except that of ``driven``."""
-    system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
+    system = hold_imposed_angles(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
     return mechanism(system, loose=loose_constraints(system, sensors), program=program)
 
 
@@ -146,7 +146,9 @@ def _by_cramer(
     above, below = readings[: len(request.outputs)], readings[len(request.outputs) :]
     whole = _determinant(program, below)
     if vanishes(whole):
-        raise UsageError("the measured inputs do not tell the excitations apart: the transfer functions do not exist")
+        raise UsageError(
+            "the measured inputs depend on each other under these excitations: no transfer functions exist; measure elsewhere"
+        )
     return TransferMatrix(
         tuple(
             tuple(

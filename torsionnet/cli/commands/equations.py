@@ -117,8 +117,6 @@ class EquationsCommand(ModelCommand):
 
 def equations_text(rig: Drivetrain) -> str:
     """Text of the equations of motion, of the angles of dependent nodes, and of terms taken to be zero."""
-    from torsionnet.symbolic.shown import shown
-
     system = rig.symbolic()
     lines = [f"{rig.title}: equations of motion (' is d/dt)"]
     for name, equation in zip(system.coordinates, system.equations(), strict=True):
@@ -126,7 +124,7 @@ def equations_text(rig: Drivetrain) -> str:
     for one, law in zip(system.actions, system.laws(), strict=True):
         lines += [f"{one.owner}:", *_folded(law)]
     others = [f"theta_{node} = {text}" for node, text in _dependent(system).items()]
-    others += [f"{name} = {shown(formula)}" for name, formula in system.formulas.items()]
+    others += [f"{name} = {for_display(formula)}" for name, formula in system.formulas.items()]
     lines += ["where", *(f"    {text}" for text in others)] if others else []
     if system.conditions:
         lines += ["taking the values into account:", *(f"    {condition} = 0" for condition in system.conditions)]

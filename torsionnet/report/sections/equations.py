@@ -28,8 +28,15 @@ from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, 
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import plain
 from torsionnet.report.widths import FORMULA, MATRIX, letters, matrix_letters
-from torsionnet.symbolic.equations import bracketed, column, complex_stiffness, equation_terms, matrix_latex, to_latex
-from torsionnet.symbolic.shown import latex
+from torsionnet.symbolic.equations import (
+    bracketed_matrix,
+    column_latex,
+    complex_stiffness,
+    equation_terms,
+    matrix_latex,
+    to_latex,
+)
+from torsionnet.symbolic.formula_text import latex
 from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:
@@ -112,7 +119,7 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
     dynamic = complex_stiffness(system)
     terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
     loads = [r"\mathbf{B}\,\mathbf{u}"] if system.inputs else []
-    loads += [rf"{column([latex(value) for value in one.row])}\,{_torque(one)}" for one in system.actions]
+    loads += [rf"{column_latex([latex(value) for value in one.row])}\,{_torque(one)}" for one in system.actions]
     load = " + ".join(loads) or r"\mathbf{0}"
     q = to_latex(system, "q")
     blocks: list[Block] = [Paragraph(("In matrices:",))]
@@ -132,7 +139,7 @@ def _laws(system: SymbolicSystem) -> list[Block]:
 
     found: list[Block] = []
     for one in system.actions:
-        sensed = column([latex(value) for value in one.sensed])
+        sensed = column_latex([latex(value) for value in one.sensed])
         law = latex(one.law(sympy.Symbol("s")))
         found.append(Formula(rf"{_torque(one)} = {law}\,{sensed}^{{\mathsf{{T}}}}\,{to_latex(system, 'q')}"))
     return found
@@ -181,7 +188,7 @@ def numbers_latex(matrix: FloatArray) -> str:
     power = 3 * math.floor(math.log10(sizes.max()) / 3)
     power = power if abs(power) > 3 else 0
     rows = [[_cell(value / 10.0**power) for value in row] for row in matrix.tolist()]
-    return (rf"10^{{{power}}} \cdot " if power else "") + bracketed(rows)
+    return (rf"10^{{{power}}} \cdot " if power else "") + bracketed_matrix(rows)
 
 
 def _cell(value: float) -> str:
@@ -190,7 +197,9 @@ def _cell(value: float) -> str:
 
 
 def _number_width(matrix: FloatArray) -> int:
-    return sum(max((len(f"{value:.4g}") for value in column), default=0) + 2 for column in matrix.T.tolist())
+    return sum(
+        max((len(f"{value:.4g}") for value in column_latex), default=0) + 2 for column_latex in matrix.T.tolist()
+    )
 
 
 def _entries(subject: ReportData) -> list[Block]:

@@ -32,7 +32,7 @@ from torsionnet.report.widths import FORMULA, letters
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
-from torsionnet.symbolic.shown import latex, polynomial_latex
+from torsionnet.symbolic.formula_text import latex, polynomial_latex
 from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:

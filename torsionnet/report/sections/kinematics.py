@@ -22,7 +22,7 @@ from torsionnet.report.report_data import FEW_CASES, Form, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import named_first, plain
 from torsionnet.report.widths import letters
-from torsionnet.symbolic.shown import latex
+from torsionnet.symbolic.formula_text import latex
 from torsionnet.symbolic.symbol_names import angle_latex
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from torsionnet.report.report_data import MOST_SYMBOLIC, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import named_first, pair_latex, quotient_latex
 from torsionnet.report.widths import FORMULA, letters
-from torsionnet.symbolic.shown import latex
+from torsionnet.symbolic.formula_text import latex
 
 if TYPE_CHECKING:
     from torsionnet.model.report import Pair

@@ -17,7 +17,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsionnet.assembly.action_law import ActionLaw, divided
+from torsionnet.assembly.action_law import ActionLaw, divide_polynomials
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
@@ -61,7 +61,7 @@ def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
     UsageError
         A law that grows quicker with frequency than can be followed in time.
     """
-    whole, rest = divided(action.numerator, action.denominator)
+    whole, rest = divide_polynomials(action.numerator, action.denominator)
     if len(whole) > HIGHEST + 1:
         text = "its law grows quicker with frequency than the acceleration of what it senses; give it a filter"
         raise UsageError(f"{action.owner}: {text}")

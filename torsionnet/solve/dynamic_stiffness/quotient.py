@@ -75,7 +75,7 @@ def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness
     for (excitations, part), table in zip(parts, tables, strict=True):
         if table is None:
             return None
-        slots = kappa.gathered(part.plan.sources)
+        slots = kappa.law_sums(part.plan.sources)
         found, conditioning, lost = compiled.read(part.tape, slots, table, kappa.only(table.laws))
         doubtful |= lost | part.plan.subtracts
         if len(parts) == 1:

@@ -87,7 +87,7 @@ def _respond(problem: ResponseProblem, kappa: LawStiffness, walk: Walk) -> Sweep
     doubtful = np.zeros(kappa.n_points, dtype=bool)
     with np.errstate(all="ignore"):
         for excitations, part in problem.parts:
-            found, lost = walk(part.tape, kappa.gathered(part.plan.sources))
+            found, lost = walk(part.tape, kappa.law_sums(part.plan.sources))
             values[:, excitations] = found.reshape(problem.n_read, len(excitations), kappa.n_points)
             doubtful |= lost | part.plan.subtracts
     return Sweep(values, doubtful | ~np.isfinite(values).all(axis=(0, 1)))

@@ -90,7 +90,7 @@ def expected_errors(
     error = np.where(np.isfinite(values), 0.0, np.inf)
     for draw in range(DRAWS):
         moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
-        again = evaluate(kappa.sampled_as(moved), draw % 2 > 0)
+        again = evaluate(kappa.with_sampled_stiffness(moved), draw % 2 > 0)
         with np.errstate(all="ignore"):
             change = np.abs(again - values) / np.abs(values)
         change[again == values] = 0.0

@@ -133,7 +133,7 @@ class ResponsesAroundPoles:
         """
         kappa = self.system.kappa(s, at)
         nothing = np.zeros((1, len(kappa)))
-        laws = LawStiffness(nothing, nothing, nothing, np.zeros(len(s))).sampled_as(kappa)
+        laws = LawStiffness(nothing, nothing, nothing, np.zeros(len(s))).with_sampled_stiffness(kappa)
         solved = respond(probes.problem, laws).values
         y, rates = probes.values(solved, s), self.system.kappa_rates(s, at)
         parts = [probes.slopes(solved, self.system, kappa, s, at)]

@@ -171,7 +171,7 @@ class Derivatives:
 
 
 @dataclass(frozen=True)
-class Changed:
+class SubstitutedLeaves:
     """Algebra that copies a program with a substitution in its leaves."""
 
     program: Program
@@ -190,19 +190,19 @@ def stiffness_or_zero(*parts: Any) -> Any:
     return Stiffness(*parts) if any(part != 0 for part in parts) else 0
 
 
-def evaluated(expression: Any, element: Callable[[Any], Any]) -> Any:
+def evaluate_expression(expression: Any, element: Callable[[Any], Any]) -> Any:
     """Value of an expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
 
     Sums, products and whole powers are done in the algebra itself.
     """
     if isinstance(expression, sympy.Add | sympy.Mul):
-        parts = [evaluated(part, element) for part in expression.args]
+        parts = [evaluate_expression(part, element) for part in expression.args]
         result = parts[0]
         for part in parts[1:]:
             result = result + part if isinstance(expression, sympy.Add) else result * part
         return result
     if isinstance(expression, sympy.Pow) and expression.exp.is_Integer:
-        base = evaluated(expression.base, element)
+        base = evaluate_expression(expression.base, element)
         power = _power(base, abs(int(expression.exp)))
         return power if expression.exp > 0 else element(sympy.Integer(1)) / power
     return element(expression)
@@ -229,7 +229,7 @@ class NumericValues:
         if isinstance(payload, Stiffness):
             k, c, j = (self.leaf(part) for part in payload.parts)
             return k + self.s * (c + self.s * j)
-        return evaluated(payload, self._element)
+        return evaluate_expression(payload, self._element)
 
     def _element(self, expression: Any) -> Any:
         if expression.is_Rational:
@@ -237,5 +237,5 @@ class NumericValues:
         if expression in self.values:
             return self.values[expression]
         if isinstance(expression, sympy.Pow):  # a root
-            return evaluated(expression.base, self._element) ** float(expression.exp)
+            return evaluate_expression(expression.base, self._element) ** float(expression.exp)
         return complex(expression) if expression.has(sympy.I) else self.number(Fraction(repr(float(expression))))

@@ -16,9 +16,9 @@ from math import comb
 from torsionnet.symbolic.algebra.block_tree import GraphBlock
 from torsionnet.symbolic.algebra.bundle import Quotient, sum_of_quotients
 from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
-from torsionnet.symbolic.algebra.network import ONE, Contraction, Network, NetworkMember, SymbolRow, added_up
+from torsionnet.symbolic.algebra.network import ONE, Contraction, Network, NetworkMember, SymbolRow, add_parallel_laws
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.algebra.recursion import Recursion, Solved
+from torsionnet.symbolic.algebra.recursion import Recursion, SolvedBlock
 
 MOST_LOOPS = 3
 """Largest number of loops solved by deletion and contraction; more are left to the characteristic polynomial."""
@@ -26,12 +26,12 @@ MOST_FORESTS = 2000
 """Largest number of forests that deletion and contraction may lead to in one block: the length of the result."""
 
 
-def tied(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> Solved:
+def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
     """Solved block of more than two coordinates, with all that hangs on it."""
     loops = loops_of(block)
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
         return ExpandedBlock(block, hanging, program)
-    return Split(block, hanging, program)
+    return SplitBlock(block, hanging, program)
 
 
 def loops_of(block: GraphBlock[Quotient]) -> int:
@@ -42,13 +42,13 @@ def loops_of(block: GraphBlock[Quotient]) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class Split:
+class SplitBlock:
     """Block solved by splitting off one law: without that law, and with its motion constrained to zero."""
 
     block: GraphBlock[Quotient]
     hanging: Mapping[str, Quotient]
     program: Program
-    others: dict[str, Split] = field(default_factory=dict)
+    others: dict[str, SplitBlock] = field(default_factory=dict)
 
     @cached_property
     def network(self) -> Network[Quotient]:
@@ -68,12 +68,12 @@ class Split:
 
     @cached_property
     def deleted(self) -> Recursion:
-        return Recursion(self.network.without(self.member), self.program, self.block.top, tied)
+        return Recursion(self.network.without(self.member), self.program, self.block.top, solve_block)
 
     @cached_property
     def contracted(self) -> Recursion:
-        network = added_up(self.contraction.network, lambda laws: sum_of_quotients(laws, self.program))
-        return Recursion(network, self.program, self.block.top, tied)
+        network = add_parallel_laws(self.contraction.network, lambda laws: sum_of_quotients(laws, self.program))
+        return Recursion(network, self.program, self.block.top, solve_block)
 
     @cached_property
     def weight(self) -> ProgramNode:

@@ -46,7 +46,9 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
                 found[now] = found[now] + term if now in found else term
                 steps += 1
         if steps > MOST_MINORS:
-            raise UsageError("the loops are too tangled for symbols; evaluate frequency_response instead")
+            raise UsageError(
+                "the closed loops have too many terms for a symbolic formula; use frequency_response instead"
+            )
         minors = found
     return minors.get((1 << len(rows)) - 1, program.leaf(0))
 

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 import sympy
 
-from torsionnet.assembly.symbolic import collected
+from torsionnet.assembly.symbolic import collect_by_ratio
 
 SymbolRow: TypeAlias = Mapping[str, Any]
 """Row over coordinates with sympy coefficients, none of them zero."""
@@ -68,7 +68,9 @@ class Network(Generic[L]):
         """
         pivot = self._pivot(row, keep)
         solution = {name: -value / row[pivot] for name, value in row.items() if name != pivot}
-        members = [NetworkMember(substituted(member.row, pivot, solution), member.law) for member in self.members]
+        members = [
+            NetworkMember(substitute_coordinate(member.row, pivot, solution), member.law) for member in self.members
+        ]
         rest = tuple(name for name in self.coordinates if name != pivot)
         left = Network(rest, tuple(member for member in members if member.row))
         idle = tuple(member.law for member in members if not member.row)
@@ -102,10 +104,10 @@ class Contraction(Generic[L]):
 
     def row(self, row: SymbolRow) -> SymbolRow:
         """Row over the remaining coordinates from a row over all coordinates."""
-        return substituted(row, self.pivot, self.solution)
+        return substitute_coordinate(row, self.pivot, self.solution)
 
 
-def added_up(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
+def add_parallel_laws(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
     """Network with the laws on parallel rows added up; ``total`` adds laws, each on a multiple of one row."""
     groups: dict[tuple[tuple[str, Any], ...], list[tuple[L, Any]]] = {}
     for member in network.members:
@@ -125,7 +127,7 @@ def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str,
     return tuple((name, row[name] / first) for name in sorted(names)), first
 
 
-def reflected(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
+def reflected_sum(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
     """Sum of law * ratio^2, each term collected by the ratios it is reflected with."""
     total = _Collected()
     for law, ratio in laws:
@@ -147,7 +149,7 @@ class _Collected:
                 groups[reflected] = groups[reflected] + more if reflected in groups else more
 
     def law(self) -> Stiffness:
-        return Stiffness(*(collected(groups) for groups in self.parts))
+        return Stiffness(*(collect_by_ratio(groups) for groups in self.parts))
 
 
 def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
@@ -159,7 +161,7 @@ def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
     return {name: value for name, value in total.items() if not vanishes(value)}
 
 
-def substituted(row: SymbolRow, pivot: str, solution: SymbolRow) -> SymbolRow:
+def substitute_coordinate(row: SymbolRow, pivot: str, solution: SymbolRow) -> SymbolRow:
     """Row with one coordinate replaced by its expression in the others."""
     if pivot not in row:
         return row

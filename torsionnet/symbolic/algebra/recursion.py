@@ -27,7 +27,7 @@ from torsionnet.symbolic.algebra.network import Network, SymbolRow
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 
-class Solved(Protocol):
+class SolvedBlock(Protocol):
     """Protocol of a solved block: determinants and readings of the block with all that hangs on it."""
 
     @property
@@ -49,7 +49,7 @@ class Solved(Protocol):
         ...
 
 
-Tied: TypeAlias = Callable[[GraphBlock[Quotient], Mapping[str, Quotient], Program], Solved]
+BlockSolver: TypeAlias = Callable[[GraphBlock[Quotient], Mapping[str, Quotient], Program], SolvedBlock]
 """Function that solves a block of more than two coordinates, with all that hangs on it."""
 
 
@@ -60,10 +60,10 @@ class Recursion:
     network: Network[Quotient]
     program: Program
     root: str
-    tied: Tied
+    solve_block: BlockSolver
     A: dict[str, ProgramNode] = field(default_factory=dict)
     Q: dict[str, ProgramNode] = field(default_factory=dict)
-    solved: dict[GraphBlock[Quotient], Solved] = field(default_factory=dict)
+    solved: dict[GraphBlock[Quotient], SolvedBlock] = field(default_factory=dict)
 
     @cached_property
     def tree(self) -> Orientation[Quotient]:
@@ -88,7 +88,7 @@ class Recursion:
         """Product of the determinants of all parts not connected to the root."""
         result = self.program.leaf(1)
         for other in roots_of(self.network, self.root)[1:]:
-            result = result * Recursion(self.network, self.program, other, self.tied).A[other]
+            result = result * Recursion(self.network, self.program, other, self.solve_block).A[other]
         return result
 
     def _eliminate(self, name: str) -> None:
@@ -103,11 +103,11 @@ class Recursion:
             total = total + own.below * self.solved[block].free * rest
         self.A[name] = total
 
-    def _solve(self, block: GraphBlock[Quotient]) -> Solved:
+    def _solve(self, block: GraphBlock[Quotient]) -> SolvedBlock:
         hanging = {name: Quotient(self.A[name], self.Q[name]) for name in block.below}
         if block.is_bundle:
             return Bundle(block, hanging[block.below[0]], self.program)
-        return self.tied(block, hanging, self.program)
+        return self.solve_block(block, hanging, self.program)
 
     def _ground(self, name: str) -> Quotient:
         return sum_of_quotients([(law, 1) for law in self.network.grounds.get(name, ())], self.program)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
-NOTHING = -(10**9)
+ZERO_EXPONENT = -(10**9)
 """Exponent of an exact zero, below that of any other number."""
-ROUNDING = 2.0**-51
+OPERATION_ROUNDING = 2.0**-51
 """Relative rounding error of one operation with complex doubles, 4 times their unit roundoff 2^-53."""
 
 
@@ -41,7 +41,7 @@ class Scaled:
         self.mantissa: NDArray[np.complex128] = mantissa * down
         self.error: NDArray[np.float64] = error * down
         # A zero of which something may be left by rounding keeps its exponent.
-        self.exponent = np.where(nothing & (error == 0), NOTHING, exponent + shift)
+        self.exponent = np.where(nothing & (error == 0), ZERO_EXPONENT, exponent + shift)
 
     @classmethod
     def of(cls, array: Any) -> Scaled:
@@ -55,7 +55,7 @@ class Scaled:
         shift = value.numerator.bit_length() - value.denominator.bit_length()
         exact = value / Fraction(2) ** shift
         mantissa = float(exact)
-        error = 0.0 if mantissa == exact else ROUNDING * abs(mantissa)
+        error = 0.0 if mantissa == exact else OPERATION_ROUNDING * abs(mantissa)
         return cls(np.array([mantissa + 0j]), np.array([shift], dtype=np.int64), np.array([error]))
 
     def __add__(self, other: Scaled) -> Scaled:
@@ -63,18 +63,20 @@ class Scaled:
         first = np.exp2(np.maximum(self.exponent - top, -2000))
         second = np.exp2(np.maximum(other.exponent - top, -2000))
         total = self.mantissa * first + other.mantissa * second
-        return Scaled(total, top, self.error * first + other.error * second + ROUNDING * np.abs(total))
+        return Scaled(total, top, self.error * first + other.error * second + OPERATION_ROUNDING * np.abs(total))
 
     def __mul__(self, other: Scaled) -> Scaled:
         first, second = np.abs(self.mantissa), np.abs(other.mantissa)
-        error = first * other.error + second * self.error + self.error * other.error + ROUNDING * first * second
+        error = (
+            first * other.error + second * self.error + self.error * other.error + OPERATION_ROUNDING * first * second
+        )
         return Scaled(self.mantissa * other.mantissa, self.exponent + other.exponent, error)
 
     def __truediv__(self, other: Scaled) -> Scaled:
         with np.errstate(divide="ignore", invalid="ignore"):
             quotient = np.where(other.mantissa == 0, np.inf + 0j, self.mantissa / other.mantissa)
             size = np.abs(quotient)
-            error = (self.error + size * other.error) / np.abs(other.mantissa) + ROUNDING * size
+            error = (self.error + size * other.error) / np.abs(other.mantissa) + OPERATION_ROUNDING * size
         exponent = self.exponent - other.exponent
         result = Scaled.__new__(Scaled)
         result.mantissa, result.exponent = quotient, np.where(other.mantissa == 0, 0, exponent)
@@ -83,7 +85,7 @@ class Scaled:
 
     def __pow__(self, power: float) -> Scaled:
         result = Scaled.of(self.array() ** power)
-        result.error = (abs(power) * self.relative_error() + ROUNDING) * np.abs(result.mantissa)
+        result.error = (abs(power) * self.relative_error() + OPERATION_ROUNDING) * np.abs(result.mantissa)
         return result
 
     def array(self) -> ComplexArray:

@@ -14,16 +14,16 @@ import sympy
 from torsionnet.symbolic.algebra.algebras import S
 from torsionnet.symbolic.algebra.network import Stiffness
 
-BITS = 12
+EXPONENT_BITS = 12
 """Bits of a packed monomial for the exponent of one generator: exponents up to 4095."""
-MASK = (1 << BITS) - 1
+EXPONENT_MASK = (1 << EXPONENT_BITS) - 1
 
 
 class Sparse:
     """Sparse polynomial: sum of integer * monomial, over scale^depth.
 
-    A monomial is one integer, with ``BITS`` bits for the exponent of each generator, so that monomials multiply by
-    adding. Fractions are kept out: all numbers have one common denominator, the scale.
+    A monomial is one integer, with ``EXPONENT_BITS`` bits for the exponent of each generator, so that monomials multiply
+    by adding. Fractions are kept out: all numbers have one common denominator, the scale.
     """
 
     __slots__ = ("depth", "scale", "terms")
@@ -74,7 +74,7 @@ class Monomials:
 
     @cached_property
     def _place(self) -> Mapping[Any, int]:
-        return {generator: BITS * position for position, generator in enumerate(self.generators)}
+        return {generator: EXPONENT_BITS * position for position, generator in enumerate(self.generators)}
 
     def leaf(self, payload: Any) -> Sparse:
         """Sparse polynomial of a constant, an expression or a dynamic stiffness."""
@@ -93,7 +93,7 @@ class Monomials:
         found: dict[int, dict[int, int]] = {}
         for monomial, number in polynomial.terms.items():
             if number:
-                power = monomial >> shift & MASK
+                power = monomial >> shift & EXPONENT_MASK
                 found.setdefault(power, {})[monomial - (power << shift)] = number
         return [found.get(power, {}) for power in range(max(found, default=0) + 1)]
 
@@ -101,7 +101,7 @@ class Monomials:
         """Rational coefficients by the exponents of the generators, in the format of sympy's rings."""
         divisor = polynomial.scale**polynomial.depth
         return {
-            tuple(monomial >> place & MASK for place in self._place.values()): sympy.QQ(number, divisor)
+            tuple(monomial >> place & EXPONENT_MASK for place in self._place.values()): sympy.QQ(number, divisor)
             for monomial, number in polynomial.terms.items()
             if number
         }
@@ -113,9 +113,9 @@ class Monomials:
     def _terms(self, terms: Mapping[int, int], divisor: int) -> Iterator[Any]:
         for monomial, number in terms.items():
             factors = [
-                generator ** (monomial >> place & MASK)
+                generator ** (monomial >> place & EXPONENT_MASK)
                 for generator, place in self._place.items()
-                if monomial >> place & MASK
+                if monomial >> place & EXPONENT_MASK
             ]
             if number:
                 yield sympy.Mul(sympy.Rational(number, divisor), *factors)

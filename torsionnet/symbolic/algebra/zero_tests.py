@@ -6,7 +6,7 @@ import random
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.symbolic.algebra.algebras import InPowersOfS, evaluated
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, evaluate_expression
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 
@@ -38,6 +38,6 @@ def surely_zero(node: ProgramNode | int) -> bool:
 
     class Chance:
         def leaf(self, payload: Any) -> Fraction:
-            return payload if isinstance(payload, Fraction) else evaluated(payload, number)
+            return payload if isinstance(payload, Fraction) else evaluate_expression(payload, number)
 
     return bool(node.program.run(Chance(), [node])[0] == 0)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolic.algebra.algebras import S, evaluated
+from torsionnet.symbolic.algebra.algebras import S, evaluate_expression
 from torsionnet.symbolic.algebra.network import Stiffness
 from torsionnet.symbolic.algebra.program import ARITHMETIC, Program, ProgramNode
-from torsionnet.symbolic.shown import latex, where_text, with_where
+from torsionnet.symbolic.formula_text import latex, where_text, with_where
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -33,7 +33,7 @@ class Lowered:
         return self._number(payload)
 
     def _number(self, expression: Any) -> ProgramNode:
-        found: ProgramNode = evaluated(expression, self.program.leaf)
+        found: ProgramNode = evaluate_expression(expression, self.program.leaf)
         return found
 
     def _stiffness(self, stiffness: Any, damping: Any, inertia: Any) -> ProgramNode:
@@ -135,9 +135,9 @@ def where_table(function: SymbolicFraction) -> WhereTable:
 
 def continued_table(function: SymbolicFraction) -> WhereTable | None:
     """Straight-line program of the continued fraction, whose intermediate results stay of ordinary size; else None."""
-    from torsionnet.symbolic.written import continued
+    from torsionnet.symbolic.continued_fraction import continued_fraction
 
     program = Program()
     lowered = Lowered(program)
-    result = None if function.asked is None else continued(function.asked, lowered.leaf)
+    result = None if function.request is None else continued_fraction(function.request, lowered.leaf)
     return None if result is None else WhereTable(program, program.node(result))

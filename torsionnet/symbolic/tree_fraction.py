@@ -24,8 +24,8 @@ from torsionnet.symbolic.algebra.network import (
     NetworkMember,
     Stiffness,
     SymbolRow,
-    added_up,
-    reflected,
+    add_parallel_laws,
+    reflected_sum,
     vanishes,
 )
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart
@@ -36,7 +36,7 @@ class NoContinuedFractionError(Exception):
 
 
 @dataclass
-class Continued:
+class ContinuedFraction:
     """Continued fraction on a tree: receptances of all coordinates, seen from ``root``.
 
     ``element`` turns laws and ratios into what the fraction is made of: sympy expressions, or steps of a program.
@@ -131,7 +131,7 @@ def single_edges(network: Network[Stiffness]) -> Network[Stiffness]:
     """
     first: dict[frozenset[str], SymbolRow] = {}
     members = []
-    for member in added_up(network, reflected).members:
+    for member in add_parallel_laws(network, reflected_sum).members:
         row = first.setdefault(frozenset(member.row), member.row)
         if len(row) != 2 or row is member.row:
             members.append(member)
@@ -140,7 +140,7 @@ def single_edges(network: Network[Stiffness]) -> Network[Stiffness]:
         share = member.row[v] * member.row[c] / (row[v] * row[c])
         members.append(NetworkMember(row, _times(member.law, share)))
         members += [NetworkMember({x: ONE}, _times(member.law, member.row[x] ** 2 - share * row[x] ** 2)) for x in row]
-    found = added_up(Network(network.coordinates, tuple(members)), reflected)
+    found = add_parallel_laws(Network(network.coordinates, tuple(members)), reflected_sum)
     acting = (member for member in found.members if not all(map(vanishes, member.law.parts)))
     return Network(network.coordinates, tuple(acting))
 
@@ -174,7 +174,7 @@ def response(
     rows = [mechanism.reduced([mechanism.row(part.row)]).rows[0] for part in parts]
     if shift and not any(part.rigid is not None for part in parts):
         root, share = _arrival(network, root, share, {name for row in rows for name in row})
-    tree = Continued(network, root, element)
+    tree = ContinuedFraction(network, root, element)
     if tree.receptance[root] is None:
         raise NoContinuedFractionError
     total = element(0)
@@ -203,7 +203,7 @@ def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collectio
 
 
 def _handed_through(
-    mechanism: Mechanism, rigid: int, tree: Continued, load: Mapping[str, int], element: Callable[[Any], Any]
+    mechanism: Mechanism, rigid: int, tree: ContinuedFraction, load: Mapping[str, int], element: Callable[[Any], Any]
 ) -> Any:
     """Torque through a rigid connection: reaction of the side away from the root to its motion there."""
     found = mechanism.reduced([mechanism.row(load)], rigid)
@@ -212,7 +212,7 @@ def _handed_through(
     away = [name for name in row if name not in near]
     if not is_forest(network) or len(away) != 1:
         raise NoContinuedFractionError
-    side = Continued(network, away[0], element)
+    side = ContinuedFraction(network, away[0], element)
     receptance = side.receptance[away[0]]
     if receptance is None:
         return element(0)

@@ -9,18 +9,18 @@ import sympy
 
 from torsionnet.symbolic.symbol_names import symbol_names
 
-LONG = 12
+LONG_RATIONAL_DIGITS = 12
 """Digits of a rational number above which it is displayed as a decimal."""
-DIGITS = 8
+DISPLAY_DIGITS = 8
 """Significant digits of a displayed decimal."""
 
 
-def shown(expression: Any) -> Any:
+def for_display(expression: Any) -> Any:
     """Expression for display: long rationals as decimals, even powers of sums without a leading minus."""
     long = {
-        number: sympy.Float(number, DIGITS)
+        number: sympy.Float(number, DISPLAY_DIGITS)
         for number in expression.atoms(sympy.Rational)
-        if len(str(number.p)) + len(str(number.q)) > LONG
+        if len(str(number.p)) + len(str(number.q)) > LONG_RATIONAL_DIGITS
     }
     turned = {power: (-power.base) ** power.exp for power in expression.atoms(sympy.Pow) if _begins_with_minus(power)}
     return expression.xreplace({**long, **turned}) if long or turned else expression
@@ -53,13 +53,13 @@ def polynomial_latex(names: Iterable[Any]) -> str:
 
 def where_text(result: Any, table: Mapping[Any, Any]) -> str:
     """Text of a result, and the definition of each name in it on a line of its own."""
-    return "\n".join([str(result), *(f"  {name} = {shown(value)}" for name, value in table.items())])
+    return "\n".join([str(result), *(f"  {name} = {for_display(value)}" for name, value in table.items())])
 
 
 def latex(expression: Any) -> str:
     """LaTeX of an expression, with names as they are printed (indices of several letters upright)."""
     names = symbol_names(expression.free_symbols)
-    return str(sympy.latex(shown(expression), symbol_names=names, imaginary_unit="rj"))
+    return str(sympy.latex(for_display(expression), symbol_names=names, imaginary_unit="rj"))
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:

@@ -36,7 +36,7 @@ def is_imposed(drivetrain: AssembledModel) -> bool:
     return any(channel.quantity == "angle" for channel in drivetrain.inputs.values())
 
 
-def at_rest(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
+def hold_imposed_angles(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
     """Drivetrain with its imposed angles held at zero, except that of ``driven``, where the node turns freely."""
     definition, nodes = drivetrain.definition, set(drivetrain.nodes)
     imposed = [one for one in definition.inputs.values() if one.quantity == "angle" and nodes.issuperset(one.nodes)]
@@ -60,7 +60,7 @@ def _unused(name: str, elements: Mapping[str, Element]) -> str:
     return name
 
 
-def posed(
+def without_imposed_angles(
     drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None
 ) -> ImposedRequest:
     """Transfer request restated without imposed angles, as a measured angle under a torque.
@@ -75,15 +75,15 @@ def posed(
     request = ask(drivetrain, output, input, excitation)
     source: Input = request.excitations[0]
     if source.quantity == "torque":
-        return ImposedRequest(at_rest(drivetrain), input, source if request.is_measured else None)
-    free, torque = at_rest(drivetrain, source), replace(source, quantity="torque")
+        return ImposedRequest(hold_imposed_angles(drivetrain), input, source if request.is_measured else None)
+    free, torque = hold_imposed_angles(drivetrain, source), replace(source, quantity="torque")
     if request.is_measured:
         return ImposedRequest(free, input, torque)
     measured = Sensor("angle", source.of, against=source.against)
     return ImposedRequest(free, measured, torque, request.measured[0].channel)
 
 
-def single(output: object, input: object) -> None:
+def require_one_channel_each(output: object, input: object) -> None:
     """Refuse several outputs or inputs where a symbolic transfer function has one of each."""
     if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
         raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

@@ -11,11 +11,11 @@ import sympy
 from torsionnet.symbolic.active_mechanism import ActiveMechanism
 from torsionnet.symbolic.algebra.algebras import in_s
 from torsionnet.symbolic.algebra.network import Stiffness
-from torsionnet.symbolic.mechanical import NoContinuedFractionError, response
 from torsionnet.symbolic.symbolic_request import SymbolicRequest
+from torsionnet.symbolic.tree_fraction import NoContinuedFractionError, response
 
 
-def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
+def continued_fraction(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
     """Continued fraction of a request with elements from ``leaf``; None if the drivetrain is no tree."""
 
     def element(payload: Any) -> Any:
@@ -37,9 +37,9 @@ def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
         return None
 
 
-def continued_expression(asked: SymbolicRequest) -> Any:
+def continued_fraction_expression(asked: SymbolicRequest) -> Any:
     """Continued fraction of a request as a sympy expression; None if the drivetrain is no tree."""
-    return continued(asked, _expression)
+    return continued_fraction(asked, _expression)
 
 
 def _expression(payload: Any) -> Any:

@@ -24,9 +24,9 @@ from torsionnet.symbolic.algebra.zero_tests import exact_fraction
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
-ACCURATE = 1e-10
+ACCEPTED_RELATIVE_ERROR = 1e-10
 """Relative rounding error up to which double precision is accepted; beyond, points are computed in more digits."""
-DIGITS = (40, 80, 160, 320)
+PRECISIONS = (40, 80, 160, 320)
 """Decimal digits tried one after the other, until doubling them no longer changes the value."""
 
 
@@ -43,7 +43,11 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
     if not moving.all():
         result[~moving] = static_value(function, values)
     if not np.isfinite(result).all():
-        warnings.warn("the response is infinite at some frequency", TorsionnetWarning, stacklevel=4)
+        warnings.warn(
+            "the transfer function is infinite at some frequency: a pole on the frequency axis; leave that frequency out",
+            TorsionnetWarning,
+            stacklevel=4,
+        )
     above, below = function.channels
     return FrequencyResponse(f, result[:, None, None], (above,), (below,), function.title, notes=function.notes)
 
@@ -80,7 +84,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     above, below = function.steps.run(algebra, [function.numerator, function.denominator])
     ratio = above / below
     found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
-    for point in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCURATE, frequencies.shape)):
+    for point in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCEPTED_RELATIVE_ERROR, frequencies.shape)):
         found[point] = _in_many_digits(function, float(omega[point]), values)
     return found
 
@@ -94,14 +98,14 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
 
     tables = _tables(function, values)
     last: complex = complex("nan")
-    for digits in DIGITS:
+    for digits in PRECISIONS:
         with mpmath.workdps(digits):
             known = {name: number(value) for name, value in values.items()}
             known |= {name: table.in_many_digits(mpmath.mpc(0, omega)) for name, table in tables.items()}
             algebra = NumericValues(known | {sympy.I: mpmath.mpc(0, 1)}, number, mpmath.mpc(0, omega))
             above, below = function.steps.run(algebra, [function.numerator, function.denominator])
             value = complex(above / below) if below else complex(np.inf)
-        if abs(value - last) <= ACCURATE * abs(value):
+        if abs(value - last) <= ACCEPTED_RELATIVE_ERROR * abs(value):
             return value
         last = value
     return last
@@ -119,13 +123,13 @@ def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> compl
             return sympy.Rational(payload.numerator, payload.denominator)
         return payload.xreplace(known)
 
-    above, below = lowest(function, coefficient, lambda value: sympy.expand(value) == 0)
+    above, below = lowest_terms_in_s(function, coefficient, lambda value: sympy.expand(value) == 0)
     if above is None or above[0] > below[0]:
         return 0j
     return complex(np.inf) if above[0] < below[0] else complex(above[1] / below[1])
 
 
-def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
+def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
     """Power and coefficient of the lowest terms in s of numerator and denominator; None for a zero numerator."""
     limit = 4
     while True:
@@ -137,7 +141,9 @@ def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple
         if found[1] is not None and (found[0] is not None or limit > len(function.steps.steps)):
             return found[0], found[1]
         if limit > 4 * len(function.steps.steps) + 4:
-            raise UsageError("the transfer function is not determined: numerator and denominator vanish")
+            raise UsageError(
+                "numerator and denominator of the transfer function are both zero; choose another output or input"
+            )
         limit *= 4
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import InPowersOfS, Lengths, TermCounts
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.rational import FEW
+from torsionnet.symbolic.rational import MOST_TERMS_EXPANDED_WHOLE
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -19,7 +19,7 @@ MOST_WRITTEN = 20_000
 def require_readable(function: SymbolicFraction) -> None:
     """Refuse a polynomial or normalised form whose nested coefficients would fill pages."""
     outputs = [function.numerator, function.denominator]
-    if sum(function.steps.run(TermCounts(), outputs)) <= FEW:
+    if sum(function.steps.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
         return
     polynomials = function.steps.run(InPowersOfS(Program().leaf), outputs)
     nodes = [value for polynomial in polynomials for value in polynomial.coefficients if isinstance(value, ProgramNode)]
@@ -30,7 +30,7 @@ def require_readable(function: SymbolicFraction) -> None:
 
 def require_short(function: SymbolicFraction, most: int) -> None:
     """Refuse a nested form longer than ``most`` leaves; continued fractions are never too long."""
-    leaves = function.nested_leaves if function.continued is None else 0
+    leaves = function.nested_leaves if function.continued_fraction is None else 0
     if leaves > most:
         raise UsageError(
             f"with its closed loops written out, this transfer function is a fraction of {leaves:,} elements and "
