@@ -44,7 +44,7 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
         result[~moving] = static_value(function, values)
     if not np.isfinite(result).all():
         warnings.warn(
-            "the transfer function is infinite at some frequency: a pole on the frequency axis; leave that frequency out",
+            "the transfer function is infinite at some frequency, an undamped resonance; leave that frequency out",
             TorsionnetWarning,
             stacklevel=4,
         )

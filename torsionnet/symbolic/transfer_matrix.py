@@ -147,7 +147,8 @@ def _by_cramer(
     whole = _determinant(program, below)
     if vanishes(whole):
         raise UsageError(
-            "the measured inputs depend on each other under these excitations: no transfer functions exist; measure elsewhere"
+            "the measured inputs depend on each other under these excitations: there are no transfer functions; "
+            "measure elsewhere"
         )
     return TransferMatrix(
         tuple(

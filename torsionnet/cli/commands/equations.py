@@ -117,6 +117,8 @@ class EquationsCommand(ModelCommand):
 
 def equations_text(rig: Drivetrain) -> str:
     """Text of the equations of motion, of the angles of dependent nodes, and of terms taken to be zero."""
+    from torsionnet.symbolic.formula_text import for_display
+
     system = rig.symbolic()
     lines = [f"{rig.title}: equations of motion (' is d/dt)"]
     for name, equation in zip(system.coordinates, system.equations(), strict=True):

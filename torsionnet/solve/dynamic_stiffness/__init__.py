@@ -1,1 +1,1 @@
-"""Rows of the dynamic stiffness, their elimination and null spaces, and what is asked of them."""
+"""Solvers for the dynamic stiffness: transfer requests, elimination plans, null spaces and first-order forms."""

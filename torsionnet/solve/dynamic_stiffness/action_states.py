@@ -1,4 +1,4 @@
-"""States of the laws of controllers, and how they close the loops around a drivetrain.
+"""State equations of actions (controllers, fluid couplings), with delays as lines of collocation points.
 
 A law is split into P(s) + R(s)/D(s), R of lower degree than D. P acts as inertia, damping and stiffness that need not
 be symmetric; R/D has the states of a companion form in a time of its own,
@@ -23,12 +23,12 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 
 HIGHEST = 2
-"""Power of s up to which a law acts on a motion at once: its acceleration."""
+"""Highest power of s with which an action may feed a motion straight through: its acceleration."""
 
 
 @dataclass(frozen=True)
 class LawStates:
-    """z' = F z + G_0 y + G_1 y', T = P(s) y + H z; ``at_once`` are the coefficients of 1, s and s^2 in P.
+    """State equations of an action: z' = F z + G_0 y + G_1 y', T = P(s) y + H z; ``at_once`` are the coefficients of P.
 
     ``row`` and ``sensed`` (n_q,) are where T drives, and the motion y.
     """
@@ -43,7 +43,7 @@ class LawStates:
 
 
 def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
-    """Of all actions; a delay is travelled in so many ``points``.
+    """State equations of all actions, with a delay replaced by so many collocation ``points``.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
 
 
 def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
-    """Of an action without its delay.
+    """State equations of an action without its delay.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
 
 
 def refuse_delayed_acceleration(law: LawStates) -> None:
-    """Refuse what has no motion over time that could be followed.
+    """Refuse a delayed action that feeds an acceleration straight through: it has infinitely many fast poles.
 
     Raises
     ------
@@ -99,6 +99,7 @@ def refuse_delayed_acceleration(law: LawStates) -> None:
 
 
 def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatArray:
+    """Array (n_q,) of a row over names of coordinates; imposed angles are left out."""
     found = np.zeros(assembly.system.n_coordinates)
     for column, value in assembly.columns_of(row).items():
         if column < len(found):  # imposed angles stand still
@@ -107,7 +108,7 @@ def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatAr
 
 
 def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> tuple[FloatArray, float, FloatArray]:
-    """F, w and h of z' = F z + w e y, T = h z for R(s)/D(s), e the last state; no coefficient is above w."""
+    """Companion form F, w, h of R(s)/D(s): z' = F z + w e y, T = h z, e the last state; no coefficient is above w."""
     d, r = ([float(value) for value in part] for part in (denominator, numerator))
     n = len(d) - 1
     w = max((abs(value) ** (1 / (n - power)) for power, value in enumerate(d[:-1]) if value), default=1.0)
@@ -121,7 +122,7 @@ def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) ->
 def _delayed(
     P: FloatArray, F: FloatArray, G: FloatArray, h: FloatArray, delay: float, points: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """F, G and H with the torque travelling along a line of points."""
+    """State matrices F, G and H with the torque travelling along a line of collocation points."""
     along = _derivative(points) / delay
     n, m = len(F), points
     whole = np.zeros((n + m, n + m))
@@ -135,7 +136,7 @@ def _delayed(
 
 
 def _derivative(points: int) -> FloatArray:
-    """Of values at points + 1 Chebyshev points from 0 to 1 (L. N. Trefethen, Spectral Methods in MATLAB, chapter 6)."""
+    """Differentiation matrix for points + 1 Chebyshev points from 0 to 1 (Trefethen, Spectral Methods in MATLAB)."""
     place = np.cos(np.pi * np.arange(points + 1) / points)
     weight = np.where(np.isin(np.arange(points + 1), (0, points)), 2.0, 1.0) * (-1.0) ** np.arange(points + 1)
     apart = place[:, None] - place[None, :] + np.eye(points + 1)

@@ -1,4 +1,4 @@
-"""Actions close loops around the laws: from responses to torques to responses with the actions at work.
+"""Closed loops of actions: from responses of the laws alone to responses with the actions at work.
 
 An action drives a row by T = kappa(s) y, y the motion it senses. With the responses of the laws alone to excitations u
 and to unit torques of the actions, y = Y_u u + Y_T T and z = Z_u u + Z_T T, so
@@ -23,7 +23,7 @@ from torsionnet.solve.dynamic_stiffness.posed import PosedProblem
 
 
 class ClosedLoops(NamedTuple):
-    """Solved values (n_read, n_exc, n_points), torques of the actions (n_act, n_exc, n_points), points in doubt."""
+    """Responses with closed loops: values (n_read, n_exc, n_points), action torques, and mask of uncertain points."""
 
     values: ComplexArray
     torques: ComplexArray
@@ -31,7 +31,7 @@ class ClosedLoops(NamedTuple):
 
 
 def closed(posed: PosedProblem, kappa: LawStiffness, values: ComplexArray, doubtful: NDArray[np.bool_]) -> ClosedLoops:
-    """With the actions at work; ``values`` (n_read, n_exc + n_act, n_points) are those of the laws alone."""
+    """Responses with the actions at work, from those of the laws alone to excitations and action torques."""
     n_exc, n_act = posed.n_excitations, len(posed.sensed)
     if not n_act:
         return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), doubtful)
@@ -54,7 +54,7 @@ def closed(posed: PosedProblem, kappa: LawStiffness, values: ComplexArray, doubt
 
 
 def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Torques (n_points, n_act, n_exc), and points where loops all but cancel."""
+    """Torques of the actions (n_points, n_act, n_exc), and mask of points where the loops nearly cancel."""
     if loop.shape[1] == 1:
         return np.asarray(right / loop), np.zeros(len(loop), dtype=bool)
     finite = np.isfinite(loop).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))

@@ -1,4 +1,4 @@
-"""The numbers of a tape in a compiled loop: few points at a time, so that all registers stay in the cache.
+"""Compiled evaluation of an operation tape with numba: few points at a time, so that registers stay in the cache.
 
 numba compiles the loop when it is first used and keeps it on disk.
 """
@@ -29,7 +29,8 @@ except ImportError as error:
     raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
 
 POINTS = 128
-"""Points worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
+"""Number of points worked on at once: enough for vector instructions, few enough for a thousand registers in the
+cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
@@ -39,7 +40,7 @@ LEAST, MOST = 1e-290, 1e290
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """As :func:`torsionnet.solve.dynamic_stiffness.sweep.sweep`."""
+    """Values (n_values, n_points) of a tape and mask of uncertain points, by the compiled loop."""
     values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
     doubtful = np.zeros(kappa.n_points, dtype=bool)
     _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, doubtful)
@@ -49,7 +50,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.boo
 def read(
     tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness
 ) -> tuple[ComplexArray, FloatArray, NDArray[np.bool_]]:
-    """Readings or their quotients, without a stop between the tape and them.
+    """Readings or their quotients at all points, straight from the tape in one compiled loop.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ def _registers(tape: Tape) -> FloatArray:
 
 
 def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
-    """J, c and k (n_variants, n_laws); where each law has its sampled part (-1: it has none), and these; omega.
+    """Arrays for the compiled loop: J, c, k (n_variants, n_laws), places of sampled laws (-1: none), samples, omega.
 
     Omega has one row, or one for each variant.
     """
@@ -95,7 +96,7 @@ def _walk(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: Any,
     w: Any, first: int, n: int, r: Any, left: Any, y: Any,
 ) -> None:  # fmt: skip
-    """All operations for POINTS points of one variant, of which the first ``n`` count; outputs into ``y``.
+    """Run all operations for POINTS points of one variant, of which the first ``n`` count; outputs into ``y``.
 
     ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
     """
@@ -168,7 +169,7 @@ def _sweeping(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     r: Any, values: Any, doubtful: Any,
 ) -> None:  # fmt: skip
-    """All points of all variants."""
+    """Run a tape at all points of all variants."""
     n_variants, n_f = inertia.shape[0], omega.shape[1]
     w, w2, left = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
     y = np.zeros((values.shape[0], 2, POINTS))
@@ -187,7 +188,7 @@ def _sweeping(
 
 
 def _starting(omega: Any, first: int, n: int, w: Any, w2: Any, left: Any) -> None:
-    """The frequencies of some points; the last one again for those that do not count."""
+    """Fill in the frequencies of a block of points, repeating the last one for points that do not count."""
     for i in range(POINTS):
         w[i] = omega[first + min(i, n - 1)]
         w2[i] = w[i] * w[i]
@@ -200,7 +201,7 @@ def _reading(
     r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
     values: Any, conditioning: Any, doubtful: Any,
 ) -> None:  # fmt: skip
-    """All points of all variants, read at once.
+    """Run a tape at all points of all variants and form the readings.
 
     Rows of ``whole`` are, for each reading and then for each term of the measured one: the number of what is solved, a
     power of s or -1, a law or -1.

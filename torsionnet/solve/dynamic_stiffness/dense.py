@@ -10,10 +10,11 @@ from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep
 
 BLOCK_BYTES = 32 * 2**20
+"""Memory in bytes of the matrices solved at once: larger blocks leave the processor's cache."""
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """As :func:`torsionnet.solve.dynamic_stiffness.starmesh.respond`, without a word on digits lost."""
+    """Outputs and reactions of a problem by dense matrices, without a check for lost digits."""
     by_law, n_points = kappa.by_law, kappa.n_points
     values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)
     block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
@@ -31,7 +32,7 @@ def _columns(problem: ResponseProblem) -> int:
 
 
 def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
-    """Outputs and reactions (n_f, n_read, n_exc)."""
+    """Outputs and reactions (n_f, n_read, n_exc) at a block of points."""
     n, free = _columns(problem), slice(0, problem.n_free)
     given, n_exc = slice(problem.n_free, n), len(problem.excitations)
     D = _assembled(problem, kappa, n)
@@ -48,7 +49,7 @@ def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
 
 
 def _assembled(problem: ResponseProblem, kappa: ComplexArray, n: int) -> ComplexArray:
-    """D (n_f, n, n): each law adds kappa a a^T, which touches the few entries where its row is not zero."""
+    """Dynamic stiffness matrices (n_f, n, n), assembled law by law from the few nonzero entries of each row."""
     stiffness = np.zeros((len(kappa), n, n), dtype=complex)
     for law, row in enumerate(problem.laws):
         for i, a in row.items():
@@ -58,7 +59,7 @@ def _assembled(problem: ResponseProblem, kappa: ComplexArray, n: int) -> Complex
 
 
 def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
-    """Scaled by its own diagonal, which makes rows of very different stiffness comparable."""
+    """Solution of D x = load at each frequency, with D scaled by its own diagonal."""
     scale = np.sqrt(np.abs(np.einsum("fii->fi", stiffness)))
     scale[scale == 0] = 1.0
     scaled = stiffness / (scale[:, :, None] * scale[:, None, :])
@@ -71,7 +72,7 @@ def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
 
 
 def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
-    """At an undamped resonance met exactly, a rounding error of damping stands in for the missing pivot."""
+    """Solution at one frequency; at an exact undamped resonance, rounding-sized damping replaces the missing pivot."""
     try:
         return np.asarray(np.linalg.solve(matrix, load))
     except np.linalg.LinAlgError:

@@ -1,4 +1,4 @@
-"""The operations of an elimination on the graph, without their numbers.
+"""Elimination plan on the graph: operations on numbered slots, without numerical values.
 
 :mod:`torsionnet.solve.dynamic_stiffness.graph_plan` makes them.
 Slots hold dynamic stiffnesses of rows kappa, weights of loads w, and motions of rows; each is an array over points.
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class EliminatedPair(NamedTuple):
-    """kappa[target] += factor kappa_i kappa_j / S, for places i < j among the terms of a step."""
+    """Pair of terms i < j of an elimination step, with kappa[target] += factor kappa_i kappa_j / S."""
 
     i: int
     j: int
@@ -20,7 +20,7 @@ class EliminatedPair(NamedTuple):
 
 
 class Passed(NamedTuple):
-    """w[target] += factor (kappa_i / S) w[slot]."""
+    """Load passed on in an elimination step: w[target] += factor (kappa_i / S) w[slot]."""
 
     slot: int
     i: int
@@ -30,7 +30,7 @@ class Passed(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionStep:
-    """value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts`` (i, factor, source)."""
+    """Back-substitution: value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts``."""
 
     slot: int
     load: float
@@ -70,7 +70,7 @@ class EliminationStep:
 
 @dataclass(frozen=True)
 class ReactionStep:
-    """Sum of factor kappa[slot] value[motion] over ``laws``, and of factor w[slot] over ``loads``."""
+    """Reaction as sum of factor kappa[slot] value[motion] over ``laws``, and of factor w[slot] over ``loads``."""
 
     laws: tuple[tuple[int, float, int], ...]
     loads: tuple[tuple[int, float], ...]
@@ -78,7 +78,7 @@ class ReactionStep:
 
 @dataclass(frozen=True)
 class EliminationPlan:
-    """Steps of the elimination.
+    """Plan of an elimination: steps and numbers of slots, for all frequencies and parameter values.
 
     Attributes
     ----------

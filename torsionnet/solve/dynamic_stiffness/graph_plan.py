@@ -1,4 +1,4 @@
-r"""The order of elimination on the graph of a row system, worked out once for all frequencies and parameters.
+r"""Order of elimination on the graph of a row system, worked out once for all frequencies and parameters.
 
 With D = sum_e kappa_e a_e a_e^T, eliminating coordinate v with S = sum_e kappa_e a_ev^2 leaves
 
@@ -44,9 +44,9 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import (
 )
 
 MOST_ROWS = 2
-"""Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
+"""Rows on one coordinate, as a multiple of what links and grounds would need, above which rows are split into these."""
 ALWAYS = 30
-"""Up to so many rows stay as they are: what is split subtracts."""
+"""Number of rows on a coordinate up to which rows are never split: splitting subtracts, which costs digits."""
 
 
 def make_plan(
@@ -60,7 +60,7 @@ def make_plan(
     turned: bool = False,
     accuracy: Accuracy = DOUBLE,
 ) -> EliminationPlan:
-    """Plan for the motion of ``outputs`` and the torque on given columns.
+    """Elimination plan for the motion of ``outputs`` and the torque on given columns.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class _Planner:
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
 
     def turn(self) -> None:
-        """Take a coordinate for the root that is read, or none."""
+        """Choose as root another coordinate than that of the first load."""
         free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
         self.last = next(free, None) if self.last is None else None
 
@@ -142,7 +142,7 @@ class _Planner:
         return tuple(tuple(source) for source in sources)
 
     def _law(self, row: Row) -> tuple[int, float] | None:
-        """Slot and factor of a law's row; nothing where it resists given motions only and nobody reads that."""
+        """Slot and factor of a law's row; None if the law resists only given motions that are not read."""
         row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven or j in self.open}
         between_given = any(j in self.driven for j in row) and any(j in self.open for j in row)
         if any(j < self.n_free for j in row) or between_given:
@@ -169,7 +169,7 @@ class _Planner:
     # --- order ------------------------------------------------------------------------------------------------------
 
     def _order(self) -> Iterable[int]:
-        """Coordinates as they come to have the fewest rows; each is eliminated before the next is asked for.
+        """Coordinates in order of elimination, fewest rows first; each is eliminated before the next is chosen.
 
         Among links and grounds these are those with the fewest neighbours: on a tree the leaves, without fill.
         """
@@ -245,7 +245,7 @@ class _Planner:
         return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
 
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Where rows on v would multiply, hand those that are not along the common motion to links and grounds."""
+        """Split rows on a coordinate with too many rows into links and grounds, save those along the common motion."""
         numbers = self.laws.touching.get(v, set())
         if len(numbers) <= max(ALWAYS, MOST_ROWS * (len(self._neighbours(v)) + 1)):
             return
@@ -258,7 +258,7 @@ class _Planner:
                 yield self._handed_on(number, shares)
 
     def _handed_on(self, slot: int, shares: Iterable[tuple[Row, float]]) -> tuple[int, tuple[tuple[int, float], ...]]:
-        """Rows with a weight in the place of one."""
+        """Replace a row by weighted rows; returns the slot and its targets with weights."""
         self.laws.remove(slot)
         found = ((self._law(row), weight) for row, weight in shares)
         return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in found if there)
@@ -266,7 +266,7 @@ class _Planner:
     # --- reactions --------------------------------------------------------------------------------------------------
 
     def _settled(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Reactions that hang on a single row: taken now, so that the row need no longer know of that column."""
+        """Take reactions that depend on a single row, so that the row can drop the given column."""
         for column in sorted(self.open):
             slots = self.laws.touching.get(column, set())
             if len(slots) == 1 and not self.loads.touching.get(column):

@@ -1,4 +1,4 @@
-"""Readings in many digits, from the exact values of a model: for the few places where double precision is not enough.
+"""Readings in many digits from the exact values of a model, for the few points where doubles do not suffice.
 
 All numbers are the rationals an author wrote, s may be any complex number. The tape is that of the same plan, made from
 exact rows, and a third walk along it does in mpmath what the others do in numpy and numba. What cancels to less than
@@ -22,14 +22,15 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 DIGITS = 200
+"""Decimal digits of a calculation in many digits: far more than the cancellation of any drivetrain met so far."""
 TRUSTED = 0.55
-"""Share of the digits that mean something in a sum: the others are for poles near s and for spreads of the values."""
+"""Share of the digits that are trusted in a sum: the others allow for poles near s and for spreads of the values."""
 CERTAIN = 0.9
 """Share of the digits of coefficients in rows that are known: products around a loop lose few."""
 
 
 class ManyDigits:
-    """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
+    """Evaluation of a transfer request in as many digits as ``mpmath.workdps`` says."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
         self.request: TransferRequest = request
@@ -39,7 +40,7 @@ class ManyDigits:
         self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
 
     def transfer(self, s: Any) -> list[list[Any]] | None:
-        """Outputs over inputs at one s; None where the measured inputs do not tell the excitations apart.
+        """Outputs over inputs at one s; None where the measured inputs depend on each other.
 
         Raises
         ------
@@ -51,7 +52,7 @@ class ManyDigits:
         return _quotient(readings[:n_out], readings[n_out:]) if self.request.is_measured else readings
 
     def _readings(self, kappa: Sequence[Any], s: Any) -> list[list[Any]]:
-        """Every reading under every excitation."""
+        """All readings under all excitations at one s."""
         problem = self.posed.problem
         solved = [[number(0)] * len(problem.excitations) for _ in range(problem.n_read)]
         for excitations, part in problem.parts:
@@ -67,7 +68,7 @@ class ManyDigits:
         return readings
 
     def _closed(self, solved: list[list[Any]], s: Any) -> tuple[list[list[Any]], list[list[Any]]]:
-        """What is solved with the actions at work, and their torques."""
+        """Solved motions with the actions at work, and the torques of the actions."""
         n, gains = self.posed.n_excitations, [_action_gain(one, s) for one in self.actions]
         sensed = [[gain * value for value in solved[row]] for gain, row in zip(gains, self.posed.sensed, strict=True)]
         places = range(len(gains))
@@ -83,7 +84,7 @@ class ManyDigits:
 
 
 def _accuracy() -> Accuracy:
-    """Of rows in as many digits as there are."""
+    """Accuracy of rows with the present number of digits of mpmath."""
     import mpmath
 
     digits = round(CERTAIN * mpmath.mp.dps)
@@ -91,7 +92,7 @@ def _accuracy() -> Accuracy:
 
 
 def walked(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
-    """The values of a tape, by number, for dynamic stiffnesses of its slots.
+    """Values of a tape, by number, in many digits for dynamic stiffnesses of its slots.
 
     Raises
     ------
@@ -120,14 +121,14 @@ def walked(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
 
 
 def _factor(part: ReadingPart, kappa: Sequence[Any], s: Any) -> Any:
-    """What makes a reading of what was solved."""
+    """Factor between a solved motion or reaction and a reading."""
     if part.term is None:
         return number(part.factor)
     return number(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
 
 
 def _action_gain(action: ActionLaw, s: Any) -> Any:
-    """Torque per angle sensed."""
+    """Transfer function torque / sensed angle of an action at s in many digits."""
     import mpmath
 
     above, below = (polynomial([number(value) for value in part], s) for part in (action.numerator, action.denominator))
@@ -147,7 +148,7 @@ def _dynamic_stiffness(law: Law, s: Any) -> Any:
 
 
 def number(value: Any) -> Any:
-    """A rational or float with all its digits; the ratio of two integers keeps 10 * 0.1 at 1."""
+    """Mpmath number of a rational or float with all its digits; a ratio of two integers, so that 10 * 0.1 is 1."""
     import mpmath
 
     fraction = exact(value)
@@ -155,7 +156,7 @@ def number(value: Any) -> Any:
 
 
 def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[Any]] | None:
-    """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0.
+    """Outputs times the inverse of the measured inputs, with sums that cancel completely set to 0.
 
     By Cramer's rule: an elimination would leave rounding in place of zeros of the inverse.
     """
@@ -174,7 +175,7 @@ def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[
 
 
 def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
-    """Determinants of all these rows in as many columns, by the bits of the columns; those not there are 0."""
+    """Determinants of the rows on each choice of as many columns, by the bits of the columns; those missing are 0."""
     found = {0: number(1)}
     for row in rows:
         terms: dict[int, list[Any]] = {}
@@ -188,7 +189,7 @@ def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
 
 
 def _left(terms: Sequence[Any]) -> Any:
-    """Their sum, exactly 0 where all digits cancel that mean something."""
+    """Sum of terms, exactly 0 where all trusted digits cancel."""
     import mpmath
 
     total = sum(terms)

@@ -1,4 +1,4 @@
-"""Null spaces of sparse rows: what moves without straining any of them.
+"""Null spaces of sparse rows: motions of a drivetrain that strain none of the rows.
 
 A row with one entry holds its coordinate. Rows with two entries tie coordinates to parts that turn as one, found by
 walking from ratio to ratio; the few wider rows are then solved over the parts. All of it costs about as much as there
@@ -27,14 +27,14 @@ from torsionnet.model.elimination import reduce_rows
 SparseRow: TypeAlias = Mapping[int, float]
 
 LOOP = 1e-11
-"""A row closes its loop where its terms cancel to this share; consistent ratios meet to about 1e-15."""
+"""Relative residual below which a row closes its loop; consistent ratios meet to about 1e-15."""
 ROUNDING = 1e-13
-"""Relative rounding with which coefficients of wider rows start: entries are right to 1e-16, long products nearly."""
+"""Relative rounding assumed in coefficients of wider rows: entries are right to 1e-16, long products nearly."""
 
 
 @dataclass(frozen=True)
 class NullSpace:
-    """A basis of the directions in which every row is zero.
+    """Basis of the directions in which every row is zero.
 
     Attributes
     ----------
@@ -55,11 +55,11 @@ class NullSpace:
         return len(self.columns)
 
     def first(self, count: int) -> NullSpace:
-        """Only the first directions."""
+        """Null space with the first ``count`` directions only."""
         return replace(self, columns=self.columns[:count])
 
     def basis(self) -> FloatArray:
-        """Orthonormal columns, shape (size, dimension)."""
+        """Orthonormal basis, shape (size, dimension)."""
         array = np.zeros((self.size, self.dimension))
         for number, column in enumerate(self.columns):
             array[list(column), number] = list(column.values())
@@ -69,14 +69,14 @@ class NullSpace:
 
 @dataclass(frozen=True, eq=False)
 class Rounded:
-    """A number and a bound of its rounding; it is zero where it cannot be told from zero."""
+    """Number with a bound of its rounding error, equal to zero where not distinguishable from zero."""
 
     value: float
     error: float
 
     @staticmethod
     def of(number: Rounded | float) -> Rounded:
-        """The number itself; a plain one is exact."""
+        """Rounded number from a plain one, which is taken as exact."""
         return number if isinstance(number, Rounded) else Rounded(number, 0.0)
 
     def __add__(self, other: Rounded | float) -> Rounded:
@@ -107,12 +107,12 @@ class Rounded:
 
 
 def unresisted(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
-    """Motions of a system that none of these laws resists."""
+    """Motions of a system that none of the selected laws resists, as a null space."""
     return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
 
 def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
-    """Directions of ``size`` coordinates in which every row, a map from coordinate to coefficient, is zero."""
+    """Null space of sparse rows over ``size`` coordinates, each a map from coordinate to coefficient."""
     parts = _Parts(rows, size)
     turning = [number for number in range(len(parts.members)) if number not in parts.held]
     wide = [row for row in (parts.collected(row) for row in rows if len(row) > 2) if row]
@@ -125,7 +125,7 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
 
 
 class _Parts:
-    """Coordinates that rows with two entries tie to each other.
+    """Coordinates tied to each other by rows with two entries.
 
     ``angle`` of each coordinate is per that of the first one of its part; ``held`` are the parts that cannot turn.
     """
@@ -158,7 +158,7 @@ class _Parts:
         self.members.append(members)
 
     def collected(self, row: SparseRow) -> dict[int, Any]:
-        """The row over the parts that can turn."""
+        """Row over the parts that can turn, from a row over coordinates."""
         result: dict[int, Rounded] = {}
         for column, value in row.items():
             part, factor = self.part[column], value * self.angle[column]
@@ -169,5 +169,5 @@ class _Parts:
         return result
 
     def turned(self, part: int, ratio: float) -> dict[int, float]:
-        """Angles of the coordinates of a part."""
+        """Angles of the coordinates of a part at this ratio of its first coordinate."""
         return {column: ratio * self.angle[column] for column in self.members[part]}

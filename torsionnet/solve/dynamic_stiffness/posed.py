@@ -1,4 +1,4 @@
-"""From readings and excitations by name to rows over columns, and from solved rows back to readings."""
+"""Response problem in rows for readings and excitations by name, and the map from its solution back to readings."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from torsionnet.solve.dynamic_stiffness.response_problem import Loading, Respons
 from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
 
 Number: TypeAlias = Callable[[Any], Any]
-"""What coefficients are written as."""
+"""Function that makes a coefficient of a row: float, or a number with many digits."""
 
 
 class ReadingPart(NamedTuple):
-    """A share of a reading: coefficient of ``term``, or else ``factor``, times number ``solved`` of what is solved."""
+    """Part of a reading: coefficient of ``term``, or else ``factor``, times row ``solved`` of the solution."""
 
     solved: int
     term: Term | None
     factor: Fraction = Fraction(1)
 
     def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
-        """The share (n_exc, n_points)."""
+        """Values of this part of the reading, shape (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(float(self.factor) * values[self.solved])
         return np.asarray(coefficient(self.term, kappa) * values[self.solved])
@@ -39,19 +39,19 @@ class ReadingPart(NamedTuple):
 
 @dataclass(frozen=True)
 class Gap:
-    """A column for torques that are read: laws and nodes that its opening moves, and how far."""
+    """Virtual opening of a rigid connection whose torque is read: the laws and nodes moved, and how far."""
 
     laws: Mapping[int, Fraction]
     nodes: Mapping[str, Fraction]
 
     def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
-        """Of torques on nodes as it opens by one."""
+        """Work of torques on nodes as the gap opens by one."""
         return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
 @dataclass(frozen=True, eq=False)
 class PosedProblem:
-    """A problem, and what its solution says about every reading.
+    """Response problem with the map from its solution to every reading.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class PosedProblem:
 
     @property
     def n_excitations(self) -> int:
-        """Without the torques of actions."""
+        """Number of excitations without the torques of actions."""
         return len(self.problem.excitations) - len(self.sensed)
 
     def felt_by(self, reading: int) -> frozenset[int]:
@@ -98,7 +98,7 @@ class PosedProblem:
 
     @cached_property
     def _reached(self) -> dict[int, frozenset[int]]:
-        """Excitations of the problem that reach each number of what is solved."""
+        """Excitations of the problem that reach each row of the solution."""
         found: dict[int, set[int]] = {}
         for excitations, part in self.problem.parts:
             for value in part.tape.reached:
@@ -108,7 +108,7 @@ class PosedProblem:
 
     @cached_property
     def turned(self) -> PosedProblem:
-        """The same, but for another order of elimination."""
+        """Response problem with another order of elimination, which gives other rounding errors."""
         return replace(self, problem=self.problem.otherwise)
 
 
@@ -120,7 +120,7 @@ def pose(
     number: Number = float,
     accuracy: Accuracy = DOUBLE,
 ) -> PosedProblem:
-    """The problem behind outputs and measured inputs, with rows of numbers that have this accuracy."""
+    """Response problem for outputs and measured inputs under excitations, in rows of this accuracy."""
     readings = [*outputs, *measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
     twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
@@ -153,7 +153,7 @@ def pose(
 
 
 def twisted_law(assembly: Assembly, element: str) -> int:
-    """Number of the law in which the twist of an element is imposed; it has only this one."""
+    """Number of the law in which the twist of an element is imposed; such an element has only one law."""
     return assembly.owners.index(element)
 
 
@@ -187,14 +187,14 @@ def _torque(
     gaps: Mapping[int, Gap],
     number: Number,
 ) -> Loading:
-    """A torque on a row over nodes; ``row`` is the same over coordinates and imposed angles."""
+    """Loading by a torque on a row over nodes; ``row`` is the same row over coordinates and imposed angles."""
     at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
     return Loading(load={**assembly.columns_of(row, number), **at_gaps})
 
 
 @dataclass
 class _Rows:
-    """Motions asked for, each once."""
+    """Rows of the motions to be solved for, each once."""
 
     assembly: Assembly
     number: Number
@@ -210,7 +210,7 @@ class _Rows:
         return ReadingPart(self.number_of(row), term)
 
     def number_of(self, row: Row) -> int:
-        """Where a row stands among those asked for."""
+        """Number of a row among the motions to be solved for; a new row is appended."""
         number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
         if number == len(self.rows):
             self.rows.append(row)
@@ -219,13 +219,13 @@ class _Rows:
 
 @dataclass
 class _Gaps:
-    """Torques asked for, each once; those at several ports of one element may be the same up to a factor."""
+    """Gaps of the torques to be solved for, each once; torques at ports of one element may be equal up to a factor."""
 
     found: list[Gap] = field(default_factory=list)
     numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
 
     def part(self, reading: Functional) -> ReadingPart:
-        """All terms of the torque as one: where they cancel, their exact coefficients do so beforehand."""
+        """Reading part for all terms of a torque as one, so that exact coefficients cancel beforehand."""
         laws: dict[int, Fraction] = {}
         for term in reading.terms:
             if term.law is not None:

@@ -1,4 +1,4 @@
-"""Readings of points, and transfer functions as one reading over another."""
+"""Transfer functions at points: readings under excitations, divided by the measured inputs if there are any."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ METHODS: dict[str, Respond] = {
 
 @dataclass(frozen=True)
 class FrequencyPoints:
-    """Transfer functions (n_points, n_out, n_in), conditioning (n_points,) of measured inputs, points in doubt."""
+    """Transfer functions (n_points, n_out, n_in), conditioning of measured inputs, mask of uncertain points."""
 
     values: ComplexArray
     conditioning: FloatArray
@@ -42,7 +42,7 @@ class FrequencyPoints:
 def transfer_functions(
     request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, turned: bool = False
 ) -> FrequencyPoints:
-    """Outputs over inputs; ``turned``: by another order of elimination."""
+    """Transfer functions of a request at all points of ``kappa``; ``turned`` uses another order of elimination."""
     posed, n_out = request.posed.turned if turned else request.posed, len(request.outputs)
     method = starmesh.chosen_method(posed.problem, kappa.n_points, method)
     if method == "compiled" and (whole := _compiled(request, posed, kappa)) is not None:
@@ -65,7 +65,7 @@ def transfer_functions(
 
 
 def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness) -> FrequencyPoints | None:
-    """Everything in one compiled loop; None where that loop does not know how."""
+    """Transfer functions by one compiled loop; None for requests which that loop cannot handle."""
     import torsionnet.solve.dynamic_stiffness.compiled as compiled
 
     parts, n_out = posed.problem.parts, len(request.outputs)
@@ -86,7 +86,7 @@ def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness
 
 
 def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
-    """Readings (n_points, n_readings, n_exc)."""
+    """Readings of all outputs and measured inputs, shape (n_points, n_readings, n_exc)."""
     values = np.empty((kappa.n_points, len(posed.parts), loops.values.shape[1]), dtype=complex)
     for number, part in enumerate(posed.parts):
         values[:, number] = part.of(kappa, loops.values).T
@@ -96,7 +96,7 @@ def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> C
 
 
 def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
-    """How large measured inputs (n_points, n_in, n_exc) are against the sums of their terms' magnitudes."""
+    """Magnitude of measured inputs over the sum of their terms' magnitudes, shape (n_points, n_in, n_exc)."""
     sizes = np.zeros(measured.shape)
     first = len(posed.parts) - measured.shape[1]
     with np.errstate(all="ignore"):
@@ -107,7 +107,7 @@ def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, meas
 
 
 def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
-    """Y_out Y_in^-1 of every point, points that lose digits in it, and how well Y_in tells the excitations apart.
+    """Quotient Y_out Y_in^-1 at every point, mask of points that lose digits, and reciprocal condition of Y_in.
 
     The last is 1 at best and 0 where it does not at all; there the quotient is inf.
     """
@@ -130,7 +130,7 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
 
 
 def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Of every matrix, inf where it is singular; and of what size the rounding of each entry is."""
+    """Inverses of all matrices, inf where singular, and the magnitude of the rounding error of each entry."""
     if matrices.shape[1] == 2:
         (a, b), (c, d) = matrices.transpose(1, 2, 0)
         inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)

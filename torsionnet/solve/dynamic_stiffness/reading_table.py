@@ -1,4 +1,4 @@
-"""Readings of solved rows as a table that a compiled loop walks along."""
+"""Table of readings in the form that the compiled loop runs through."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.solve.dynamic_stiffness.posed import PosedProblem, ReadingPart
 
 @dataclass(frozen=True, eq=False)
 class ReadingTable:
-    """What every reading is, and what the size of a measured one is compared with.
+    """Composition of every reading from the solution, and the terms to which a measured reading is compared in size.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class ReadingTable:
 
 
 def reading_table(posed: PosedProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
-    """The table for excitations that are solved together; None with several measured inputs, or with actions."""
+    """Table for excitations that are solved together; None with several measured inputs, or with actions."""
     n_measured = len(posed.parts) - n_out
     if posed.sensed or n_measured > 1:
         return None

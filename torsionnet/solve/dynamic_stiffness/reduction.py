@@ -1,4 +1,4 @@
-"""The first-order form of a row system: velocities and spring forces, without massless or undriven directions.
+"""First-order form of a row system: velocities and spring forces, without massless or undriven directions.
 
 With S = diag(sqrt(J)) B, G = diag(sqrt(c)) B and E = diag(sqrt(k)) B the equations of motion are
 
@@ -28,14 +28,14 @@ from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
 LARGE = 60
-"""Systems with more coordinates than this are large: routes that follow their structure are worth their start."""
+"""Number of coordinates above which a system is large: methods that follow its structure then pay off."""
 RANK_TOLERANCE = 1e-11
-"""On normalised rows, which hold ratios of O(1..100): consistent loops of ratios meet to about 1e-15."""
+"""Relative tolerance of ranks of normalised rows, with ratios of 1 to 100: consistent loops meet to about 1e-15."""
 
 
 @dataclass(frozen=True)
 class Subspaces:
-    """Bases of coordinate directions told apart by what acts on them; columns are directions in q.
+    """Bases of coordinate directions, separated by the laws that act on them; columns are directions in q.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Subspaces:
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """x' = A x with x = (scaled velocities, spring forces), and how to get back to q."""
+    """First-order form x' = A x with x = (scaled velocities, spring forces), and the matrix that recovers q."""
 
     matrix: AnyArray
     coupling: AnyArray  # (n_u, n_x): the velocity-to-force block of the matrix
@@ -74,7 +74,7 @@ class FirstOrder:
 
 
 def echelon(basis: FloatArray) -> FloatArray:
-    """Combine columns so that each has a coordinate of its own: separate trains get separate rigid modes."""
+    """Basis in echelon form, each column with a coordinate of its own: separate trains get separate rigid modes."""
     basis = basis.copy()
     free = np.ones(len(basis), dtype=bool)
     for column in range(basis.shape[1]):
@@ -95,12 +95,12 @@ def orthogonal_complement(columns: AnyArray, size: int) -> AnyArray:
 
 
 def beside(part: FloatArray, whole: FloatArray) -> FloatArray:
-    """Orthonormal basis of what the span of ``whole`` has besides ``part`` of it; the columns of both orthonormal."""
+    """Orthonormal basis of the complement of ``part`` within the span of ``whole``; the columns of both orthonormal."""
     return np.asarray(whole @ orthogonal_complement(whole.T @ part, whole.shape[1]), dtype=float)
 
 
 def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
-    """X with (S X)^T (S X) = I spanning a complement of null(S); exact scaling where M is diagonal."""
+    """Mass-normalised basis X, (S X)^T (S X) = I, of a complement of null(S); exact scaling where M is diagonal."""
     lengths = np.linalg.norm(scaled_rows, axis=0)
     used = np.flatnonzero(lengths)
     basis = np.zeros((scaled_rows.shape[1], rank))
@@ -114,7 +114,7 @@ def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
 
 
 def acting(system: RowSystem) -> RowSystem:
-    """The system without the laws whose row is empty: on clamped nodes alone they neither move nor load anything."""
+    """System without laws whose row is empty: on clamped nodes alone they neither move nor load anything."""
     rows = system.law_rows
     kept = [index for index, row in enumerate(rows.maps) if row]
     if len(kept) == len(rows):
@@ -130,7 +130,7 @@ def acting(system: RowSystem) -> RowSystem:
 
 
 def restricted(system: RowSystem, kept: Sequence[int]) -> RowSystem:
-    """The system with only these coordinates, all others at rest."""
+    """System with the kept coordinates only, all others at rest."""
     if len(kept) == system.n_coordinates:
         return system
     place = {column: number for number, column in enumerate(kept)}
@@ -139,28 +139,28 @@ def restricted(system: RowSystem, kept: Sequence[int]) -> RowSystem:
 
 
 def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
-    """Laws that act as springs, for every rank: those with stiffness and those with a dynamic one."""
+    """Mask (n_laws,) of laws that act as springs: with a stiffness or a frequency-dependent one."""
     stiff = system.stiffness > 0
     stiff[[index for index, _ in system.dynamic]] = True
     return np.asarray(stiff)
 
 
 def resisting(system: RowSystem) -> list[int]:
-    """Coordinates without one of each motion that neither inertias nor springs resist; these may stay at rest."""
+    """Coordinates to keep: all but one of each motion that neither inertias nor springs resist."""
     floating = unresisted(system, stiff_laws(system) | (system.inertia > 0))
     loose = {next(iter(motion)) for motion in floating.columns}
     return [column for column in range(system.n_coordinates) if column not in loose]
 
 
 def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
-    """Refuse a system in which these laws leave a motion free."""
+    """Refuse a system in which the selected laws leave a motion free."""
     free = unresisted(system, laws).dimension
     if free:
         raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
 
 
 def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Subspaces:
-    """Tell directions apart by the ranks of the rows.
+    """Bases of rigid, moving, massless damped and massless held directions, from the ranks of the rows.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def _spring_rows(system: RowSystem, spaces: Subspaces, stiffness: AnyArray) -> A
 
 
 def _force_basis(springs: AnyArray, held: AnyArray, rank: int) -> AnyArray:
-    """Y: spring forces in range(E) that balance on every massless held direction, Y^T E N_2 = 0."""
+    """Basis Y of spring forces in range(E) that balance on every massless held direction, Y^T E N_2 = 0."""
     if len(springs) == rank:
         return orthogonal_complement(held, rank)
     inside = np.linalg.svd(springs, full_matrices=False)[0][:, :rank]
@@ -203,7 +203,7 @@ def _force_basis(springs: AnyArray, held: AnyArray, rank: int) -> AnyArray:
 def first_order(
     system: RowSystem, spaces: Subspaces, stiffness: AnyArray, damping: FloatArray | None = None
 ) -> FirstOrder:
-    """A of x' = A x with x = (velocities in the basis X, forces in the basis Y).
+    """First-order form x' = A x of a system, with x = (velocities in the basis X, forces in the basis Y).
 
     With G_1 = G N_1 = Q_1 R_1 and H = R_1^-T (E N_1)^T Y
 
@@ -228,7 +228,7 @@ def first_order(
 
 
 class _Split(NamedTuple):
-    """The damping C on X and on N_1, which is eliminated; F are the forces of springs on N_1."""
+    """Damping C on X and on N_1, with N_1 eliminated; F are the forces of springs on N_1."""
 
     drag: AnyArray  # C_xx - C_x1 C_11^-1 C_1x
     yielding: AnyArray  # F^T C_11^-1 F
@@ -238,7 +238,7 @@ class _Split(NamedTuple):
 
 
 def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
-    """By roots of dampers, which form no product of them."""
+    """Damping split by square roots of the dampers, without products of dampers."""
     acting = damping > 0
     G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
     Q_1, R_1 = np.linalg.qr(G @ spaces.damped)
@@ -251,7 +251,7 @@ def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, force
 
 
 def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
-    """Where some damping is negative, so that it has no root.
+    """Damping split where a damping is negative and has no square root.
 
     Raises
     ------
@@ -277,7 +277,7 @@ def _norm(values: NDArray[np.generic]) -> float:
 
 
 def _recover(spaces: Subspaces, E: AnyArray, E_2: AnyArray, slip: AnyArray) -> AnyArray:
-    """Express v = X x + N_1 z_1 + N_2 z_2 with (E N_2)^T E v = 0."""
+    """Matrix that gives v = X x + N_1 z_1 + N_2 z_2 from x, with (E N_2)^T E v = 0."""
     n_x = spaces.moving.shape[1]
     moving = np.hstack([spaces.moving, np.zeros((len(spaces.moving), slip.shape[1] - n_x))])
     known = moving + spaces.damped @ slip

@@ -1,4 +1,4 @@
-"""What a solver is asked: laws over coordinates and given motions, what drives them, and what is read.
+"""Response problem of a solver: rows of laws, excitations, and motions and reactions to be solved for.
 
 Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
 imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
@@ -18,14 +18,14 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 
 ALONE = 4
-"""Up to so many torques are solved one by one, each with its own coordinate at the root of the tree."""
+"""Largest number of torques that are solved one by one, each with its own coordinate at the root of the tree."""
 GOLDEN = (math.sqrt(5) - 1) / 2
-"""Its multiples modulo 1 are spread most evenly."""
+"""Golden ratio minus one, whose multiples modulo 1 are spread most evenly."""
 
 
 @dataclass(frozen=True)
 class Loading:
-    """A unit of what drives: ``load``, N m by column, and ``motion``, rad of given columns; the others stand still."""
+    """Unit excitation: ``load`` in N m by column, ``motion`` in rad of given columns; others are at rest."""
 
     load: Row = field(default_factory=dict)
     motion: Row = field(default_factory=dict)
@@ -33,7 +33,7 @@ class Loading:
 
 @dataclass(frozen=True, eq=False)
 class ResponseProblem:
-    """Laws over all columns, what drives, and what is read.
+    """Response problem: rows of laws over all columns, excitations, and motions and reactions to be solved for.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class ResponseProblem:
 
     @cached_property
     def parts(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
-        """Which excitations are solved together: torques one by one where they are few, and all imposed motions."""
+        """Groups of excitations solved together: few torques one by one, and all imposed motions at once."""
         loads = [number for number, one in enumerate(self.excitations) if not one.motion]
         motions = [number for number, one in enumerate(self.excitations) if one.motion]
         groups = [[number] for number in loads] if len(loads) <= ALONE else [loads]
@@ -77,7 +77,7 @@ class ResponseProblem:
 
     @cached_property
     def otherwise(self) -> ResponseProblem:
-        """The same by another order of elimination, and in other sizes of the coordinates.
+        """Response problem with another order of elimination and rescaled coordinates, for other rounding errors.
 
         Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
         however the stiffnesses are moved. In other sizes it is no longer 1.
@@ -111,5 +111,5 @@ class ResponseProblem:
 
 
 def _odd(column: int) -> float:
-    """Between 1 and 2, and another one for each column."""
+    """Scale factor between 1 and 2, different for each column."""
     return 1 + (column + 1) * GOLDEN % 1

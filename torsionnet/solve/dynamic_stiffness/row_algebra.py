@@ -1,4 +1,4 @@
-"""Rows up to a factor: the geometry behind elimination on the graph.
+"""Algebra of sparse rows up to a factor, for elimination on the graph.
 
 Rows are sparse maps from coordinate to coefficient. Coefficients are known to rounding only, so what cancels to within
 the tolerance of its terms is zero, and rows that agree to as many digits are the same.
@@ -23,20 +23,20 @@ def _rounded(coefficient: float) -> float:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """To what share sums of coefficients cancel, and what of a coefficient tells rows apart."""
+    """Accuracy of row coefficients: relative tolerance of cancellation, and the rounding by which rows are compared."""
 
     tolerance: Any
     rounded: Callable[[Any], Any]
 
 
 DOUBLE = Accuracy(1e-13, _rounded)
-"""Ratios multiplied around a consistent loop meet to about 1e-15 for each gear."""
+"""Accuracy of rows in double precision: ratios multiplied around a consistent loop meet to about 1e-15 per gear."""
 
 
 def combined(
     first: Mapping[int, float], second: Mapping[int, float], coordinate: int, accuracy: Accuracy = DOUBLE
 ) -> Row:
-    """Row b = second_v first - first_v second for coordinate v, on which b has no part."""
+    """Combined row b = second_v first - first_v second, which has no entry on coordinate v."""
     over_first, over_second = second.get(coordinate, 0.0), first[coordinate]
     row: Row = {}
     for j in {**first, **second}:
@@ -59,7 +59,7 @@ def normalised(row: Mapping[int, float], accuracy: Accuracy = DOUBLE) -> tuple[K
 def clique(
     row: Mapping[int, float], scale: Mapping[int, float], accuracy: Accuracy = DOUBLE
 ) -> Iterator[tuple[Row, float]]:
-    """Links and grounds that act together as one row: a a^T = sum of weight * b b^T.
+    """Links and grounds that together are equivalent to one row: a a^T = sum of weight * b b^T.
 
     With a_i d_i for a_i, where d is the ``scale`` of the coordinates, a pair i, j gets the link {i: 1/d_i, j: -1/d_j}
     with weight -a_i a_j, and coordinate i the ground {i: 1/d_i} with a_i sum(a): nothing where the row does not answer
@@ -76,7 +76,7 @@ def clique(
 
 
 def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
-    """Motion d that links between two coordinates do not resist, along a forest of them.
+    """Motion d that links between two coordinates do not resist, along a forest of links.
 
     Links whose ends turn the same way come first: those of the opposite kind may be the inertia of a shaft.
     """
@@ -99,7 +99,7 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
 
 @dataclass
 class RowTable:
-    """Rows up to a factor, each with a number, found by the columns they touch."""
+    """Table of rows up to a factor, each with a number, found by the columns they touch."""
 
     accuracy: Accuracy = DOUBLE
     numbers: dict[Key, int] = field(default_factory=dict)
@@ -107,7 +107,7 @@ class RowTable:
     touching: dict[int, set[int]] = field(default_factory=dict)
 
     def add(self, row: Row) -> tuple[int, float]:
-        """Number of the row and the factor it is of it."""
+        """Number of the row in the table, and its factor on the stored row."""
         key, unit, factor = normalised(row, self.accuracy)
         number = self.numbers.get(key)
         if number is None:
@@ -125,7 +125,7 @@ class RowTable:
         return sorted(numbers, key=lambda number: (len(self.rows[number]) == 1, number))
 
     def remove(self, number: int) -> None:
-        """Remove a row; its number is not given away again."""
+        """Remove a row; its number is not used again."""
         for j in self.rows[number]:
             self.touching[j].discard(number)
         del self.numbers[normalised(self.rows[number], self.accuracy)[0]]

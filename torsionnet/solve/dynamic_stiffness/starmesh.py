@@ -1,4 +1,6 @@
-"""Readings by elimination on the graph: see :mod:`torsionnet.solve.dynamic_stiffness.graph_plan` for the equations.
+"""Star-mesh solver: responses by elimination on the graph.
+
+The equations are in :mod:`torsionnet.solve.dynamic_stiffness.graph_plan`.
 
 >>> import numpy as np
 >>> from torsionnet.assembly.law_stiffness import LawStiffness
@@ -30,18 +32,18 @@ Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]
 
 
 WORTH = 1e9
-"""Operations times points from which on the compiled loop saves more than the second or two that its start takes."""
+"""Operations times points above which the compiled loop saves more than the second or two that starting it takes."""
 
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
-    """``method``, or for ``auto`` the one that many points are worth: by their number alone, wherever numba works."""
+    """Name of the solver method; ``auto`` chooses the compiled loop for many points wherever numba works."""
     if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < WORTH:
         return method
     return "compiled" if compiled_works() else "graph"
 
 
 def compiled_works() -> bool:
-    """Whether the compiled loop can be used: not without numba, nor with one that refuses this numpy.
+    """Whether the compiled loop can be used: numba is installed and works with this numpy.
 
     numpy can do the same.
     """
@@ -53,7 +55,7 @@ def compiled_works() -> bool:
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_points points.
+    """Outputs and reactions of a problem for dynamic stiffnesses of its laws at all points.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
@@ -65,12 +67,12 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 
 def respond_in_numpy(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """The same in numpy, however large."""
+    """Outputs and reactions of a problem with numpy, whatever the number of points."""
     return _respond(problem, kappa, sweep)
 
 
 def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """The same in the compiled loop, however small.
+    """Outputs and reactions of a problem with the compiled loop, whatever the number of points.
 
     Raises
     ------

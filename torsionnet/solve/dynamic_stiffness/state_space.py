@@ -35,7 +35,7 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class StateSpaceForm:
-    """x' = A x + B u, and the coordinates q = X x + U u; ``states`` are the names of x.
+    """State equations x' = A x + B u with coordinates q = X x + U u; ``states`` are the names of x.
 
     The torque of each of ``actions`` is P(s) (its motion sensed) + (its row of ``torques``) x.
     """
@@ -51,7 +51,7 @@ class StateSpaceForm:
 
 @dataclass(frozen=True)
 class StateSpace:
-    """x' = A x + B u, y = C x + D u; torques in N m, outputs in their SI units; ``states`` are the names of x."""
+    """State space x' = A x + B u, y = C x + D u; torques in N m, outputs in SI units; ``states`` are the names of x."""
 
     A: FloatArray
     B: FloatArray
@@ -61,7 +61,7 @@ class StateSpace:
 
 
 def to_control(drivetrain: AssembledModel) -> control.StateSpace:
-    """See :meth:`torsionnet.Drivetrain.to_control`.
+    """State space as a python-control object; see :meth:`torsionnet.Drivetrain.to_control`.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
 
 
 def state_space(drivetrain: AssembledModel) -> StateSpace:
-    """The state space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
+    """State space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
 
     Raises
     ------
@@ -104,18 +104,18 @@ def state_space(drivetrain: AssembledModel) -> StateSpace:
 
 @dataclass(frozen=True)
 class Channels:
-    """The inputs and sensors that act in a configuration."""
+    """Inputs and sensors that act in a configuration."""
 
     inputs: dict[str, Input]
     sensors: dict[str, Sensor]
 
     def readings(self, drivetrain: AssembledModel) -> tuple[Functional, ...]:
-        """What the sensors read."""
+        """Functionals of the sensors."""
         return tuple(functional(drivetrain, sensor, name) for name, sensor in self.sensors.items())
 
 
 def active_channels(drivetrain: AssembledModel) -> Channels:
-    """Inputs and sensors without those on parts that are switched off or locked."""
+    """Inputs and sensors of a drivetrain without those on parts that are switched off or locked."""
     inputs, sensors = usable(drivetrain)
     return Channels(
         {name: drivetrain.inputs[name] for name in inputs}, {name: drivetrain.sensors[name] for name in sensors}
@@ -135,7 +135,7 @@ def first_order(
     closing: Sequence[LawStates] | None = None,
     opened: Sequence[LawStates] = (),
 ) -> StateSpaceForm:
-    """States of an assembly under torques on nodes; of delays so many ``points`` (:mod:`.action_states`).
+    """State equations of an assembly under torques on nodes, with delays as so many ``points`` (:mod:`.action_states`).
 
     With ``closing``, only these actions act, and the torques of those ``opened`` are inputs after the others.
 
@@ -168,7 +168,7 @@ def first_order(
 def _matrices(
     system: RowSystem, actions: Sequence[LawStates], kinds: tuple[FloatArray, FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """M, C and K with what actions do at once.
+    """Matrices M, C and K with the direct feedthrough of actions.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def _matrices(
 
 
 def closed(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
-    """The states of a drivetrain whose last inputs are the torques of ``actions``, and their own."""
+    """State equations with closed loops, from those whose last inputs are the torques of ``actions``."""
     n_act, n_x = len(actions), len(form.A)
     n_u = form.B.shape[1] - n_act
     sizes = np.cumsum([0, *(len(one.F) for one in actions)])
@@ -221,7 +221,7 @@ def closed(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm
 
 
 def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArray) -> tuple[str, ...]:
-    """What each state is where it is the angle or velocity of one coordinate, else a number."""
+    """Names of states: angle or velocity of a coordinate, or a number for a combined motion."""
 
     def named(basis: FloatArray, what: str) -> list[str]:
         columns = [np.flatnonzero(column) for column in basis.T]
@@ -241,7 +241,7 @@ def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _upright(basis: FloatArray) -> FloatArray:
-    """With the largest entry of every column positive."""
+    """Basis with the largest entry of every column positive."""
     largest = np.abs(basis).argmax(axis=0) if basis.size else np.zeros(0, dtype=int)
     return np.asarray(basis * np.where(basis[largest, np.arange(len(largest))] < 0, -1.0, 1.0))
 
@@ -279,7 +279,7 @@ def output_matrices(
     system: StateSpaceForm,
     opened: Sequence[LawStates] = (),
 ) -> tuple[FloatArray, FloatArray]:
-    """C (n_out, n_x) and D (n_out, n_in) of readings; the coefficients of u' and u'' have to vanish.
+    """Matrices C (n_out, n_x) and D (n_out, n_in) of readings; the coefficients of u' and u'' have to vanish.
 
     The torques of the actions ``opened`` are inputs after the others.
 
@@ -329,7 +329,7 @@ def _output_rows(
 
 
 def _share(assembly: Assembly, reading: Functional, action: LawStates) -> float:
-    """What is read of the torque of an action: its own, and what it applies to nodes that are read."""
+    """Factor of an action's torque in a reading: read itself, or applied to nodes that are read."""
     nodes = action.action.nodes.items()
     applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))
     number = next(place for place, one in enumerate(assembly.system.actions) if one is action.action)

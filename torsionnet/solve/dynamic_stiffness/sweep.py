@@ -1,4 +1,4 @@
-"""The numbers of a tape in numpy: every operation on a vector of points at once."""
+"""Evaluation of an operation tape in numpy: every operation on a vector of points at once."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from torsionnet.solve.dynamic_stiffness.doubt import Array, Doubt
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
-"""Registers worked on at once."""
+"""Memory in bytes of the registers worked on at once: more leave the processor's cache."""
 FEWEST, MOST = 1024, 4096
 """Points worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
 
 
 @dataclass
 class Sweep:
-    """Values (n_read, n_exc, n_points), and a mask (n_points,) of points that have lost digits."""
+    """Solution of a response problem: values (n_read, n_exc, n_points), and a mask (n_points,) of uncertain points."""
 
     values: Array
     doubtful: NDArray[np.bool_]
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
-    """Walk along the tape, some points at a time.
+    """Values of a tape at all points, and mask of uncertain points, a block of points at a time.
 
     Parameters
     ----------

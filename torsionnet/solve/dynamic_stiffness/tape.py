@@ -1,4 +1,4 @@
-"""An elimination as one list of simple operations on registers, which numpy or a compiled loop walks along.
+"""Operation tape of an elimination: simple operations on registers, run in numpy or in a compiled loop.
 
 A register holds one number for every point. What an operation does with its target t, from registers a and b:
 
@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
 _READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
-"""How many registers an operation reads; the others read none."""
+"""Number of registers that an operation reads; operations not listed read none."""
 
 
 class Operation(NamedTuple):
-    """One entry of a tape."""
+    """Operation of a tape: code, target, sources and factor."""
 
     code: int
     t: int
@@ -49,7 +49,7 @@ class Operation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (n, 4) and their factors (n,), the number of registers, and of values that come out."""
+    """Operation tape: operations (n, 4) with factors (n,), and the numbers of registers and of values."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
@@ -61,13 +61,13 @@ class Tape:
 
     @property
     def reached(self) -> list[int]:
-        """Numbers of the values that anything reaches at all; the others are zero whatever the stiffnesses."""
+        """Numbers of the values that any excitation reaches; all others are zero whatever the stiffnesses."""
         found: list[int] = self.operations[self.operations[:, 0] == OUTPUT, 1].tolist()
         return found
 
 
 class TapeQuantity(NamedTuple):
-    """``factor`` times what an operation gave; times one where ``name`` is negative."""
+    """Quantity on a tape: ``factor`` times the result of operation ``name``, or the factor alone if ``name`` < 0."""
 
     name: int
     factor: float
@@ -75,13 +75,13 @@ class TapeQuantity(NamedTuple):
 
 @dataclass
 class Writer:
-    """Writes operations, each on a quantity of its own; factors are carried along until they are needed."""
+    """Writer of a tape; scalar factors are carried along until an operation needs them."""
 
     operations: list[Operation] = field(default_factory=list)
     n_names: int = 0
 
     def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0) -> int:
-        """Name of what an operation gives."""
+        """Append an operation and return the name of its result."""
         self.operations.append(Operation(code, self.n_names, a, b, factor))
         self.n_names += 1
         return self.n_names - 1
@@ -90,7 +90,7 @@ class Writer:
         return quantity.name if quantity.name >= 0 else self.new(CONSTANT)
 
     def plus(self, known: TapeQuantity | None, term: TapeQuantity, code: int = SUM) -> TapeQuantity:
-        """The sum; ``known`` is None where there is nothing yet."""
+        """Sum of two quantities; ``known`` is None where there is nothing yet."""
         if known is None or not known.factor:
             return term
         if known.name < 0 and term.name < 0:
@@ -117,14 +117,14 @@ class Writer:
         self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
 
     def tape(self, n_values: int) -> Tape:
-        """What the outputs need of it, with registers for the quantities."""
+        """Tape of the operations that outputs depend on, with registers for the quantities."""
         placed, n_registers = _with_registers(_needed(self.operations))
         operations = np.array([one[:4] for one in placed], dtype=np.int64).reshape(-1, 4)
         return Tape(operations, np.array([one.factor for one in placed]), n_registers, n_values)
 
 
 def _needed(operations: list[Operation]) -> list[Operation]:
-    """Without what no output rests on."""
+    """Operations that some output depends on."""
     used: set[int] = set()
     kept = []
     for one in reversed(operations):
@@ -135,7 +135,7 @@ def _needed(operations: list[Operation]) -> list[Operation]:
 
 
 def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
-    """Registers in place of names: one is free again after the last operation that has to do with its name."""
+    """Operations with registers in place of names; a register is reused after the last operation on its name."""
     last = {name: place for place, one in enumerate(operations) for name in one.read}
     home: dict[int, int] = {}
     free: list[int] = []

@@ -1,4 +1,4 @@
-"""From the plan of an elimination to its tape.
+"""Operation tapes written from elimination plans.
 
 Weights of loads go forward with the elimination. What is read either comes back along the way, all motions from one
 solution, or goes forward like a load: the dynamic stiffness is symmetric, and with r D^-1 l built up on the way nothing
@@ -14,12 +14,13 @@ from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan,
 from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, PIVOT, SUM, Tape, TapeQuantity, Writer
 
 FEW = 2
-"""Readings that go forward."""
+"""Largest number of readings solved by carrying them forward, which then takes fewer operations than back-
+substitution."""
 _ONE = TapeQuantity(-1, 1.0)
 
 
 def make_tape(plan: EliminationPlan) -> Tape:
-    """The tape of a plan; value number n_excitations * reading + excitation.
+    """Tape of an elimination plan; value number n_excitations * reading + excitation.
 
     Examples
     --------
@@ -34,7 +35,7 @@ def make_tape(plan: EliminationPlan) -> Tape:
 
 @dataclass(frozen=True)
 class _Eliminated:
-    """A step with the shares kappa_i / S by place, and f_v / S by excitation where there is a load."""
+    """Elimination step with the shares kappa_i / S by place, and f_v / S by excitation where there is a load."""
 
     step: EliminationStep
     shares: dict[int, TapeQuantity]
@@ -42,7 +43,7 @@ class _Eliminated:
 
 
 class _Taping:
-    """What both ways have in common: laws and loads."""
+    """Common part of both tape writers: laws and loads."""
 
     def __init__(self, plan: EliminationPlan) -> None:
         self.plan, self.writer = plan, Writer()
@@ -56,7 +57,7 @@ class _Taping:
         table[key] = self.writer.plus(table.get(key), term)
 
     def _link(self, slot: int) -> TapeQuantity:
-        """Stiffness of a row; that of laws is not worked out before it is needed."""
+        """Stiffness of a row; that of laws is not worked out before use."""
         if slot in self.fresh:
             self.fresh.discard(slot)
             self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
@@ -98,7 +99,7 @@ class _Taping:
         return _Eliminated(step, shares, loads)
 
     def _pivot(self, step: EliminationStep, terms: Sequence[TapeQuantity]) -> TapeQuantity:
-        """S; its shares tell where it is small, or the sum itself where more than one term has none."""
+        """Pivot S; small pivots show in its shares, or in the sum itself where more than one term has none."""
         code = PIVOT if len(step.shared) >= len(terms) - 1 else SUM
         total = None
         for term, (_, square) in zip(terms, step.terms, strict=True):
@@ -108,7 +109,7 @@ class _Taping:
     def _load(
         self, step: EliminationStep, weights: dict[int, TapeQuantity], shares: dict[int, TapeQuantity]
     ) -> TapeQuantity | None:
-        """Pass the loads on, and give their sum f_v on the coordinate itself."""
+        """Pass the loads on, and return their sum f_v on the coordinate itself."""
         writer = self.writer
         for slot, i, factor, target in step.passed:
             if slot in weights:
@@ -127,7 +128,7 @@ class _Taping:
 
 
 class _Back(_Taping):
-    """Motions come back along the way, excitation by excitation."""
+    """Tape with back-substitution: all motions from one solution, excitation by excitation."""
 
     def tape(self, n_read: int) -> Tape:
         way = list(self._eliminated())
@@ -174,7 +175,7 @@ class _Back(_Taping):
 
 
 class _Forward(_Taping):
-    """Readings go forward: weights by motion slot and reading, which loads meet on the way."""
+    """Tape with readings carried forward as weights by motion slot and reading, which loads meet on the way."""
 
     def tape(self, n_read: int) -> Tape:
         self.carried: dict[int, dict[int, TapeQuantity]] = {}
@@ -205,7 +206,7 @@ class _Forward(_Taping):
         self._add(self.carried.setdefault(slot, {}), reading, weight)
 
     def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
-        """Weights of a motion, with those of reactions that hang on it."""
+        """Weights of a motion, including those of reactions that depend on the motion."""
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             for law, factor, motion in reaction.laws:
                 if motion == slot:

@@ -1,4 +1,4 @@
-"""What a user asks for: names turned into readings and excitations, or a clear answer why not."""
+"""Transfer requests: names of outputs, inputs and excitations resolved to readings, or refused with the reason."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.solve.dynamic_stiffness.posed import PosedProblem, pose
 
 NOTHING = "name at least one output and one input"
+"""Message for a request without outputs or without inputs."""
 
 
 @dataclass(frozen=True)
 class TransferRequest:
-    """Readings of a transfer function: outputs over measured inputs (or over the excitations themselves).
+    """Transfer request: outputs over measured inputs, or over the excitations themselves.
 
     ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
     """
@@ -36,17 +37,17 @@ class TransferRequest:
 
     @property
     def names(self) -> str:
-        """Of the inputs."""
+        """Names of the measured inputs, joined by "and"."""
         return " and ".join(reading.name for reading in self.measured)
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
-        """Of the outputs, then of the measured inputs."""
+        """Sensors of the outputs, then of the measured inputs."""
         return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
 
     @cached_property
     def posed(self) -> PosedProblem:
-        """The request in rows."""
+        """Response problem of the request in rows."""
         return pose(self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations)
 
     def require_felt(self) -> None:
@@ -72,7 +73,7 @@ class TransferRequest:
                 raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
 
     def dependent(self) -> UsageError:
-        """What to say where measured inputs never tell the excitations apart."""
+        """Error for measured inputs that depend on each other under the excitations at all frequencies."""
         names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
         if len(self.measured) == 1:
             return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
@@ -85,7 +86,7 @@ def remembered(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """As :func:`ask`, but asked once for all configurations with the same rows and the same sections of shafts."""
+    """Transfer request resolved once for all configurations with the same rows and the same shaft sections."""
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
 
     def asked() -> TransferRequest:
@@ -102,7 +103,7 @@ def remembered(
 
 
 def again(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
-    """The same asked of another model, as of a variant with rows of its own.
+    """Transfer request for another model, such as a variant with rows of its own.
 
     Raises
     ------
@@ -125,7 +126,7 @@ def again(drivetrain: AssembledModel, request: TransferRequest) -> TransferReque
 def stressed_sections(
     drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
 ) -> tuple[Any, ...]:
-    """Section moduli of the shafts whose stress is asked for: what a reading depends on beside the rows."""
+    """Section moduli of the shafts whose stress is requested, on which a reading depends besides the rows."""
     found = []
     for entry in entries:
         for one in entry if isinstance(entry, list | tuple) else [entry]:
@@ -141,7 +142,7 @@ def ask(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """Resolve the names of a transfer function.
+    """Transfer request with the names of outputs, inputs and excitations resolved.
 
     Raises
     ------
@@ -159,7 +160,7 @@ def driven(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """As :func:`ask`, without outputs."""
+    """Transfer request of inputs and excitations without outputs, see :func:`ask`."""
     entries = _listed(input, "an input", (str, Sensor, Input))
     if not entries:
         raise UsageError(NOTHING)
@@ -210,7 +211,7 @@ def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
 
 
 def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
-    """A torque on nodes that can move; anywhere else every response would silently be zero."""
+    """Torque input on nodes that can move; refused on others, where every response would silently be zero."""
     kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
     same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
     if (driven := next(same, None)) is not None:
@@ -223,7 +224,7 @@ def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _torque_on_nodes(drivetrain: AssembledModel, name: Any) -> Input | None:
-    """A torque on a node by its name, or between two nodes as ``pulley-block``; None where no node is meant."""
+    """Torque input on a node by name, or between two nodes as ``pulley-block``; None where no node is meant."""
     if name in drivetrain.nodes:
         return _torque_on(drivetrain, Input("torque", str(name)))
     pair = parse_pair(str(name))
@@ -268,7 +269,7 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
 
 
 def _given(drivetrain: AssembledModel, channel: Input) -> Input:
-    """An excitation given as an object: a torque or twist anywhere, an imposed angle where the model declares it."""
+    """Excitation given as an object: a torque or twist anywhere, an imposed angle where the model declares one."""
     if channel.is_on_element:
         return _twist_in(drivetrain, channel)
     if channel.quantity == "torque" and set(channel.nodes) <= set(drivetrain.nodes):
@@ -282,7 +283,7 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
-    """A twist imposed in an element that gives way."""
+    """Twist imposed in an element, which must be compliant."""
     if channel.of not in drivetrain.elements:
         raise UsageError(f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}')
     element = drivetrain.elements[channel.of]
@@ -293,7 +294,7 @@ def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
-    """One name or several as a list; anything else is refused in words."""
+    """List of one name or several; other types are refused with a message."""
     entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
     for entry in entries:
         if not isinstance(entry, kinds):
@@ -302,7 +303,7 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
 
 
 def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
-    """The reading of a sensor or node; UsageError says why there is none."""
+    """Functional of an output given as sensor, sensor name or node name."""
     sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))
@@ -316,7 +317,7 @@ def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
 
 
 def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
-    """Names of the inputs and of the sensors that can be used: on what is there, and not locked.
+    """Names of the inputs and of the sensors on parts that are present and not locked.
 
     >>> import torsionnet as tn
     >>> usable(tn.load("dmf_rig"))
@@ -335,7 +336,7 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
 
 
 def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
-    """What a sensor reads; one of the model on a locked node is refused, a node asked for by name is zero there."""
+    """Functional of a sensor; a declared sensor on a locked node is refused, a node given by name reads zero there."""
     of_node = name in drivetrain.sensors and not sensor.is_on_element
     if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.stills(sensor.row):
         which = f'"{sensor.of}" is locked' if sensor.against is None else still_words(sensor)

@@ -1,4 +1,4 @@
-"""x' = A x + B u in parts that are easy to step exactly: triangular blocks without coupling between them.
+"""Block-diagonal form of x' = A x + B u with triangular blocks, which are easy to step exactly.
 
 The states of rigid rotation, whose poles at zero are multiple and have no eigenvectors of their own, are a block by
 themselves. The rest is diagonal where its eigenvectors are well conditioned, with one of each conjugate pair only, and
@@ -16,14 +16,14 @@ from scipy import linalg
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 AT_REST = 1e-7
-"""Poles smaller than this share of the largest are taken together with those at zero."""
+"""Ratio to the largest pole below which poles are grouped with those at zero."""
 CONDITION = 1e7
-"""Of the eigenvectors, up to which digits are not at risk."""
+"""Condition number of the eigenvectors up to which the block is diagonalised; beyond, too many digits are lost."""
 
 
 @dataclass(frozen=True)
 class DiagonalBlock:
-    """z' = T z + B u with T upper triangular, and its share Re(C z) of the outputs."""
+    """Block z' = T z + B u with T upper triangular, and its share Re(C z) of the outputs."""
 
     T: ComplexArray
     B: ComplexArray
@@ -35,7 +35,7 @@ class DiagonalBlock:
 
 
 def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
-    """Blocks whose outputs add up to those of the system (A (n, n), B (n, n_in), C (n_out, n))."""
+    """Uncoupled blocks whose outputs add up to those of the system (A (n, n), B (n, n_in), C (n_out, n))."""
     if not len(A):
         return []
     balanced, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
@@ -53,7 +53,7 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
 
 
 def _diagonal(block: DiagonalBlock) -> DiagonalBlock:
-    """The block in its eigenvectors, if these can be trusted."""
+    """Block in its eigenvectors, if these are well conditioned; else unchanged."""
     poles, vectors = np.linalg.eig(block.T)
     if np.linalg.cond(vectors) > CONDITION:
         return block

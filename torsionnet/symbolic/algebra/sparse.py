@@ -22,8 +22,8 @@ EXPONENT_MASK = (1 << EXPONENT_BITS) - 1
 class Sparse:
     """Sparse polynomial: sum of integer * monomial, over scale^depth.
 
-    A monomial is one integer, with ``EXPONENT_BITS`` bits for the exponent of each generator, so that monomials multiply
-    by adding. Fractions are kept out: all numbers have one common denominator, the scale.
+    A monomial is one integer, with ``EXPONENT_BITS`` bits for the exponent of each generator, so that monomials
+    multiply by adding. Fractions are kept out: all numbers have one common denominator, the scale.
     """
 
     __slots__ = ("depth", "scale", "terms")
