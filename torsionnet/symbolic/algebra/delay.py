@@ -86,8 +86,8 @@ def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
     found = delays_of(tables)
     if found:
         names = ", ".join(name.func.__name__.removeprefix("delay_") for name in found)
-        text = f"with the delay of {names}, which is not a ratio of polynomials in s, there is no {what}"
-        raise UsageError(f"{text}; use evaluate() or modes(), which include the delay")
+        text = f"the delay of {names} is no quotient of polynomials in s, so there is no {what}"
+        raise UsageError(f"{text}; evaluate() and modes() have the delay in them")
 
 
 @dataclass(frozen=True)
