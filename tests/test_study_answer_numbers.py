@@ -25,7 +25,7 @@ def test_shares_have_the_exact_interval(hits, count, confidence):
 def test_shares_are_told_with_the_digits_they_have():
     assert counted_share(31_000, 1_000_000).percent == "3.10 % (3.07 to 3.13 %)"
     assert counted_share(0, 1000).percent == "0.0 % (0.0 to 0.4 %)"
-    with pytest.raises(UsageError, match="5 of 4 is no share"):
+    with pytest.raises(UsageError, match="got 5 of 4"):
         counted_share(5, 4)
 
 

@@ -1,1 +1,1 @@
-"""What is concluded from a study, each kind in a file of its own that is imported where the kind is asked for."""
+"""Answers of a study: yield, worst case, sensitivities and so on, one file for each kind, imported when it is used."""

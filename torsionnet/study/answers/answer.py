@@ -1,4 +1,4 @@
-"""What is concluded from a study: how likely a limit is met, what matters most, what would be best."""
+"""Base classes of the answers of a study and of their conclusions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ A = TypeVar("A", bound="type[StudyAnswer]")
 
 
 class AskedStudy(Protocol):
-    """What an answer knows of its study, :class:`torsionnet.study.study.Study`."""
+    """Part of :class:`torsionnet.study.study.Study` that answers use."""
 
     @property
     def model(self) -> Drivetrain: ...
@@ -51,7 +51,7 @@ class AskedStudy(Protocol):
 
 
 class VariantValues(Protocol):
-    """What an answer knows of the results, :class:`torsionnet.study.study_result.StudyResult`."""
+    """Part of :class:`torsionnet.study.study_result.StudyResult` that answers use."""
 
     @property
     def kept(self) -> KeptValues: ...
@@ -63,65 +63,66 @@ class VariantValues(Protocol):
 
 
 class Conclusion(Protocol):
-    """What every answer comes to."""
+    """Conclusion of an answer: sentences, a table, data and a figure."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """In words, each a sentence an engineer can hand in."""
+        """Conclusion in words, each a complete statement for a report."""
         ...
 
     def table(self) -> Table:
-        """In numbers."""
+        """Conclusion as a table of numbers."""
         ...
 
     def to_data(self) -> Json:
-        """In full precision, for JSON."""
+        """Conclusion as JSON data in full precision."""
         ...
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`; ``look`` are its ``units`` (:func:`shown_units`) and ``title``."""
+        """Figure of the conclusion by :mod:`torsionnet.plot`; ``look``: ``units`` (:func:`shown_units`), ``title``."""
         ...
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyAnswer(Declared):
-    """Base of the answers; a class of its own for each ``type:``, registered by :func:`register_answer`."""
+    """Base class of the answers, one class for each ``type:``, registered by :func:`register_answer`."""
 
     article: ClassVar[str] = "an answer"
     of_variants: ClassVar[bool] = True
-    """Whether it rests on the variants that the study has calculated, rather than choosing its own."""
+    """Whether the answer uses the variants that the study has calculated, rather than choosing its own."""
     naming: ClassVar[Mapping[str, str]] = {}
-    """Keys of the entries that name something of the study, and what that is: see ``answer_names``."""
+    """Keys of the entries that name something of the study -> what they name, such as a quantity."""
 
     def require_extras(self) -> None:
-        """Raise :class:`~torsionnet.core.errors.MissingExtraError` where it needs what is not installed."""
+        """Raise :class:`~torsionnet.core.errors.MissingExtraError` where a package of the answer is not installed."""
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        """What does not fit the study: curves, correlated parameters where none may be, ...
+        """Faults of the answer with its study: curves, correlated parameters where none may be, ...
 
-        Names that the study does not have are told by ``naming``, and may come here.
+        Unknown names are found by ``naming``, and may occur here.
         """
         del study
         yield from ()
 
     def variants(self, study: AskedStudy) -> int | None:
-        """How many variants it chooses and calculates, where that is known beforehand."""
+        """Number of variants that the answer chooses and calculates; None where it is not known beforehand."""
         del study
         return None
 
     def found(self, study: AskedStudy, result: VariantValues) -> Conclusion:
-        """The answer; ``result`` has the values of all variants of the study, case by case."""
+        """Conclusion of the answer; ``result`` has the values of all variants of the study, case by case."""
         raise NotImplementedError
 
 
 ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister(("torsionnet.study.answers", "torsionnet.study.design"))
-"""By the word in ``type:``."""
+"""Classes of answers by the word in ``type:``."""
 
 
 def register_answer(cls: A) -> A:
-    """Make an answer known by its ``kind``."""
+    """Class decorator that registers an answer by its ``kind``."""
     ANSWERS[cls.kind] = cls
     return cls
 
 
 Conclusions = Mapping[str, Conclusion]
+"""Name of an answer -> its conclusion."""

@@ -1,4 +1,4 @@
-"""One configuration of a study as functions of points, for answers that choose their variants themselves."""
+"""Configuration of a study with its evaluator and space, for answers that choose their variants themselves."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 from torsionnet.study.space.space import Space
 
 OfPoints = Callable[[FloatArray], FloatArray]
-"""Values (n,) at points (n, d): of the unit cube, or of standard normal space."""
+"""Function from points (n, d) of the unit cube or of standard normal space to values (n,)."""
 
 OfVariants = Callable[[Mapping[str, FloatArray]], FloatArray]
-"""Values (n,) of variants with parameters (n,) by name."""
+"""Function from parameters (n,) by name to values (n,) of these variants."""
 
 
 @dataclass(frozen=True, eq=False)
 class AnswerCase:
-    """A configuration, what calculates its variants, and its space.
+    """Configuration of a study with the evaluator of its variants and its space.
 
     Parameters that take the values of a list or range keep that of the model where an answer draws at random.
     """
@@ -35,21 +35,21 @@ class AnswerCase:
 
     @property
     def label(self) -> str:
-        """As it is told in tables."""
+        """Name of the configuration in tables."""
         return case_label(self.configuration)
 
     def calculated(self, values: Mapping[str, FloatArray], names: tuple[str, ...]) -> dict[str, FloatArray]:
-        """Quantities (n,) of variants, whose other parameters are those of the model."""
+        """Quantities (n,) of variants; parameters that are not given have their values in the model."""
         return self.evaluator(self._whole(values), names)
 
     def singly(self, values: Mapping[str, float], quantity: str) -> float:
-        """The quantity of one variant, made and solved as a model of its own."""
+        """Value of a quantity of one variant, built and solved as a single model."""
         whole = self._whole({name: np.array([value]) for name, value in values.items()})
         block = VariantBlock(self.evaluator.model, whole, self.evaluator.quantities, None)
         return float(block.of(quantity)[0, 0])
 
     def nominal(self, name: str) -> float:
-        """The value of a parameter in the model, in SI."""
+        """Value of a parameter in the model, in SI."""
         value = self.space.nominal[name]
         if np.isnan(value):
             raise UsageError(f"{name} has no value in the model {self.label}; give it a distribution or a value")
@@ -63,7 +63,7 @@ class AnswerCase:
 
 
 def answer_cases(study: AskedStudy) -> Iterator[AnswerCase]:
-    """All configurations of a study."""
+    """Configurations of a study with their evaluators and spaces."""
     for configuration in study.configurations:
         evaluator = study.evaluator(configuration)
         yield AnswerCase(configuration, evaluator, study.space.at(evaluator.model))

@@ -1,4 +1,4 @@
-"""What several answers ask of a study before they begin: its quantities, units, limits, and what does not fit."""
+"""Quantities, units and limits of a study that answers use, and faults in their entries."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ VARIED, CONFIGURATION = "varied parameter", "configuration of the study"
 
 
 def misnamed(naming: Mapping[str, str], entries: Mapping[str, Any], known: Mapping[str, Iterable[str]]) -> list[Fault]:
-    """Faults of names that nothing has, in entries as they are written or as they were read.
+    """Faults of unknown names in the entries of an answer, as written or as read.
 
     Parameters
     ----------
     naming : mapping
-        Key of an entry -> what it names.
+        Key of an entry -> what it names, such as :data:`LIMIT`.
     entries : mapping
-        Key -> a name, a list of names, or a table by name; what is anything else has a fault of its own.
+        Key -> a name, a list of names, or a table by name; any other form has a fault of its own.
     known : mapping
-        What is named -> the names that there are.
+        What is named -> the names that exist.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def misnamed(naming: Mapping[str, str], entries: Mapping[str, Any], known: Mappi
 
 
 def _names(key: str, value: Any) -> Iterator[tuple[str, Path, bool]]:
-    """Name, path, and whether it is itself a key."""
+    """Names in an entry with their paths, and whether each is a key."""
     if isinstance(value, str):
         yield value, (key,), False
     elif isinstance(value, Mapping):
@@ -54,30 +54,30 @@ def _names(key: str, value: Any) -> Iterator[tuple[str, Path, bool]]:
 
 
 def case_label(configuration: str) -> str:
-    """A configuration as it is told in tables."""
+    """Name of a configuration in tables; "as given" for the model as it stands."""
     return configuration or "as given"
 
 
 def measure_of(study: AskedStudy, name: str) -> QuantityForm:
-    """Unit and points of a quantity, which are those in all configurations."""
+    """Unit and points of a quantity, the same in all configurations."""
     return study.quantities[name].measured(study.model_in(study.configurations[0]), study.quantities)
 
 
 def units_of(study: AskedStudy) -> dict[str, str]:
-    """Units of the parameters that vary."""
+    """Parameter -> SI unit, of the varied parameters."""
     known = parameter_units(study.model.definition)
     return {name: known.get(name, "") for name in study.space.names}
 
 
 def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Those named, by default all that are single numbers."""
+    """Names of the quantities given, by default of all that are single numbers."""
     return names or tuple(name for name in study.quantities if not measure_of(study, name).is_curve)
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """What the limit of a quantity does not allow, ``peak above 20 N*m``; of a curve ``largest H above 2 rad``.
+    """Words for exceeding the limit of a quantity: ``peak above 20 N*m``, of a curve ``largest H above 2 rad``.
 
-    In the units in which the limit was written.
+    Values are in the units in which the limit was written.
     """
     limit, form = study.limits[name], measure_of(study, name)
     sides = (("above", "largest", limit.below), ("below", "smallest", limit.above))
@@ -90,7 +90,7 @@ def limit_words(study: AskedStudy, name: str) -> str:
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:
-    """Names of curves, which are not single numbers."""
+    """Faults of quantities that are curves where a single number is needed."""
     for place, name in enumerate(names):
         path = (key, place) if key == "quantities" else (key,)
         if name in study.quantities and measure_of(study, name).is_curve:
@@ -100,12 +100,12 @@ def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iter
 
 
 def limit_faults(study: AskedStudy) -> Iterator[Fault]:
-    """Limits that are not there."""
+    """Fault of a study without limits."""
     if not study.limits:
         yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
 
 
 def distribution_faults(study: AskedStudy) -> Iterator[Fault]:
-    """Nothing is drawn at random."""
+    """Fault of a study without a random parameter."""
     if not study.space.random_names:
         yield Fault("no parameter has a distribution; this answer draws variants at random", on_key=True)

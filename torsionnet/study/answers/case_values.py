@@ -1,4 +1,4 @@
-"""What a study has calculated, case by case, for answers that rest on its variants."""
+"""Values that a study has calculated in each configuration, for answers that use its variants."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from torsionnet.study.answers.answer_inputs import case_label
 
 @dataclass(frozen=True, eq=False)
 class CaseValues:
-    """Parameters and quantities (n,) of the variants in one configuration that are kept.
+    """Parameters and quantities (n,) of the kept variants in one configuration.
 
-    A curve is there by its smallest and largest value over its points, (n, 2).
+    A curve has its smallest and largest value over its points, (n, 2).
     """
 
     configuration: str
@@ -23,12 +23,12 @@ class CaseValues:
 
     @property
     def label(self) -> str:
-        """As it is told in tables."""
+        """Name of the configuration in tables."""
         return case_label(self.configuration)
 
 
 def case_values(study: AskedStudy, result: VariantValues, names: tuple[str, ...]) -> Iterator[CaseValues]:
-    """The quantities ``names`` of all variants, or of very many a part; ``result.kept`` says which."""
+    """Parameters and quantities ``names`` of the kept variants in each configuration."""
     for configuration in study.configurations:
         quantities = {name: result.kept_values(name, configuration) for name in names}
         yield CaseValues(configuration, result.kept_parameters(configuration), quantities)

@@ -1,4 +1,4 @@
-"""Conclusions as data for JSON."""
+"""Base class of conclusions whose JSON data are their fields."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from torsionnet.core.entries.spec import Json
 from torsionnet.core.number_text import finite
 
 IN_WORDS = {"in_words": True}
-"""Metadata of a field that is told in the sentences alone."""
+"""Metadata of a field that is left out of the JSON data, as the sentences contain it."""
 
 
 class PlainConclusion:
-    """Base of frozen dataclasses that say all they found in their fields."""
+    """Base class of conclusions that are frozen dataclasses with all results in their fields."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """In words."""
+        """Conclusion in words, each a complete statement for a report."""
         raise NotImplementedError
 
     def to_data(self) -> Json:
-        """Sentences and every field; null for numbers that JSON lacks."""
+        """Sentences and fields as JSON data; null for numbers that JSON lacks."""
         data: Json = finite({"sentences": list(self.sentences), **plain_data(self)})
         return data
 
 
 def plain_data(value: Any) -> Any:
-    """Dataclasses and mappings as dictionaries, arrays and tuples as lists."""
+    """Value as JSON data: dataclasses and mappings as dictionaries, arrays and tuples as lists."""
     if is_dataclass(value):
         return {
             one.name: plain_data(getattr(value, one.name)) for one in fields(value) if not one.metadata.get("in_words")

@@ -1,4 +1,4 @@
-"""How many draws are beyond limits: by the values of all variants, or as counted where there are very many."""
+"""Number of draws beyond limits, from the values of all variants, or from counts where there are very many."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from torsionnet.study.answers.conclusion_data import IN_WORDS
 from torsionnet.study.reductions.limit_counts import LimitTotals
 
 MOST_BINS, FEWEST_BINS = 60, 10
-ALIKE = 1e-9
-"""Of themselves: values that spread less are one value, and rounding."""
+"""Most and fewest bins of a histogram of a quantity: more are narrower than a pixel, fewer show no shape."""
+ROUNDING_SPREAD = 1e-9
+"""Relative spread below which values count as one value with rounding errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,16 +33,16 @@ class LimitedValues:
     below: float | None
     above: float | None
     curve: str = field(default="", metadata=IN_WORDS)
-    """The quantity that these are the largest or smallest values of."""
+    """Name of the curve whose largest or smallest values these are; empty for a number."""
 
     @property
     def constant(self) -> float | None:
-        """The one value that all variants have; None where they differ, or have none."""
+        """Value that all variants have; None where they differ, or have none."""
         return float(self.edges[[0, -1]].mean()) if np.count_nonzero(self.counts) == 1 else None
 
 
 def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray) -> tuple[LimitedValues, ...]:
-    """Of values (n,), or for each limit of a curve of its smallest or largest ones, which are given as (n, 2)."""
+    """Histograms of a limited quantity: one of values (n,), or of smallest and largest values (n, 2) of a curve."""
     limit, unit = study.limits[name], measure_of(study, name).unit
     if values.ndim == 1:
         return (LimitedValues(label, name, unit, *_histogram(values), limit.below, limit.above),)
@@ -54,13 +55,13 @@ def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray)
 
 
 def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Edges and counts of values that are there; of many without those beyond the 0.01st and 99.99th percentile."""
+    """Edges and counts of the finite values between the 0.01st and 99.99th percentile."""
     known = values[np.isfinite(values)]
     ends = np.array([0.0, 1.0])
     if len(known):
         ends = np.array([np.percentile(known, 0.01, method="lower"), np.percentile(known, 99.99, method="higher")])
     size = float(np.abs(ends).max()) or 1.0
-    if ends[1] - ends[0] < ALIKE * size:
+    if ends[1] - ends[0] < ROUNDING_SPREAD * size:
         ends = ends + np.array([-1, 1]) * size * 1e-3
     bins = int(np.clip(2 * np.cbrt(len(known)), FEWEST_BINS, MOST_BINS))
     counts, edges = np.histogram(known, bins, range=(float(ends[0]), float(ends[1])))
@@ -68,11 +69,11 @@ def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 Weights = Mapping[str, float]
-"""Shares of configurations."""
+"""Configuration -> its share in a mean."""
 
 
 class DrawsBeyond(Protocol):
-    """Draws beyond any of the limits of some quantities; of a draw that is beyond at some points of a grid, a part."""
+    """Counter of draws beyond any limit of some quantities; one beyond at some points of a grid counts in part."""
 
     def in_case(self, names: Sequence[str], configuration: str) -> float: ...
     def in_any(self, names: Sequence[str]) -> float: ...
@@ -81,20 +82,20 @@ class DrawsBeyond(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class KeptBeyond:
-    """By which variants (n_grid, n_draws) are beyond, by configuration and quantity."""
+    """Counts of draws from booleans (n_grid, n_draws) of every configuration and quantity, true beyond its limit."""
 
     beyond: Mapping[str, Mapping[str, NDArray[np.bool_]]]
 
     def in_case(self, names: Sequence[str], configuration: str) -> float:
-        """In one configuration."""
+        """Number of draws beyond any of the limits in one configuration."""
         return _draws(self._any_limit(names, configuration))
 
     def in_any(self, names: Sequence[str]) -> float:
-        """In at least one of them."""
+        """Number of draws beyond any of the limits in at least one configuration."""
         return _draws(self._each(names).any(axis=0))
 
     def on_average(self, names: Sequence[str], weights: Weights) -> float:
-        """The weighted mean over configurations."""
+        """Weighted mean over configurations of the number of draws beyond any of the limits."""
         shares = np.array([weights.get(case, 0.0) for case in self.beyond])
         return _draws(np.tensordot(shares / shares.sum(), self._each(names), axes=1))
 
@@ -106,26 +107,26 @@ class KeptBeyond:
 
 
 def _draws(beyond: Any) -> float:
-    """By the mean over the points of the grid."""
+    """Number of draws that are beyond, each by its mean over the points of the grid."""
     return float(np.asarray(beyond, dtype=float).mean(axis=0).sum())
 
 
 @dataclass(frozen=True, eq=False)
 class CountedBeyond:
-    """By the counts of variants; each draw is ``n_grid`` variants."""
+    """Counts of draws from counts of variants; each draw is ``n_grid`` variants."""
 
     totals: LimitTotals
     n_grid: int
 
     def in_case(self, names: Sequence[str], configuration: str) -> float:
-        """In one configuration."""
+        """Number of draws beyond any of the limits in one configuration."""
         return self.totals.beyond(names, configuration) / self.n_grid
 
     def in_any(self, names: Sequence[str]) -> float:
-        """In at least one of them."""
+        """Number of draws beyond any of the limits in at least one configuration."""
         return self.totals.beyond_in_any(names) / self.n_grid
 
     def on_average(self, names: Sequence[str], weights: Weights) -> float:
-        """The weighted mean over configurations."""
+        """Weighted mean over configurations of the number of draws beyond any of the limits."""
         total = sum(weight * self.in_case(names, case) for case, weight in weights.items())
         return total / sum(weights.values())

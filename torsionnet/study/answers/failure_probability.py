@@ -1,4 +1,4 @@
-"""The answer ``type: failure_probability``: how rarely a limit is not kept."""
+"""The answer ``type: failure_probability``: small probability that a limit is exceeded."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValu
 from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
 from torsionnet.study.answers.answer_inputs import LIMIT, distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion
-from torsionnet.study.answers.importance_sampling import FEWEST, importance_sampling
+from torsionnet.study.answers.importance_sampling import FEWEST_VARIANTS, importance_sampling
 from torsionnet.study.answers.rare_event import RareEvent
-from torsionnet.study.answers.subset_sampling import LENGTH, subset_sampling
+from torsionnet.study.answers.subset_sampling import CHAIN_LENGTH, subset_sampling
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoints:
-    """The smallest distance to a limit, over the size of that limit: not above 0 where one of them is not kept."""
+    """Function from points in standard normal space to the safety margin, the smallest relative distance to a limit."""
     names = tuple(limits)
 
     def margin(points: FloatArray) -> FloatArray:
@@ -41,9 +41,9 @@ def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoin
 
 
 def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
-    """Of values (n,), or the worst of a curve (n, n_points), to the nearer side of their limit, over its size.
+    """Relative distance (n,) of values (n,), or of the worst point of curves (n, n_points), to their nearer limit.
 
-    NaN where there is no value.
+    Negative beyond the limit, NaN without a value.
 
     Examples
     --------
@@ -59,6 +59,7 @@ def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
 
 IMPORTANCE, SUBSET = "importance", "subset"
 DEFAULT_COUNT = {IMPORTANCE: 100_000, SUBSET: 1000}
+"""Number of variants by method: most of all, or those of a level."""
 
 
 @register_answer
@@ -91,10 +92,12 @@ class FailureProbability(StudyAnswer):
     def contradictions(self) -> list[Fault]:
         if self.count is None:
             return []
-        if self.method == IMPORTANCE and self.count < FEWEST:
-            return [Fault(f"importance sampling needs {FEWEST} variants or more, got {self.count}", ("count",))]
-        if self.method == SUBSET and self.count % LENGTH:
-            return [Fault(f"the variants of a level are a multiple of {LENGTH}, got {self.count}", ("count",))]
+        if self.method == IMPORTANCE and self.count < FEWEST_VARIANTS:
+            return [
+                Fault(f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {self.count}", ("count",))
+            ]
+        if self.method == SUBSET and self.count % CHAIN_LENGTH:
+            return [Fault(f"the variants of a level are a multiple of {CHAIN_LENGTH}, got {self.count}", ("count",))]
         return []
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
@@ -123,7 +126,7 @@ class FailureProbability(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class FailureFound(PlainConclusion):
-    """Probabilities by configuration."""
+    """Failure probabilities by configuration."""
 
     title: str
     beyond: str

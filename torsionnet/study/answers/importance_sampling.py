@@ -1,4 +1,4 @@
-"""Probability of a rare failure from variants drawn around the design points."""
+"""Importance sampling: probability of a rare failure from variants drawn around the design points."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ from torsionnet.study.answers.share_interval import counted_share
 from torsionnet.study.answers.subset_sampling import SubsetLevels, subset_levels
 
 WIDE_SHARE = 0.15
-"""Of the variants, drawn wide around the median to meet failures away from the design points."""
-LEAST_SHARE = 0.05
+"""Share of the variants drawn wide around the median; more find missed failures sooner, fewer give a smaller error."""
+LEAST_CENTRE_SHARE = 0.05
+"""Smallest weight of a design point relative to the most likely one, so that none is sampled too rarely."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """Normal distributions around centres (m, d), nearest first, and a wide one around the median."""
+    """Mixture of normal distributions around centres (m, d), nearest first, and a wide one around the median."""
 
     centres: FloatArray
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the wide one: as many variants beyond the nearest centre as within."""
+        """Standard deviation of the wide distribution: as many variants beyond the nearest centre as within."""
         return (
             max(1.0, float(np.linalg.norm(self.centres[0])) / self.centres.shape[1] ** 0.5)
             if len(self.centres)
@@ -36,13 +37,13 @@ class Mixture:
 
     @property
     def shares(self) -> FloatArray:
-        """Of every centre and, last, of the wide one."""
+        """Shares (m + 1,) of the variants drawn around every centre and, last, from the wide distribution."""
         from scipy.special import log_ndtr
 
         if not len(self.centres):
             return np.ones(1)
         size = log_ndtr(-np.linalg.norm(self.centres, axis=1))
-        shares = np.maximum(np.exp(size - size.max()), LEAST_SHARE)
+        shares = np.maximum(np.exp(size - size.max()), LEAST_CENTRE_SHARE)
         return np.append((1 - WIDE_SHARE) * shares / shares.sum(), WIDE_SHARE)
 
     def draw(self, numbers: np.random.Generator, count: int) -> FloatArray:
@@ -53,7 +54,7 @@ class Mixture:
         return np.asarray(points + np.concatenate([self.centres, np.zeros((1, points.shape[1]))])[which])
 
     def log_weights(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Of points (n, d): logarithm of their density over that of the mixture, and over that around the centres."""
+        """Logarithms (n,) of the density at points (n, d) over the mixture's, and of the centres' over the wide one's."""
         from scipy.special import logsumexp
 
         shares, width = np.log(self.shares), self.spread
@@ -67,59 +68,65 @@ class Mixture:
         return np.asarray(plain - np.logaddexp(around, wide)), np.asarray(around - wide)
 
 
-FEWEST = 4000
-SCOUTED = 0.02
-"""Of all variants, those of each level of the run of subset simulation that looks for failures."""
-FEWEST_SCOUTED = 200
-STARTS = 10
-TOGETHER = 2000
-ROUNDS = 6
-STEPS = 8
-"""Of a search for a design point, as they are expected."""
+FEWEST_VARIANTS = 4000
+"""Fewest variants of importance sampling; with fewer the search for design points leaves too few for sampling."""
+LEVEL_SHARE = 0.02
+"""Share of all variants in each level of the run of subset simulation that looks for failures."""
+FEWEST_IN_LEVEL = 200
+"""Fewest variants in such a level; with fewer its tenth, which begins the next, is too small."""
+MOST_STARTS = 10
+"""Most starts of searches for design points in a round; each takes some hundred variants."""
+BATCH = 2000
+"""Variants drawn before the error is looked at again; larger batches overshoot the accuracy, smaller run slower."""
+MOST_ROUNDS = 6
+"""Most rounds of searches from failures that no design point explains."""
+EXPECTED_STEPS = 8
+"""Expected steps of a search for a design point, by which the number of starts is bounded."""
 FEWEST_EFFECTIVE, HEAVIEST = 100, 0.05
-MISSED = 0.05
-"""Share of the probability that may lie away from all design points."""
-SLACK = 0.5
-"""By which a failure may lie before the tangent plane of a design point and still belong to it."""
-FREQUENT = 0.02
-"""A probability from which plain sampling is as good."""
+"""Effective variants below which, and share of one variant above which, the result is called uncertain."""
+MOST_MISSED = 0.05
+"""Share of the probability away from all design points above which the result is called uncertain."""
+TANGENT_SLACK = 0.5
+"""Distance by which a failure may lie before the tangent plane of a design point and still belong to it."""
+FREQUENT_PROBABILITY = 0.02
+"""Probability above which plain sampling is as good."""
 
 
 def importance_sampling(
     margin: OfPoints, n_parameters: int, *, count: int, seed: int, accuracy: float = 0.01, confidence: float = 0.95
 ) -> RareEvent:
-    """Probability that ``margin`` is lost under independent standard normal parameters.
+    """Probability of failure (``margin`` not above 0) under independent standard normal parameters.
 
-    A run of subset simulation meets failures of every kind; from these design points are sought until each failure
+    A run of subset simulation finds failures of every kind; from these design points are sought until each failure
     lies beyond one of them. Variants are then drawn from a mixture of normal distributions around the design points and
-    a wide one around the median, each with the weight by which it was preferred, until the standard error is the share
-    ``accuracy`` of the probability or ``count`` variants were calculated.
+    a wide one around the median, each weighted by its density over the mixture's, until the standard error is the
+    share ``accuracy`` of the probability or ``count`` variants were calculated.
 
     Parameters
     ----------
     margin : callable
-        (n,) at points (n, d); failed where it is not above 0.
+        Points (n, d) -> safety margins (n,); failure where not above 0.
     n_parameters : int
     count : int
-        Most variants, those of the search included.
+        Largest number of variants, those of the search included.
     seed : int
     accuracy, confidence : float
     """
-    if count < FEWEST:
-        raise UsageError(f"importance sampling needs {FEWEST} variants or more, got {count}")
+    if count < FEWEST_VARIANTS:
+        raise UsageError(f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {count}")
     numbers = np.random.default_rng(seed)
-    size = max(FEWEST_SCOUTED, 10 * round(SCOUTED * count / 10))
+    size = max(FEWEST_IN_LEVEL, 10 * round(LEVEL_SHARE * count / 10))
     scouted = subset_levels(margin, size, n_parameters, numbers)
-    if scouted.probability > FREQUENT:
+    if scouted.probability > FREQUENT_PROBABILITY:
         plain = _drawn(margin, Mixture(scouted.failures[:0]), numbers, count - scouted.evaluations, accuracy)
         share = counted_share(sum(map(len, plain.points)), plain.count, confidence)
         used = plain.count + scouted.evaluations
         return RareEvent(share.value, share.low, share.high, plain.variation, used, (), "importance")
     centres, left, used = _centres(margin, scouted, count - scouted.evaluations)
     used += scouted.evaluations
-    drawn = _drawn(margin, Mixture(centres), numbers, max(TOGETHER, count - used), accuracy)
+    drawn = _drawn(margin, Mixture(centres), numbers, max(BATCH, count - used), accuracy)
     doubts = []
-    if len(left) > MISSED * len(scouted.failures):
+    if len(left) > MOST_MISSED * len(scouted.failures):
         percent = 100 * len(left) / len(scouted.failures)
         doubts.append(f"{percent:.0f} % of the failures lie beyond none of the {len(centres)} design points")
     found = drawn.told(confidence, used, len(centres), tuple(doubts))
@@ -131,30 +138,30 @@ def importance_sampling(
 
 
 def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatArray, FloatArray, int]:
-    """Design points beyond which failures lie, the failures (m, d) that are left, and the variants that they took.
+    """Design points (m, d), failures beyond none of them, and number of variants of the search.
 
-    Searches begin at failures, and at points on the way to them: some kinds of failure may have been lost there.
+    Searches begin at failures, and at points of the levels before them, as levels may have lost some kinds of failure.
     """
     failures = scouted.failures
     centres, left, used = failures[:0], failures, 0
-    starts = [in_own_directions(points, STARTS) for points in (failures, *reversed(scouted.on_the_way))]
-    for _ in range(ROUNDS):
-        able = int((most / 2 - used) / (STEPS * (2 * failures.shape[1] + 10) + 80))
+    starts = [in_own_directions(points, MOST_STARTS) for points in (failures, *reversed(scouted.on_the_way))]
+    for _ in range(MOST_ROUNDS):
+        able = int((most / 2 - used) / (EXPECTED_STEPS * (2 * failures.shape[1] + 10) + 80))
         if not len(left) or able < 1:
             break
         found = design_points(margin, np.concatenate(starts)[:able])
         used += found.evaluations
         centres = points_apart(np.concatenate([centres, found.points]))
         distances = np.linalg.norm(centres, axis=1)
-        beyond = failures @ centres.T / distances > distances - SLACK
+        beyond = failures @ centres.T / distances > distances - TANGENT_SLACK
         left = failures[~beyond.any(axis=1)]
-        starts = [in_own_directions(left, STARTS)]
+        starts = [in_own_directions(left, MOST_STARTS)]
     return centres, left, used
 
 
 @dataclass(eq=False)
 class _Drawn:
-    """Sums over what was drawn, and the failures themselves."""
+    """Failures among the variants drawn so far, with their weights."""
 
     count: int = 0
     points: list[FloatArray] = field(default_factory=list)
@@ -176,7 +183,7 @@ class _Drawn:
 
     @property
     def variation(self) -> float:
-        """Standard error over the estimate."""
+        """Standard error of the probability over the probability."""
         total, squares = self.sums
         if total == 0:
             return float("inf")
@@ -185,7 +192,7 @@ class _Drawn:
 
     @property
     def missed(self) -> float:
-        """Share of the weight of failures that lie away from all centres."""
+        """Share of the weight of failures away from all centres."""
         weights, nearness = np.concatenate(self.weights), np.concatenate(self.nearness)
         return float(weights[nearness < 0].sum() / weights.sum())
 
@@ -201,7 +208,7 @@ class _Drawn:
             doubts.append(f"the result rests on as few as {effective:.0f} effective variants")
         if total and weights.max() > HEAVIEST * total:
             doubts.append(f"one variant carries {100 * weights.max() / total:.0f} % of it")
-        if n_points and total and self.missed > MISSED:
+        if n_points and total and self.missed > MOST_MISSED:
             doubts.append(f"failures away from the {n_points} design points matter")
         probability, variation = total / self.count, self.variation
         low, high = between(probability, variation, float(ndtri((1 + confidence) / 2)))
@@ -211,7 +218,7 @@ class _Drawn:
 def _drawn(margin: OfPoints, mixture: Mixture, numbers: np.random.Generator, count: int, accuracy: float) -> _Drawn:
     drawn = _Drawn()
     while drawn.count < count:
-        drawn.add(margin, mixture, mixture.draw(numbers, min(TOGETHER, count - drawn.count)))
+        drawn.add(margin, mixture, mixture.draw(numbers, min(BATCH, count - drawn.count)))
         if drawn.variation < accuracy:
             break
     return drawn

@@ -29,19 +29,19 @@ AGGREGATES: Mapping[str, Callable[..., FloatArray]] = {
     "smallest": np.min,
     "largest": np.max,
 }
-"""What is shown of the values that the other parameters make at one point of a map."""
+"""Reductions of the values at one point of a map, over the draws of the other parameters, to one number."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterMap:
-    """``values`` (n_x, n_y) over ``x`` (n_x,) and ``y`` (n_y,), SI; NaN where there is no value."""
+    """Values (n_x, n_y) of a quantity over two parameters ``x`` (n_x,) and ``y`` (n_y,), SI; NaN where missing."""
 
     x: FloatArray
     y: FloatArray
     values: FloatArray
 
     def where(self, *, largest: bool) -> tuple[float, float, float]:
-        """The two parameters and the value where that is largest, or smallest."""
+        """Values of both parameters and of the quantity at its largest, or smallest, value."""
         flat = np.nanargmax(self.values) if largest else np.nanargmin(self.values)
         i, j = np.unravel_index(flat, self.values.shape)
         return float(self.x[i]), float(self.y[j]), float(self.values[i, j])
@@ -54,7 +54,7 @@ def parameter_map(
     others: Mapping[str, FloatArray],
     aggregate: str = "mean",
 ) -> ParameterMap:
-    """Values over two parameters; of the ``others`` (m,), which vary along, every combination is shown by one number.
+    """Map of a quantity over two parameters, reduced to one number over the ``others`` (m,), which vary along.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def parameter_map(
     others : mapping
         Values (m,) of the other parameters, m = 1 where they are fixed; the same at every point of the map.
     aggregate : {"mean", "median", "smallest", "largest"}
-        Of the m values at a point; where one is missing there is none.
+        Reduction of the m values at a point; NaN where one of them is missing.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The answer ``type: percentile_bands``: how far a curve over frequency or speed spreads."""
+"""The answer ``type: percentile_bands``: percentiles of a curve over frequency or speed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from torsionnet.study.quantities.quantity import QuantityForm
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-USUAL = (2.5, 25.0, 50.0, 75.0, 97.5)
+DEFAULT_PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
+"""Percentiles unless given: median, middle half and middle 95 %."""
 
 
 @register_answer
@@ -44,7 +45,7 @@ class PercentileBands(StudyAnswer):
             yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",))
 
     def found(self, study: AskedStudy, result: VariantValues) -> BandsFound:
-        shares = tuple(sorted(self.percentiles or USUAL))
+        shares = tuple(sorted(self.percentiles or DEFAULT_PERCENTILES))
         lines = {case_label(one): result.percentiles(self.quantity, shares, one) for one in study.configurations}
         return BandsFound(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
 
@@ -73,7 +74,7 @@ class BandsFound(PlainConclusion):
 
     @property
     def points_unit(self) -> str:
-        """Of the points: Hz, or rad/s of speeds."""
+        """Unit of the axis of the curve: Hz of frequencies, rad/s of speeds."""
         return "Hz" if self.measure.over == "frequency" else "rad/s"
 
     def table(self) -> Table:

@@ -1,4 +1,4 @@
-"""A small probability with its interval, and whether it is to be trusted."""
+"""Small probability of a failure with its interval and the reasons that make it uncertain."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 
 @dataclass(frozen=True)
 class RareEvent:
-    """Probability of a failure.
+    """Probability of a failure with its interval.
 
     Attributes
     ----------
     probability, low, high : float
-        With its interval; ``low`` and ``high`` are NaN where nothing failed.
+        Probability and ends of its interval; NaN where nothing failed.
     variation : float
         Standard error over the probability.
     evaluations : int
         Variants calculated.
     doubts : tuple of str
-        Why it is not to be trusted; none where it is.
+        Reasons why the probability is uncertain; empty where there are none.
     method : {"importance", "subset"}
     """
 
@@ -41,13 +41,13 @@ class RareEvent:
 
     @property
     def words(self) -> str:
-        """The probability with its interval and what it took."""
+        """Words for the probability, its interval and the number of variants."""
         between = f"{self.low:.3g} to {self.high:.3g}; " if np.isfinite(self.low) else ""
         return f"{self.probability:.3g} ({between}{self.evaluations} variants)"
 
 
 def between(probability: float, variation: float, quantile: float) -> tuple[float, float]:
-    """Ends of an interval whose logarithm is normal, as the relative error of a small probability is."""
+    """Ends of the confidence interval of a small probability, whose logarithm is normally distributed."""
     if not probability or not np.isfinite(variation):
         return float("nan"), float("nan")
     factor = float(np.exp(quantile * np.sqrt(np.log1p(variation**2))))

@@ -23,14 +23,15 @@ from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FEWEST = 10
+FEWEST_RANKED = 10
+"""Fewest variants of a rank correlation; the interval of fewer covers nearly the whole range from -1 to 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class RankCorrelations:
-    """Spearman's coefficients (d,), the ends of their intervals, and the number of variants with a value.
+    """Spearman's rank correlations (d,) with the ends of their intervals, and the number of variants with a value.
 
-    A parameter that is the same in all variants has none (NaN).
+    The coefficient of a parameter that is the same in all variants is NaN.
     """
 
     coefficients: FloatArray
@@ -40,7 +41,7 @@ class RankCorrelations:
 
 
 def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: float = 0.95) -> RankCorrelations:
-    """Spearman's coefficients of parameters (n, d) and values (n,), with the intervals of Bonett and Wright.
+    """Spearman's rank correlations of parameters (n, d) with values (n,), with the intervals of Bonett and Wright.
 
     These are Fisher's with a standard error of sqrt((1 + r^2/2)/(n - 3)).
 
@@ -56,8 +57,8 @@ def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: fl
 
     known = np.isfinite(values)
     count = int(known.sum())
-    if count < FEWEST:
-        raise SolveError(f"{count} variants have a value; rank correlations take {FEWEST} or more")
+    if count < FEWEST_RANKED:
+        raise SolveError(f"{count} variants have a value; rank correlations take {FEWEST_RANKED} or more")
     ranks = rankdata(np.column_stack([parameters[known], values[known]]), axis=0)
     ranks -= ranks.mean(axis=0)
     sizes = np.sqrt((ranks**2).sum(axis=0))
@@ -71,8 +72,8 @@ def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: fl
     return RankCorrelations(found, np.tanh(middle - half), np.tanh(middle + half), count)
 
 
-SHOWN = 100_000
-"""Variants in a picture."""
+MOST_SHOWN = 100_000
+"""Most variants in a figure; more points only make its file larger."""
 
 
 @register_answer
@@ -99,7 +100,7 @@ class Scatter(StudyAnswer):
             parameters = np.column_stack(list(case.parameters.values()))
             for name in names:
                 correlations[case.label, name] = rank_correlations(parameters, case.quantities[name])
-            every = slice(None, None, max(1, len(parameters) // SHOWN))
+            every = slice(None, None, max(1, len(parameters) // MOST_SHOWN))
             columns = {**case.parameters, **case.quantities}
             points[case.label] = {name: column[every] for name, column in columns.items()}
         units = {name: measure_of(study, name).unit for name in names}
@@ -111,7 +112,7 @@ class Scatter(StudyAnswer):
 class ScatterFound(PlainConclusion):
     """Rank correlations by configuration and quantity, and the values of variants by configuration and name.
 
-    Where ``part`` says so, both are of a part of all variants.
+    Both are of a part of all variants where ``part`` is not empty.
     """
 
     title: str

@@ -1,4 +1,4 @@
-"""How certain a share is that was counted: Clopper and Pearson's interval."""
+"""Share of draws with the confidence interval of Clopper and Pearson."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from torsionnet.core.errors import UsageError
 
 @dataclass(frozen=True)
 class Share:
-    """A share between 0 and 1 with its interval, and the number of draws that it rests on."""
+    """Share between 0 and 1 with its interval, and the number of draws counted."""
 
     value: float
     low: float
@@ -18,7 +18,7 @@ class Share:
 
     @property
     def percent(self) -> str:
-        """In percent with its interval, no more digits than that allows.
+        """Text of the share in percent with its interval, with digits that suit its width.
 
         >>> counted_share(31, 1000).percent
         '3.1 % (2.1 to 4.4 %)'
@@ -30,15 +30,15 @@ class Share:
 
 
 def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
-    """Share of independent draws for which something holds, with the interval of Clopper and Pearson.
+    """Share of independent draws that are hits, with the confidence interval of Clopper and Pearson.
 
-    It holds the truth at least as often as ``confidence`` says, whatever the truth is, also where nothing was
-    hit. Draws of a Latin hypercube or a Sobol sequence spread more evenly, which makes it wider than needed.
+    The interval contains the true share at least as often as ``confidence`` says, also where nothing was hit. Draws of
+    a Latin hypercube or a Sobol sequence spread more evenly, which makes it wider than needed.
 
     Parameters
     ----------
     hits : float
-        Sum over the draws of 1 where it holds and 0 where not; a mean over several conditions of a draw lies
+        Sum over the draws of 1 for a hit and 0 otherwise; a mean over several conditions of a draw lies
         between, and varies less than a count of the same mean, so that the interval is on the safe side.
     count : int
         Number of draws.
@@ -53,7 +53,7 @@ def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
     from scipy.special import betaincinv
 
     if not 0 <= hits <= count or count < 1:
-        raise UsageError(f"{hits} of {count} is no share")
+        raise UsageError(f"a share needs hits between 0 and the number of draws, got {hits} of {count}")
     tail = (1 - confidence) / 2
     low = float(betaincinv(hits, count - hits + 1, tail)) if hits else 0.0
     high = float(betaincinv(hits + 1, count - hits, 1 - tail)) if hits < count else 1.0

@@ -1,4 +1,4 @@
-"""The answer ``type: sobol_indices``: which parameters the variance of a quantity comes from."""
+"""The answer ``type: sobol_indices``: shares of the parameters in the variance of a quantity."""
 
 from __future__ import annotations
 
@@ -25,16 +25,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RESAMPLES = 1000
-FEWEST = 64
-"""Base points, below which intervals say nothing."""
+"""Resamples of the bootstrap: enough for the ends of a 95 % interval, each rests on 25 of them."""
+FEWEST_BASE_POINTS = 64
+"""Fewest base points; the intervals of fewer cover nearly all values from 0 to 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class SobolEstimates:
-    """Indices (d,) of every parameter; ``_low`` and ``_high`` are the ends of their intervals. All are from 0 to 1.
+    """Sobol indices (d,) of every parameter, with ``_low`` and ``_high`` ends of their intervals; all from 0 to 1.
 
-    ``variance`` is that of the quantity, ``evaluations`` the number of variants, ``without_value`` how many base points
-    were left out because one of their variants has no value.
+    ``variance`` is that of the quantity, ``evaluations`` the number of variants, ``without_value`` the number of base
+    points left out because one of their variants has no value.
     """
 
     first: FloatArray
@@ -51,7 +52,7 @@ class SobolEstimates:
 def sobol_estimates(
     function: OfPoints, n_parameters: int, base: int, seed: int, confidence: float = 0.95
 ) -> SobolEstimates:
-    """First order and total indices by the estimators of Saltelli (2010) and Jansen.
+    """First-order and total Sobol indices by the estimators of Saltelli (2010) and Jansen.
 
     Two independent halves A and B of one scrambled Sobol sequence, and for every parameter A with that column from B:
     base (d + 2) variants. Intervals are percentiles over resampled base points, which takes those for independent
@@ -61,10 +62,10 @@ def sobol_estimates(
     Parameters
     ----------
     function : callable
-        Values (n,) at points (n, d) of the unit cube, from which distributions are made.
+        Points (n, d) of the unit cube -> values (n,) of the quantity.
     n_parameters : int
     base : int
-        Base points, a power of two.
+        Number of base points, a power of two.
     seed : int
     confidence : float
 
@@ -79,11 +80,11 @@ def sobol_estimates(
 
 
 def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
-    """Points of the unit cube (base (d + 2), d): A, B, and A with one column after the other from B."""
+    """Sampling points of the unit cube (base (d + 2), d): A, B, and A with one column after the other from B."""
     from scipy.stats import qmc
 
-    if base < FEWEST or base & (base - 1):
-        raise UsageError(f"the number of base points must be a power of two, {FEWEST} or more; got {base}")
+    if base < FEWEST_BASE_POINTS or base & (base - 1):
+        raise UsageError(f"the number of base points must be a power of two, {FEWEST_BASE_POINTS} or more; got {base}")
     pair = qmc.Sobol(2 * n_parameters, rng=np.random.default_rng(seed)).random(base)
     first, second = pair[:, :n_parameters], pair[:, n_parameters:]
     exchanged = [np.where(np.arange(n_parameters) == column, second, first) for column in range(n_parameters)]
@@ -91,10 +92,10 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
 
 
 def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float = 0.95) -> SobolEstimates:
-    """Indices by the values at :func:`sobol_points`; base points with a value missing are left out."""
+    """Sobol indices from the values at :func:`sobol_points`; base points with a missing value are left out."""
     values = at_points.reshape(-1, base)
     whole = np.isfinite(values).all(axis=0)
-    if whole.sum() < FEWEST:
+    if whole.sum() < FEWEST_BASE_POINTS:
         raise SolveError(f"only {whole.sum()} of {base} base points have values for all of their variants")
     terms = _terms(values[:, whole])
     numbers = np.random.default_rng([seed, 1])
@@ -110,7 +111,7 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
 
 
 def _terms(values: FloatArray) -> FloatArray:
-    """What indices are means of, for each base point (n, 2 d + 2): numerators, then moments of A and B."""
+    """Terms (n, 2 d + 2) of each base point whose means give the indices: numerators, then moments of A and B."""
     a, b = values[:2] - values[:2].mean()
     if np.ptp(values[:2]) <= 1e-12 * np.abs(values[:2]).max():
         raise SolveError("the quantity does not vary, so that nothing has a share in its variance")
@@ -119,7 +120,7 @@ def _terms(values: FloatArray) -> FloatArray:
 
 
 def _indices(terms: FloatArray) -> FloatArray:
-    """First order and total indices (2, d)."""
+    """First-order and total indices (2, d) from the terms of base points."""
     means = terms.mean(axis=0)
     variance = means[-1] - means[-2] ** 2
     return np.asarray(means[:-2].reshape(2, -1) / variance)
@@ -140,7 +141,7 @@ class SobolIndices(StudyAnswer):
     naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
-    count: int = entry(Count("base points, a power of two", lower=FEWEST, upper=2**22), 1024)
+    count: int = entry(Count("base points, a power of two", lower=FEWEST_BASE_POINTS, upper=2**22), 1024)
     seed: int = entry(Count("another seed draws other variants", lower=0, upper=2**32 - 1), 1)
     confidence: float = entry(Value("of the intervals", "1", exclusive=True, below=1), 0.95)
 
@@ -175,7 +176,7 @@ class SobolIndices(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class SobolFound(PlainConclusion):
-    """Indices of ``parameters`` by configuration and quantity."""
+    """Sobol indices of ``parameters`` by configuration and quantity."""
 
     title: str
     parameters: tuple[str, ...]

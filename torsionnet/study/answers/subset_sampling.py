@@ -1,4 +1,4 @@
-"""Probability of a rare failure as a product of larger ones, each sampled within the subset of the one before."""
+"""Subset simulation: probability of a rare failure as a product of larger conditional ones."""
 
 from __future__ import annotations
 
@@ -12,30 +12,32 @@ from torsionnet.core.errors import UsageError
 from torsionnet.study.answers.answer_case import OfPoints
 from torsionnet.study.answers.rare_event import RareEvent
 
-LEVEL = 0.1
-"""Share of the variants of a level that begin the chains of the next."""
-LENGTH = 10
-"""Of a chain."""
+LEVEL_PROBABILITY = 0.1
+"""Share of the variants of a level that begin the chains of the next: the usual choice of subset simulation."""
+CHAIN_LENGTH = 10
+"""Variants in a chain: the inverse of the share that begins chains, so that levels have equal size."""
 MOST_LEVELS = 30
+"""Most levels, for probabilities down to 1e-30; a margin that stops falling would go on for ever."""
 FIRST_SPREAD = 0.6
-ACCEPTED = 0.44
-"""Share of moves that should be accepted."""
+"""Spread of the moves of the first chains in standard deviations, which is adapted afterwards."""
+ACCEPTANCE = 0.44
+"""Share of moves that should be accepted (Papaioannou and others, 2015)."""
 
 
 @dataclass(frozen=True, eq=False)
 class SubsetLevels:
-    """What a first run found.
+    """Levels and failures found by the first run of subset simulation.
 
     Attributes
     ----------
     bounds, spreads : tuple of float
-        Margin below which each subset is, and how far chains move in it; the last bound is 0 where failures were met.
+        Upper margin of each subset, and spread of the moves in it; the last bound is 0 where failures were found.
     failures : (m, d) array
-        Points that failed, distributed about as failures are.
+        Points that failed, distributed approximately as failures are.
     on_the_way : tuple of arrays
-        Points (m, d) that were the first of each further subset.
+        Points (m, d) with which each further subset began.
     probability : float
-        A rough estimate.
+        Rough estimate of the failure probability.
     evaluations : int
     """
 
@@ -48,7 +50,7 @@ class SubsetLevels:
 
 
 def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Generator) -> SubsetLevels:
-    """Levels such that about a tenth of the ``count`` variants of each is in the next."""
+    """Run subset simulation once, with levels such that a tenth of the ``count`` variants of each is in the next."""
     points = numbers.standard_normal((1, count, d))
     values = margins_of(margin, points)
     bounds: list[float] = []
@@ -56,7 +58,7 @@ def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Gener
     on_the_way: list[FloatArray] = []
     used, spread = count, FIRST_SPREAD
     while len(bounds) < MOST_LEVELS:
-        order = np.argsort(values[0], kind="stable")[: round(LEVEL * count)]
+        order = np.argsort(values[0], kind="stable")[: round(LEVEL_PROBABILITY * count)]
         bound = max(0.0, float(values[0, order[-1]]))
         if bound > 0 and values.max() <= bound:
             break
@@ -70,12 +72,12 @@ def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Gener
         spreads[-1] = spread = chains.spread
         used += count - len(order)
     failed = values[0] <= 0
-    probability = LEVEL ** (len(bounds) - 1) * float(failed.mean()) if bounds else 0.0
+    probability = LEVEL_PROBABILITY ** (len(bounds) - 1) * float(failed.mean()) if bounds else 0.0
     return SubsetLevels(tuple(bounds), tuple(spreads), points[0][failed], tuple(on_the_way), probability, used)
 
 
 def margins_of(margin: OfPoints, points: FloatArray) -> FloatArray:
-    """Margins of points (..., d); what has no value has failed."""
+    """Safety margins of points (..., d); minus infinity, a failure, where the margin has no value."""
     values = margin(points.reshape(-1, points.shape[-1])).reshape(points.shape[:-1])
     return np.where(np.isnan(values), -np.inf, values)
 
@@ -92,10 +94,10 @@ class Chains:
     spread: float = FIRST_SPREAD
 
     def walked(self, spread: float, *, adapt: bool = False) -> tuple[FloatArray, FloatArray]:
-        """All points of all chains and their margins, those at which they begin included."""
+        """Points of all chains and their margins, with those at which they begin."""
         points, values, self.spread = self.points, self.values, spread
         all_points, all_values = [points], [values]
-        for _ in range(LENGTH - 1):
+        for _ in range(CHAIN_LENGTH - 1):
             moves = self.numbers.standard_normal(points.shape)
             tried = np.sqrt(1 - self.spread**2) * points + self.spread * moves
             reached = margins_of(self.margin, tried)
@@ -105,19 +107,20 @@ class Chains:
             all_points.append(points)
             all_values.append(values)
             if adapt:
-                self.spread = float(np.clip(self.spread * np.exp(inside.mean() - ACCEPTED), 0.02, 0.999))
+                self.spread = float(np.clip(self.spread * np.exp(inside.mean() - ACCEPTANCE), 0.02, 0.999))
         return np.concatenate(all_points, axis=1), np.concatenate(all_values, axis=1)
 
 
 RUNS = 20
-"""Independent repetitions, whose scatter is the error."""
-FEWEST = 200
+"""Independent runs, from whose scatter the error is estimated; fewer leave the error itself uncertain."""
+FEWEST_VARIANTS_OF_LEVEL = 200
+"""Fewest variants in a level of a run: with fewer, less than 20 chains begin in it."""
 
 
 def subset_sampling(
     margin: OfPoints, n_parameters: int, *, count: int, seed: int, confidence: float = 0.95
 ) -> RareEvent:
-    """Probability that ``margin`` is lost under independent standard normal parameters, by subset simulation.
+    """Probability of failure (``margin`` not above 0) under independent standard normal parameters.
 
     A first run finds the levels and how far chains move, by conditional sampling (Papaioannou, Betz, Zwirglmaier and
     Straub, Probabilistic Engineering Mechanics 41, 2015). Then 20 independent runs go side by side through the levels,
@@ -128,15 +131,17 @@ def subset_sampling(
     Parameters
     ----------
     margin : callable
-        (n,) at points (n, d); failed where it is not above 0.
+        Points (n, d) -> safety margins (n,); failure where not above 0.
     n_parameters : int
     count : int
         Variants in each level of each of the 20 runs, a multiple of 10.
     seed : int
     confidence : float
     """
-    if count < FEWEST or count % LENGTH:
-        raise UsageError(f"the variants of a level are a multiple of {LENGTH}, {FEWEST} or more; got {count}")
+    if count < FEWEST_VARIANTS_OF_LEVEL or count % CHAIN_LENGTH:
+        raise UsageError(
+            f"the variants of a level are a multiple of {CHAIN_LENGTH}, {FEWEST_VARIANTS_OF_LEVEL} or more; got {count}"
+        )
     numbers = np.random.default_rng(seed)
     levels = subset_levels(margin, 2 * count, n_parameters, numbers)
     found, used = _runs(margin, levels, (RUNS, count, n_parameters), numbers)
@@ -150,7 +155,7 @@ def subset_sampling(
 
 
 def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
-    """Of the mean of runs whose logarithms are about normal, as those of products are: Cox's, with Student's factor."""
+    """Confidence interval of the mean of runs with about normal logarithms: Cox's, with Student's factor."""
     from scipy.special import stdtrit
 
     logarithms = np.log(found)
@@ -163,10 +168,10 @@ def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
 def _runs(
     margin: OfPoints, levels: SubsetLevels, shape: tuple[int, int, int], numbers: np.random.Generator
 ) -> tuple[FloatArray, int]:
-    """The estimate of every run, and the variants calculated."""
+    """Estimate of every run (n_runs,), and the number of variants calculated."""
     points = numbers.standard_normal(shape)
     values = margins_of(margin, points)
-    found, used, kept = np.ones(len(points)), values.size, shape[1] // LENGTH
+    found, used, kept = np.ones(len(points)), values.size, shape[1] // CHAIN_LENGTH
     for bound, spread in zip(levels.bounds, levels.spreads, strict=True):
         inside = values <= bound
         found *= inside.mean(axis=1)

@@ -1,4 +1,4 @@
-"""The answer ``type: tornado``: what each parameter alone does to quantities."""
+"""The answer ``type: tornado``: change of quantities by each parameter alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Swings:
-    """The value in the middle, and those (d,) with each parameter at the low and at the high end of its span."""
+    """Value of a quantity in the middle, and values (d,) with each parameter at the low and high end of its span."""
 
     middle: float
     at_low: FloatArray
@@ -34,14 +34,14 @@ class Swings:
 
     @property
     def order(self) -> list[int]:
-        """Parameters by how far the quantity swings, the strongest first."""
+        """Indices of the parameters by the change of the quantity, the largest first."""
         with_middle = np.stack([self.at_low, self.at_high, np.full(len(self.at_low), self.middle)])
         swings = np.nan_to_num(np.ptp(with_middle, axis=0))
         return [int(index) for index in np.argsort(-swings, kind="stable")]
 
 
 def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high: FloatArray) -> Swings:
-    """Both ends of each parameter's span, at points (d,) of any coordinates: 2 d + 1 variants.
+    """Values of a function at a middle point (d,) and with each coordinate at the ends of its span: 2 d + 1 points.
 
     Examples
     --------
@@ -58,8 +58,8 @@ def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high:
 
 
 TOLERANCE, DEVIATION = "tolerance", "standard deviation"
-SHARE_OF_DEVIATION = 0.6826894921370859
-"""Of a normal distribution, within one standard deviation of its mean."""
+SHARE_WITHIN_DEVIATION = 0.6826894921370859
+"""Share of a normal distribution within one standard deviation of its mean."""
 
 
 @register_answer
@@ -93,10 +93,10 @@ class Tornado(StudyAnswer):
         return TornadoFound(study.title, units_of(study), units, spans, swings)
 
     def _spans(self, case: AnswerCase) -> dict[str, tuple[float, float, float]]:
-        """Low end, middle and high end of every parameter."""
+        """Low end, middle and high end of the span of every parameter."""
         space = case.space
         found = {name: (low, (low + high) / 2, high) for name, (low, high) in space.box().items()}
-        tail = (1 - SHARE_OF_DEVIATION) / 2
+        tail = (1 - SHARE_WITHIN_DEVIATION) / 2
         for name, one in space.marginals.items():
             middle = float(one.ppf(0.5))
             ends = (

@@ -1,4 +1,4 @@
-"""The answer ``type: worst_case``: the largest and smallest value of a quantity within the tolerances."""
+"""The answer ``type: worst_case``: largest and smallest value of a quantity within the tolerances."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ from torsionnet.study.space.space import COVERAGE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SAME = 1e-6
-"""Share by which a value may differ from the one solved singly."""
+CONFIRMED_DIFFERENCE = 1e-6
+"""Largest relative difference of a value from that of a single model with which it counts as confirmed."""
 
 
 @dataclass(frozen=True, eq=False)
 class WorstVariant:
-    """The worst variant of a configuration.
+    """Variant of a configuration with the largest or smallest value of a quantity.
 
     Attributes
     ----------
     configuration, direction : str
     value, nominal : float
-        Of the quantity, here and for the values of the model.
+        Value of the quantity in this variant and in the model as given.
     variant, tolerance : mapping
-        Values of the parameters, and their bounds.
+        Values of the parameters, and the bounds of their tolerances.
     at_lower, at_upper : tuple of str
         Parameters at a bound of their tolerance.
     singly : float
-        The value of this variant made and solved as a model of its own.
+        Value of this variant built and solved as a single model.
     best_at_random : float
         The worst value among ``tried`` random variants.
     evaluations : int
@@ -65,8 +65,8 @@ class WorstVariant:
 
     @property
     def confirmed(self) -> bool:
-        """Whether the model solved singly says the same."""
-        return abs(self.singly - self.value) <= SAME * abs(self.value)
+        """Whether the single model gives the same value."""
+        return abs(self.singly - self.value) <= CONFIRMED_DIFFERENCE * abs(self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +182,6 @@ class WorstCase(StudyAnswer):
         )  # fmt: skip
 
     def _nominal(self, case: AnswerCase, low: FloatArray, high: FloatArray) -> FloatArray:
-        """The model itself in the unit cube; the middle, where a parameter has no value."""
+        """Point (1, d) of the model in the unit cube; 0.5 where a parameter has no value."""
         own = np.array([case.space.nominal[name] for name in case.space.names])
         return np.where(np.isnan(own), 0.5, (own - low) / np.where(high > low, high - low, 1.0))[None]

@@ -1,4 +1,4 @@
-"""Smallest and largest value of a function within a box, sought globally and tried to be beaten at random."""
+"""Global search of the largest value of a function in the unit cube, checked against random points."""
 
 from __future__ import annotations
 
@@ -12,23 +12,27 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.study.answers.answer_case import OfPoints
 
-MOST_CORNERS = 10
-"""Parameters up to which all corners are tried."""
-SOME_CORNERS = 1024
+MOST_WITH_ALL_CORNERS = 10
+"""Most parameters with which all corners are tried, 1024; their number doubles with each further parameter."""
+RANDOM_CORNERS = 1024
+"""Number of random corners where there are more parameters."""
 POPULATION, GENERATIONS = 10, 150
-"""Members for each parameter and generations of the differential evolution."""
-STEP = 1e-5
+"""Members for each parameter and most generations of the differential evolution."""
+SLOPE_STEP = 1e-5
+"""Step of numerical slopes in the unit cube; points closer together count as one."""
 POLISHED = 6
-"""Best points from which slopes are followed."""
+"""Number of the best points from which slopes are followed; more find further local maxima and take longer."""
 AT_BOUND = 1e-6
-ROUNDS = 5
-FINDS_MORE = 1e-9
-"""Share of the range of values by which a random point must be better to count."""
+"""Distance from a bound in the unit cube within which a parameter is called at it."""
+MOST_ROUNDS = 5
+"""Most rounds of search in which random points are still better, before the search is given up."""
+BETTER_BY = 1e-9
+"""Share of the range of values by which a random point must be better to count; less is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extreme:
-    """Where a function is largest.
+    """Largest value of a function found by the search, and its point.
 
     ``point`` (d,) is in the unit cube, ``tried_at_random`` the number of random points none of which is better,
     ``best_at_random`` the best of them.
@@ -44,7 +48,7 @@ class Extreme:
 
 
 def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10_000) -> Extreme:
-    """The largest value in the unit cube; points without a value (NaN) are passed over.
+    """Search the largest value of a function in the unit cube; points without a value (NaN) are left out.
 
     Corners, a differential evolution, and from the best points along slopes and into bounds; then ``tried`` random
     points: where one of them is better the search goes on from there.
@@ -57,19 +61,19 @@ def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10
     search = _Search(function, n_parameters, np.random.default_rng(seed))
     search.corners()
     search.evolve()
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         search.polish()
         points = search.numbers.random((tried, n_parameters))
         values = search.values(points)
         best = int(values.argmax())
-        if values[best] <= search.best + FINDS_MORE * search.range:
+        if values[best] <= search.best + BETTER_BY * search.range:
             return search.told(tried, float(values[best]))
         search.offer(points, values)
-    raise SolveError(f"random points beat the search {ROUNDS} times; the function is too rough for it")
+    raise SolveError(f"random points beat the search {MOST_ROUNDS} times; the function is too rough for it")
 
 
 class _Search:
-    """The best points so far, best first, and what finds better ones."""
+    """Best points so far, best first, and the methods that find better ones."""
 
     def __init__(self, function: OfPoints, d: int, numbers: np.random.Generator) -> None:
         self.function, self.d, self.numbers = function, d, numbers
@@ -93,28 +97,28 @@ class _Search:
         return np.where(np.isnan(values), -np.inf, values)
 
     def offer(self, points: FloatArray, values: FloatArray) -> None:
-        """Keep the best of these and of those before, none twice."""
+        """Keep the best of these points and of those so far, each once."""
         points, values = np.concatenate([self.points, points]), np.concatenate([self.found, values])
         order = np.argsort(-values, kind="stable")
         kept: list[int] = []
         for index in order[: 50 * POLISHED]:
-            if all(np.abs(points[index] - points[other]).max() > STEP for other in kept):
+            if all(np.abs(points[index] - points[other]).max() > SLOPE_STEP for other in kept):
                 kept.append(int(index))
             if len(kept) == POLISHED:
                 break
         self.points, self.found = points[kept], values[kept]
 
     def corners(self) -> None:
-        """The middle and all corners, or some at random where there are too many, improved bound by bound."""
-        if self.d <= MOST_CORNERS:
+        """Try the middle and all corners, or random corners where there are too many."""
+        if self.d <= MOST_WITH_ALL_CORNERS:
             points = np.array(list(product((0.0, 1.0), repeat=self.d)))
         else:
-            points = self.numbers.integers(0, 2, size=(SOME_CORNERS, self.d)).astype(float)
+            points = self.numbers.integers(0, 2, size=(RANDOM_CORNERS, self.d)).astype(float)
         points = np.concatenate([points, np.full((1, self.d), 0.5)])
         self.offer(points, self.values(points))
         if not np.isfinite(self.best):
             raise SolveError("none of the corners of the tolerances has a value")
-        if self.d > MOST_CORNERS:
+        if self.d > MOST_WITH_ALL_CORNERS:
             self._into_bounds()
 
     def evolve(self) -> None:
@@ -139,15 +143,15 @@ class _Search:
         self._into_bounds()
 
     def _with_slopes(self, point: FloatArray) -> tuple[float, FloatArray]:
-        """The negative value and its slopes, by differences that stay within the cube."""
-        above, below = np.minimum(point + STEP, 1), np.maximum(point - STEP, 0)
+        """Negative value at a point and its slopes (d,), by differences within the cube."""
+        above, below = np.minimum(point + SLOPE_STEP, 1), np.maximum(point - SLOPE_STEP, 0)
         moved = [np.where(np.eye(self.d, dtype=bool), side, point) for side in (above, below)]
         values = self.values(np.concatenate([point[None], *moved]))
         slopes = np.nan_to_num((values[1 : self.d + 1] - values[self.d + 1 :]) / (above - below))
         return float(-values[0] if np.isfinite(values[0]) else self.range - self.lowest), -slopes
 
     def _into_bounds(self) -> None:
-        """Each parameter of the best point to either bound, as long as that is better."""
+        """Move parameters of the best point to a bound, one at a time, as long as the value rises."""
         for _ in range(2 * self.d):
             moved = [np.where(np.eye(self.d, dtype=bool), side, self.points[0]) for side in (0.0, 1.0)]
             points = np.concatenate(moved)

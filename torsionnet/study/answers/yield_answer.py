@@ -1,4 +1,4 @@
-"""The answer ``type: yield``: how many variants keep the limits."""
+"""The answer ``type: yield``: share of the variants that keep the limits."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ALL_CASES, MEAN = "in any of them", "weighted mean"
 
 @dataclass(frozen=True)
 class LimitShare:
-    """Share of the variants beyond a limit in one configuration, in any, or on average."""
+    """Share of the variants beyond a limit in one configuration, in any of them, or in their mean."""
 
     configuration: str
     limit: str
@@ -40,11 +40,11 @@ class LimitShare:
 
 @dataclass(frozen=True, eq=False)
 class YieldFound(PlainConclusion):
-    """Shares beyond each limit and beyond any.
+    """Shares of the variants beyond each limit and beyond any limit.
 
-    ``missing`` variants have no value and count as beyond; ``exhaustive``: all variants are known, there is no
-    interval to speak of. ``distributions`` has the values of each quantity in each configuration, of ``part`` of the
-    variants where that says so; shares are always of all.
+    ``missing`` variants have no value and count as beyond; ``exhaustive``: all variants were calculated and intervals
+    do not apply. ``distributions`` has histograms of each quantity in each configuration, of the ``part`` of the
+    variants that is kept where it is not empty; shares are always of all.
     """
 
     title: str
@@ -57,7 +57,7 @@ class YieldFound(PlainConclusion):
     part: str = field(default="", metadata=IN_WORDS)
 
     def of(self, configuration: str, limit: str = ANY_LIMIT) -> Share:
-        """Share beyond a limit, by its words in the table."""
+        """Share of the variants beyond a limit, by configuration and words of the limit as in the table."""
         return next(one.share for one in self.shares if (one.configuration, one.limit) == (configuration, limit))
 
     @property
@@ -155,7 +155,7 @@ class Yield(StudyAnswer):
         )
 
     def _counted(self, study: AskedStudy, result: VariantValues, names: tuple[str, ...]) -> tuple[DrawsBeyond, int]:
-        """What is beyond, and how many values there are none of."""
+        """Counter of the draws beyond limits, and the number of missing values."""
         draws = study.space.draws
         if result.beyond is not None:
             result.beyond.agree_with(study.limits, names)
