@@ -266,7 +266,7 @@ class TestObjectives:
 
         problem = DesignProblem((sought("x", 0.05, 0.01, 100), sought("y", 10, 0.01, 100)), smallest("z"), gorge)
         assert optimise(problem).converged
-        monkeypatch.setattr("torsionnet.study.design.optimise.ROUNDS", 1)
+        monkeypatch.setattr("torsionnet.study.design.optimise.MOST_ROUNDS", 1)
         stopped = optimise(problem, generations=1)
         assert not stopped.converged
         assert stopped.sentences[-1] == "the search did not settle: designs beside this one go on being better"

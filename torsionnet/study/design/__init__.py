@@ -1,1 +1,1 @@
-"""Parameters that meet targets, make something smallest, or are the best compromise; under tolerances, too."""
+"""Optimum designs: parameters for targets, objectives and limits, Pareto fronts, robust designs under tolerances."""

@@ -1,4 +1,4 @@
-"""The damper that is best in the worst configuration of a study."""
+"""The answer ``type: best_damper``: damper with the smallest largest vibration in the worst configuration."""
 
 from __future__ import annotations
 

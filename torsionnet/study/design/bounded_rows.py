@@ -1,4 +1,4 @@
-"""What programming keeps small or within limits: columns of quantities, and points of curves over frequency."""
+"""Objective and constraints of the nonlinear programme: quantities, and points of curves over frequency."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.responses.peaks import inner_maxima
 from torsionnet.study.design.design_goals import Found
-from torsionnet.study.design.design_problem import LARGE, DesignProblem
+from torsionnet.study.design.design_problem import MISSING_VALUE, DesignProblem
 
 Chosen = NDArray[np.bool_]
 
-BEGUN = 40
-"""Points of a curve over frequency that are bounds from the beginning."""
+INITIAL_CURVE_POINTS = 40
+"""Points of a curve over frequency that are constraints from the beginning; with fewer a search may miss a peak."""
 
 
 def finite(values: FloatArray) -> FloatArray:
-    """With a large number in place of what a design does not have."""
-    return np.where(np.isfinite(values), values, LARGE)
+    """Values with a large number in place of missing ones."""
+    return np.where(np.isfinite(values), values, MISSING_VALUE)
 
 
 def objective(problem: DesignProblem, found: Found) -> FloatArray:
-    """Columns (n, n_columns) of which the largest is made small."""
+    """Columns (n, n_columns) of the objective, the largest of which is minimised."""
     goals = problem.goals
     return goals.objectives[0].columns(found) if goals.objectives else goals.merit(found)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
 class BoundedPoints:
-    """Which columns of the objective and which limits are bounds, and at which points curves over frequency are."""
+    """Active columns of the objective, active limits, and active points of curves over frequency."""
 
     columns: Chosen
     limits: Chosen
@@ -41,7 +41,7 @@ class BoundedPoints:
 
     @classmethod
     def highest(cls, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
-        """Those that may hold at a place: local maxima, and ends."""
+        """Columns, limits and points that are local maxima or ends at a place of the unit cube."""
         found, values = problem.at(place), problem.box.inside(place)
         return cls(
             _maxima(objective(problem, found)[0], _smooth_columns(problem, found)),
@@ -50,13 +50,13 @@ class BoundedPoints:
         )
 
     def begun(self, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
-        """With some points all over each curve, so that a search sees it whole from its first step."""
+        """Union with some points all over each curve, so that a search sees the whole curve from its first step."""
         grids = {name: problem.curves[name].grid(problem.box.inside(place)) for name in self.peaks}
-        spread = {name: grid[:: max(len(grid) // BEGUN, 1)] for name, grid in grids.items()}
+        spread = {name: grid[:: max(len(grid) // INITIAL_CURVE_POINTS, 1)] for name, grid in grids.items()}
         return self.joined(BoundedPoints(self.columns, self.limits, spread))
 
     def joined(self, more: BoundedPoints) -> BoundedPoints:
-        """Those of both."""
+        """Union with other columns, limits and points."""
         peaks = {name: np.union1d(points, more.peaks[name]) for name, points in self.peaks.items()}
         return BoundedPoints(self.columns | more.columns, self.limits | more.limits, peaks)
 
@@ -70,7 +70,7 @@ def _maxima(values: FloatArray, among: Chosen) -> Chosen:
 
 
 def _smooth_columns(problem: DesignProblem, found: Found) -> Chosen:
-    """Which columns of the objective are not those of a peak that has a curve."""
+    """Whether each column of the objective is not a peak with a curve, whose kinks the curve replaces."""
     if problem.goals.targets:
         return np.ones(1, dtype=bool)
     names = problem.goals.objectives[0].quantities
@@ -78,7 +78,7 @@ def _smooth_columns(problem: DesignProblem, found: Found) -> Chosen:
 
 
 def _smooth_limits(problem: DesignProblem, found: Found) -> Chosen:
-    """The same of limits."""
+    """Whether each limit is not that of a peak with a curve."""
     parts = [
         np.full(found[name].shape[1], not (sign > 0 and name in problem.peak_limits))
         for name, sign, _ in problem.goals.bounds()
@@ -86,7 +86,8 @@ def _smooth_limits(problem: DesignProblem, found: Found) -> Chosen:
     return np.concatenate([np.zeros(0, dtype=bool), *parts])
 
 
-TINY = 1e-300
+TINY_LEVEL = 1e-300
+"""Level added before logarithms and divisions, so that a level of 0 is finite."""
 
 
 def _objective_slopes(problem: DesignProblem, found: Found, moved: Found) -> FloatArray:
@@ -100,7 +101,7 @@ def _objective_slopes(problem: DesignProblem, found: Found, moved: Found) -> Flo
 
 @dataclass(frozen=True, eq=False)
 class BoundedRows:
-    """Chosen rows of the objective and of limits at places of the unit cube, with derivatives.
+    """Active rows of the objective and of limits at places of the unit cube, with derivatives.
 
     Peaks that alone are made small are rows by their logarithms, as are peaks against their limits: a level that
     grows without bound where damping ends is nearly straight so.
@@ -126,7 +127,7 @@ class BoundedRows:
         return float(np.abs(finite(objective(self.problem, self._at(self.start))[0])).max()) or 1.0
 
     def sizes(self, place: FloatArray) -> FloatArray:
-        """What is to be small (n,)."""
+        """Rows of the objective (n,), the largest of which is minimised."""
         parts = [self._scaled(self._levels(name, place)) for name in self.problem.peak_objectives]
         if self.chosen.columns.any():
             columns = objective(self.problem, self._at(place))[0, self.chosen.columns]
@@ -136,7 +137,8 @@ class BoundedRows:
     def size_slopes(self, place: FloatArray) -> FloatArray:
         """Derivatives (n, n_p) of :meth:`sizes`."""
         parts = [
-            self._slopes(name, place) / (self._levels(name, place)[:, None] + TINY if self._in_logs else self._scale)
+            self._slopes(name, place)
+            / (self._levels(name, place)[:, None] + TINY_LEVEL if self._in_logs else self._scale)
             for name in self.problem.peak_objectives
         ]
         if self.chosen.columns.any():
@@ -145,8 +147,10 @@ class BoundedRows:
         return np.concatenate(parts)
 
     def excess(self, place: FloatArray) -> FloatArray:
-        """What is to stay below 0 (n,)."""
-        parts = [np.log((self._levels(name, place) + TINY) / bound) for name, bound in self.problem.peak_limits.items()]
+        """Rows of the limits (n,), which must stay below 0."""
+        parts = [
+            np.log((self._levels(name, place) + TINY_LEVEL) / bound) for name, bound in self.problem.peak_limits.items()
+        ]
         if self.chosen.limits.any():
             parts.append(finite(self.problem.goals.excess(self._at(place))[0, self.chosen.limits]))
         return np.concatenate([np.zeros(0), *parts])
@@ -154,14 +158,15 @@ class BoundedRows:
     def excess_slopes(self, place: FloatArray) -> FloatArray:
         """Derivatives (n, n_p) of :meth:`excess`."""
         parts = [
-            self._slopes(name, place) / (self._levels(name, place)[:, None] + TINY) for name in self.problem.peak_limits
+            self._slopes(name, place) / (self._levels(name, place)[:, None] + TINY_LEVEL)
+            for name in self.problem.peak_limits
         ]
         if self.chosen.limits.any():
             parts.append(self.problem.goals.excess_slopes(self.at(place))[self.chosen.limits])
         return np.concatenate([np.zeros((0, len(place))), *parts])
 
     def hold(self, highest: BoundedPoints, place: FloatArray) -> bool:
-        """Whether nothing that is highest at a place is higher than what is chosen."""
+        """Whether the active rows include the highest ones at a place."""
         new = (highest.columns & ~self.chosen.columns).any() or (highest.limits & ~self.chosen.limits).any()
         return not new and not any(self._surpassed(name, points, place) for name, points in highest.peaks.items())
 
@@ -171,7 +176,7 @@ class BoundedRows:
         return bool(top > self._levels(name, place).max() * (1 + curve.precision))
 
     def _scaled(self, levels: FloatArray) -> FloatArray:
-        return np.log(levels + TINY) if self._in_logs else levels / self._scale
+        return np.log(levels + TINY_LEVEL) if self._in_logs else levels / self._scale
 
     def _levels(self, name: str, place: FloatArray) -> FloatArray:
         key = (name, place.tobytes())

@@ -1,4 +1,4 @@
-"""The damper that serves all conditions: the largest level in the worst of them is smallest."""
+"""Damper over several operating conditions: the largest level in the worst condition is smallest."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DamperInCondition:
-    """Largest level in one condition: as given, with the damper for all, and with one for this condition alone."""
+    """Largest levels in one condition: as given, with the damper for all, and with one for this condition alone."""
 
     condition: str
     before: LevelPeak
@@ -43,14 +43,14 @@ class DamperInCondition:
 
 @dataclass(frozen=True, eq=False)
 class DamperOverConditions:
-    """One damper for all conditions.
+    """Damper for all conditions and the levels that it gives.
 
     Attributes
     ----------
     channel : Channel
-        What is made small.
+        Output whose level is minimised.
     of : str
-        What points are, with their unit.
+        Name and unit of the axis of the levels.
     parameters : tuple of DesignParameter
     conditions : tuple of DamperInCondition
     title : str
@@ -64,7 +64,7 @@ class DamperOverConditions:
 
     @property
     def values(self) -> dict[str, float]:
-        """Value by parameter, SI."""
+        """Parameter -> value of the damper, SI."""
         return {one.name: one.value for one in self.parameters}
 
     @property
@@ -73,18 +73,18 @@ class DamperOverConditions:
 
     @property
     def worst(self) -> DamperInCondition:
-        """The condition with the largest level with this damper."""
+        """Condition with the largest level with this damper."""
         return max(self.conditions, key=lambda one: one.after.level)
 
     @property
     def holding(self) -> tuple[str, ...]:
-        """Conditions whose level is the largest, but for a thousandth."""
+        """Names of the conditions whose level is within a thousandth of the largest."""
         top = self.worst.after.level * (1 - EQUAL)
         return tuple(one.condition for one in self.conditions if one.after.level >= top)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What was found."""
+        """Result in sentences: levels before and after, bounds reached, cost of one damper for all."""
         before, after = self.worst_before, self.worst
         said = [
             f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
@@ -97,7 +97,7 @@ class DamperOverConditions:
         return tuple(said)
 
     def table(self) -> Table:
-        """A row for each condition, after one for each value."""
+        """Table of the levels, a row for each condition."""
         columns = (
             Column("condition"),
             Column("as given", self.channel.unit),
@@ -121,11 +121,11 @@ class DamperOverConditions:
         return Table(f"{self.title}: best damper for all conditions", columns, rows, (*best, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`."""
+        """Figure of the levels by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.damper_over_conditions(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """In full precision, for JSON."""
+        """Result as JSON data in full precision."""
         return {
             "values": self.values,
             "holding": list(self.holding),
@@ -164,7 +164,7 @@ def damper_over_conditions(
     conditions : sequence of str, optional
         Configurations of the drivetrain; by default all.
     kept : callable, optional
-        Gives what a search for a condition, or "" for all of them, came to, or came to before.
+        Returns the result of a search for a condition, or "" for all of them, from an earlier run if there is one.
     drivetrain, output, parameters, input, band, speeds, speed_of, excitations
         As for :meth:`torsionnet.Drivetrain.damper_design`.
 

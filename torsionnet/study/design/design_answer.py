@@ -1,4 +1,4 @@
-"""What all answers on designs have in common: parameters, limits, and the problem they make of a study."""
+"""Base class of the answers on designs: parameters, limits, and the design problem of a study."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit
 
 @dataclass(frozen=True, kw_only=True)
 class DesignAnswer(StudyAnswer):
-    """Base of the answers on designs; every configuration of the study counts."""
+    """Base class of the answers on designs; every configuration of the study counts."""
 
     of_variants: ClassVar[bool] = False
     naming: ClassVar[Mapping[str, str]] = {
@@ -43,7 +43,7 @@ class DesignAnswer(StudyAnswer):
     seed: int = entry(Count("of the search; the same seed gives the same answer", lower=0, upper=2**31 - 1), 0)
 
     def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
-        """What is sought, within these limits."""
+        """Targets or objectives of the design within these limits."""
         raise NotImplementedError
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
@@ -56,13 +56,13 @@ class DesignAnswer(StudyAnswer):
                 yield from wrong_unit(value, name, unit, path)
 
     def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
-        """Quantity, value it is compared with, and where that stands."""
+        """Quantities with the values of their limits or targets, and the paths of these."""
         for name, limit in self.limits.items():
             yield name, limit.below, ("limits", name, "below")
             yield name, limit.above, ("limits", name, "above")
 
     def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
-        """What is chosen, with bounds in SI."""
+        """Design parameters with bounds in SI."""
         if self.design:
             found, faults = bounded(study.model, self.design)
             if faults:
@@ -75,7 +75,7 @@ class DesignAnswer(StudyAnswer):
         )
 
     def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
-        """The problem, and what calculates its quantities; ``names`` vary beside the parameters chosen."""
+        """Design problem and its quantities; parameters ``names`` vary beside those designed."""
         parameters = self.parameters(study)
         goals = self.goals({**study.limits, **self.limits})
         units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}

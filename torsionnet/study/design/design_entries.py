@@ -1,4 +1,4 @@
-"""The entries of a study file that say what is designed, and for what."""
+"""Entries of a study file for design parameters, bounds and targets."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from torsionnet.study.quantities.quantity_limit import QuantityValue
 from torsionnet.study.space.variations.nominal import NominalReader, nominals
 from torsionnet.study.space.variations.variation import ParameterValue
 
-DECADE = 10.0
-"""Bounds, where none are given: a tenth to ten times the value."""
+DEFAULT_BOUND_FACTOR = 10.0
+"""Factor from the value of a parameter without bounds to both of its bounds, a decade up and down."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +43,7 @@ class DesignBounds(Declared):
 
 
 class DesignedNames(Named[DesignBounds | None]):
-    """Parameters with their bounds by name, or a list of their names alone."""
+    """Entry for design parameters: a table of names and bounds, or a list of names."""
 
     def read(self, raw: object) -> tuple[Mapping[str, DesignBounds | None], list[Fault]]:
         return super().read(dict.fromkeys(map(str, raw)) if isinstance(raw, list) and raw else raw)
@@ -54,7 +54,7 @@ class DesignedNames(Named[DesignBounds | None]):
 
 
 class OneOrSeveral(Listed[str]):
-    """One name, or a list of names."""
+    """Entry for one name or a list of names."""
 
     def read(self, raw: object) -> tuple[tuple[Any, ...], list[Fault]]:
         return super().read([raw] if isinstance(raw, str) else raw)
@@ -90,7 +90,7 @@ NAMES = Text("a quantity of the study")
 
 
 def bounded(model: Model, design: Mapping[str, DesignBounds | None]) -> tuple[list[DesignParameter], list[Fault]]:
-    """Parameters of a model with their bounds in SI, and all that is wrong with them."""
+    """Design parameters of a model with bounds in SI, and all faults of their entries."""
     found, faults = [], []
     for name, nominal in nominals(model, [one for one in design if one in model.parameters]).items():
         reader = NominalReader(nominal)
@@ -110,7 +110,7 @@ def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Paramet
         elif nominal is None or not nominal > 0:
             return reader.fault(f"{reader.nominal.name} is not above 0: give its bounds"), float("nan")
         else:
-            low, high = nominal / DECADE, nominal * DECADE
+            low, high = nominal / DEFAULT_BOUND_FACTOR, nominal * DEFAULT_BOUND_FACTOR
     else:
         low, high = (reader.value(one, "bounds", place) for place, one in enumerate(bounds.bounds))
     if not low < high and not reader.faults:

@@ -1,4 +1,4 @@
-"""What a design is to reach: targets that quantities should have, or one that is to be small or large; limits."""
+"""Goals of a design: targets, objectives and limits of quantities."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 Found = Mapping[str, FloatArray]
-"""Values (n, n_points) of quantities by name."""
+"""Quantity -> values (n, n_points) of n designs."""
 
 
 def in_words(value: float, unit: str) -> str:
-    """A number with its unit, where it has one.
+    """Text of a number with its unit.
 
     >>> in_words(0.00855201, "rad"), in_words(0.25, "")
     ('0.00855201 rad', '0.25')
@@ -26,7 +26,7 @@ def in_words(value: float, unit: str) -> str:
 
 @dataclass(frozen=True)
 class DesignTarget:
-    """A value that a quantity should have, SI; deviations are relative to it, where it is not 0, times ``weight``."""
+    """Target value of a quantity, SI; deviations are relative to it, unless it is 0, times ``weight``."""
 
     quantity: str
     value: float
@@ -39,7 +39,7 @@ class DesignTarget:
 
 @dataclass(frozen=True)
 class DesignObjective:
-    """What is to be small, or large: the worst of these quantities, at the worst of their points."""
+    """Objective of a design: the worst of these quantities at the worst of their points, minimised or maximised."""
 
     quantities: tuple[str, ...]
     sense: str = "minimise"
@@ -53,26 +53,26 @@ class DesignObjective:
         return self.quantities[0] if len(self.quantities) == 1 else f"worst of {', '.join(self.quantities)}"
 
     def columns(self, found: Found) -> FloatArray:
-        """What must all be small, (n, n_columns)."""
+        """Values to be small (n, n_columns) of n designs: those of the quantities with the sign of the objective."""
         return self.sign * np.concatenate([found[name] for name in self.quantities], axis=1)
 
     def shown(self, size: float) -> float:
-        """The value as the quantity has it."""
+        """Value of the quantity from a size to be small."""
         return self.sign * size
 
 
 @dataclass(frozen=True, eq=False)
 class DesignGoals:
-    """Targets, or objectives, within limits.
+    """Targets or objectives of a design, within limits.
 
     Attributes
     ----------
     targets : tuple of DesignTarget
     objectives : tuple of DesignObjective
     limits : mapping
-        By quantity, SI.
+        Quantity -> limit, SI.
     units : mapping
-        Quantity -> unit in SI, for words and tables; of those that are not in it nothing is said.
+        Quantity -> unit in SI, for words and tables; others are shown without a unit.
 
     Examples
     --------
@@ -98,13 +98,13 @@ class DesignGoals:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """All that are asked for."""
+        """Names of the quantities of all targets, objectives and limits."""
         named = [one.quantity for one in self.targets]
         named += [name for one in self.objectives for name in one.quantities]
         return tuple(dict.fromkeys([*named, *self.limits]))
 
     def unit_of(self, objective: DesignObjective) -> str:
-        """The unit of all its quantities; empty where they have several."""
+        """Unit of an objective; empty where its quantities have different ones."""
         units = {self.units.get(name, "") for name in objective.quantities}
         return units.pop() if len(units) == 1 else ""
 
@@ -114,7 +114,7 @@ class DesignGoals:
             raise UsageError("limits alone choose no design; say what to minimise or maximise, or targets")
 
     def check(self, known: Mapping[str, object]) -> None:
-        """Refuse quantities that nobody calculates."""
+        """Refuse goals with quantities that are not among those known."""
         for name in self.quantities:
             if name not in known:
                 there = ", ".join(known)
@@ -126,19 +126,19 @@ class DesignGoals:
         return np.concatenate(parts, axis=1)
 
     def excess(self, found: Found) -> FloatArray:
-        """How far limits are exceeded, relative to them, (n, n_points of limited quantities); below 0 inside."""
+        """Excess over limits relative to them (n, n_points of limited quantities); below 0 where they are kept."""
         parts = [sign * (found[name] - bound) / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
         count = len(next(iter(found.values())))
         return np.concatenate(parts, axis=1) if parts else np.zeros((count, 0))
 
     def excess_slopes(self, moved: Found) -> FloatArray:
-        """Derivatives of :meth:`excess` from those (n_points, n_p) of the quantities."""
+        """Derivatives (n_excess, n_p) of :meth:`excess` from those (n_points, n_p) of the quantities."""
         parts = [sign * moved[name] / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
         width = next(iter(moved.values())).shape[1]
         return np.concatenate(parts) if parts else np.zeros((0, width))
 
     def bounds(self) -> Iterator[tuple[str, float, float]]:
-        """Quantity, 1 for an upper limit and -1 for a lower one, and the limit: the order of :meth:`excess`."""
+        """Quantity, sign (1: upper, -1: lower) and value of every limit, in the order of :meth:`excess`."""
         for name, limit in self.limits.items():
             if limit.below is not None:
                 yield name, 1.0, limit.below
@@ -146,7 +146,7 @@ class DesignGoals:
                 yield name, -1.0, limit.above
 
     def merit(self, found: Found) -> FloatArray:
-        """What is made small (n,): the sum of squared deviations, or the worst column of the first objective."""
+        """Merit (n,), which is minimised: the sum of squared deviations, or the worst column of the first objective."""
         if self.targets:
             size = np.sum(self.deviations(found) ** 2, axis=1)
         else:
@@ -154,6 +154,6 @@ class DesignGoals:
         return np.where(np.isnan(size), np.inf, size)
 
     def violation(self, found: Found) -> FloatArray:
-        """Sum (n,) of what exceeds limits; infinite where a quantity could not be calculated."""
+        """Sum (n,) of the excess over limits; infinite where a quantity could not be calculated."""
         over = np.maximum(self.excess(found), 0.0).sum(axis=1)
         return np.where(np.isnan(over), np.inf, over)

@@ -1,4 +1,4 @@
-"""What an optimisation found: values, what they give, and what that is worth."""
+"""Result of an optimisation: parameter values, quantities, and checks of the optimum."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from torsionnet.study.design.design_goals import DesignGoals, in_words
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-REACHED = 1e-8
-"""Relative deviation from a target that is met."""
-AGREES = 1e-8
-"""Relative difference of quantities calculated together and singly that is rounding."""
+TARGET_MET = 1e-8
+"""Largest relative deviation from a target that counts as met; less would call rounding a miss."""
+SAME_QUANTITY = 1e-8
+"""Largest relative difference of quantities calculated together and by a single model that counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class DesignOptimum:
-    """The best design found.
+    """Best design found by an optimisation.
 
     Attributes
     ----------
     parameters : tuple of DesignParameter
-        As given, bounds and best value, SI.
+        Parameters with given value, bounds and best value, SI.
     goals : DesignGoals
     before, after : mapping
         Quantity -> values (n_points,) as given and with the values found.
     single : mapping
-        Quantity -> values recomputed by one model with the values found; empty where there is none to ask.
+        Quantity -> values recomputed by a single model with the values found; empty where none was given.
     violation : float
         Sum of relative excess over limits; 0 where all are kept.
     alternatives : tuple of mapping
@@ -46,7 +46,7 @@ class DesignOptimum:
     history : (n, 2) array
         Designs calculated so far, and the best merit by then.
     converged : bool
-        Several searches came to this design, or nothing beside it is better.
+        Whether several searches found this design, or no design beside it is better.
     title : str
     """
 
@@ -64,23 +64,23 @@ class DesignOptimum:
 
     @property
     def values(self) -> dict[str, float]:
-        """Value by parameter, SI; :meth:`torsionnet.Drivetrain.configured` takes them."""
+        """Parameter -> value in SI, for :meth:`torsionnet.Drivetrain.configured`."""
         return {one.name: one.value for one in self.parameters}
 
     @property
     def active_bounds(self) -> dict[str, str]:
-        """Parameters at a bound: ``lower`` or ``upper``."""
+        """Parameter at a bound -> ``lower`` or ``upper``."""
         return {one.name: one.bound for one in self.parameters if one.bound}
 
     @property
     def merit(self) -> float:
-        """What was made small: the sum of squared relative deviations, or the objective as its quantity has it."""
+        """Sum of squared relative deviations from targets, or the value of the objective's quantity."""
         size = float(self.goals.merit(_rows(self.after))[0])
         return size if self.goals.targets else self.goals.objectives[0].shown(size)
 
     @property
     def disagreement(self) -> float:
-        """Largest relative difference between quantities calculated together and singly."""
+        """Largest relative difference of quantities calculated together and by a single model."""
         apart = [
             float(np.max(np.abs(self.after[name] - one) / max(float(np.abs(one).max()), 1e-300)))
             for name, one in self.single.items()
@@ -89,7 +89,7 @@ class DesignOptimum:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the result is worth."""
+        """Result in sentences: targets, objective, limits, bounds, uniqueness, verification."""
         said = [*self._targets_said(), *self._objective_said(), *self._limits_said(), *self._bounds_said()]
         return (*said, *self._uniqueness_said(), *self._verification_said())
 
@@ -99,7 +99,7 @@ class DesignOptimum:
             value, unit = self.after[one.quantity], self.goals.units.get(one.quantity, "")
             wanted = in_words(one.value, unit)
             worst = float(value[np.argmax(np.abs(value - one.value))])
-            if abs(worst - one.value) <= REACHED * (abs(one.value) or 1.0):
+            if abs(worst - one.value) <= TARGET_MET * (abs(one.value) or 1.0):
                 said.append(f"{one.quantity} has its target, {wanted}")
             else:
                 said.append(
@@ -153,12 +153,12 @@ class DesignOptimum:
         if not self.single:
             return []
         apart = self.disagreement
-        if apart <= AGREES:
+        if apart <= SAME_QUANTITY:
             return ["recomputed by a model with these values: the same"]
         return [f"recomputed by a model with these values: different by {apart:.2g} of themselves"]
 
     def table(self) -> Table:
-        """Parameters, then quantities as given and at the optimum."""
+        """Table of the parameters, then of the quantities as given and at the optimum."""
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, one.start, one.value, one.lower, one.upper, None) for one in self.parameters
         ]
@@ -175,11 +175,11 @@ class DesignOptimum:
         )
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`."""
+        """Figure of the optimum by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.design_optimum(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """In full precision, for JSON."""
+        """Result as JSON data in full precision."""
         return {
             "values": self.values,
             "active_bounds": self.active_bounds,

@@ -1,4 +1,4 @@
-"""A design to be sought, in the unit cube of its parameters: what it asks, and derivatives of the answers."""
+"""Design problem in the unit cube of its parameters: goals, quantities and their derivatives."""
 
 from __future__ import annotations
 
@@ -16,38 +16,39 @@ from torsionnet.solve.design.minimax import Box
 from torsionnet.study.design.design_goals import DesignGoals, Found
 
 Evaluate = Callable[[Mapping[str, FloatArray]], Mapping[str, FloatArray]]
-"""Values (n,) of parameters by name -> values (n,) or (n, n_points) of quantities by name; NaN where there is none."""
+"""Function from parameters (n,) by name to quantities (n,) or (n, n_points) by name; NaN where missing."""
 Slopes = Callable[[Mapping[str, float]], Mapping[str, FloatArray]]
-"""Value of every parameter -> exact derivatives (n_points, n_p) of some quantities to the parameters, SI."""
+"""Function from the value of every parameter to exact derivatives (n_points, n_p) of some quantities, SI."""
 
-STEP = 1e-3
-"""Of the unit cube, between the five points of a numerical derivative: truncated at 1e-12 of a smooth function."""
-FEASIBLE = 1e-9
-"""Excess over limits, relative to them, that is rounding."""
-LARGE = 1e6
-"""Stands for a quantity that a design does not have."""
+SLOPE_STEP = 1e-3
+"""Step in the unit cube between the five points of a numerical derivative, with 1e-12 error of a smooth function."""
+FEASIBLE_EXCESS = 1e-9
+"""Largest excess over limits, relative to them, that counts as rounding."""
+MISSING_VALUE = 1e6
+"""Number in place of a quantity that a design does not have, which must be worse than any real one."""
 STENCIL = np.arange(5) - 2.0
+"""Points of a numerical derivative, in steps."""
 
 
 Rank = tuple[float, float]
-"""Violation of limits, then merit: the smaller the better."""
+"""Violation of limits, then merit of a design: the smaller the better."""
 
 
 @dataclass(frozen=True, eq=False)
 class DesignProblem:
-    """Goals over the unit cube of parameters; positive ones are searched by equal factors.
+    """Design problem: goals over the unit cube of parameters, of which positive ones have a logarithmic scale.
 
     Attributes
     ----------
     parameters : tuple of DesignParameter
-        With bounds; their ``value`` is not used.
+        Parameters with bounds; their ``value`` is not used.
     goals : DesignGoals
     evaluate : Evaluate
-        Of many designs at once.
+        Quantities of many designs at once.
     slopes : Slopes, optional
-        Derivatives that are known exactly; the others are taken numerically.
+        Exact derivatives of some quantities; the others are numerical.
     curves : mapping
-        Curves over frequency of quantities that are their largest peak: smooth where the largest changes place.
+        Quantity that is a largest peak -> its curve over frequency, smooth where another peak becomes the largest.
     """
 
     parameters: tuple[DesignParameter, ...]
@@ -72,19 +73,19 @@ class DesignProblem:
 
     @property
     def peak_objectives(self) -> tuple[str, ...]:
-        """Quantities with a curve that are made small."""
+        """Names of the minimised quantities that have a curve."""
         sought = [name for one in self.goals.objectives[:1] if one.sign > 0 for name in one.quantities]
         return tuple(name for name in sought if name in self.curves)
 
     @property
     def peak_limits(self) -> dict[str, float]:
-        """Upper limits of quantities with a curve."""
+        """Quantity with a curve -> its upper limit."""
         below = {name: limit.below for name, limit in self.goals.limits.items() if name in self.curves}
         return {name: bound for name, bound in below.items() if bound is not None and bound > 0}
 
     @property
     def evaluations(self) -> int:
-        """Designs calculated so far."""
+        """Number of designs calculated so far."""
         return sum(self._asked)
 
     @cached_property
@@ -93,15 +94,15 @@ class DesignProblem:
 
     @cached_property
     def start(self) -> FloatArray:
-        """Place where the search begins."""
+        """Place of the given design in the unit cube (n_p,), where the search begins."""
         return self.box.place(np.array([one.start for one in self.parameters]))
 
     def values(self, place: FloatArray) -> dict[str, float]:
-        """Values of the parameters at one place."""
+        """Parameter -> value at one place of the unit cube, SI."""
         return dict(zip(self.names, map(float, self.box.inside(np.asarray(place))), strict=True))
 
     def at(self, places: FloatArray) -> Found:
-        """Quantities (n, n_points) of the goals at places (n, n_p)."""
+        """Quantity -> values (n, n_points) at places (n, n_p) of the unit cube."""
         inside = self.box.inside(np.atleast_2d(places))
         self._asked.append(len(inside))
         found = self.evaluate({name: inside[:, index] for index, name in enumerate(self.names)})
@@ -109,12 +110,12 @@ class DesignProblem:
         return {name: np.asarray(found[name], float).reshape(len(inside), -1) for name in self.goals.quantities}
 
     def ranks(self, found: Found) -> list[Rank]:
-        """Of every design."""
+        """Rank of every design: violation of limits, then merit."""
         over, merit = self.goals.violation(found), self.goals.merit(found)
-        return [(0.0 if v <= FEASIBLE else v, m) for v, m in zip(over.tolist(), merit.tolist(), strict=True)]
+        return [(0.0 if v <= FEASIBLE_EXCESS else v, m) for v, m in zip(over.tolist(), merit.tolist(), strict=True)]
 
     def jacobian(self, place: FloatArray) -> Found:
-        """Derivatives (n_points, n_p) of the quantities to the place; 0 where one cannot be taken."""
+        """Quantity -> derivatives (n_points, n_p) to the place in the unit cube; 0 where they do not exist."""
         exact = {} if self.slopes is None else self.slopes(self.values(place))
         rates = self.box.rates(place)
         known = {
@@ -124,20 +125,20 @@ class DesignProblem:
         return {**known, **(self._differences(place, missing) if missing else {})}
 
     def _differences(self, place: FloatArray, names: Sequence[str]) -> Found:
-        """From five points along every parameter, moved inward at bounds."""
+        """Numerical derivatives from five points along every parameter, moved inward at bounds."""
         size = len(place)
-        centre = np.clip(place, -STEP * STENCIL[0], 1 - STEP * STENCIL[-1])
+        centre = np.clip(place, -SLOPE_STEP * STENCIL[0], 1 - SLOPE_STEP * STENCIL[-1])
         points = np.repeat(np.asarray(place, float)[None, None, :], size * len(STENCIL), axis=0).reshape(size, -1, size)
         for index in range(size):
-            points[index, :, index] = centre[index] + STEP * STENCIL
+            points[index, :, index] = centre[index] + SLOPE_STEP * STENCIL
         found = self.at(points.reshape(-1, size))
-        weights = np.array([_weights((place[i] - centre[i]) / STEP) for i in range(size)]) / STEP
+        weights = np.array([_weights((place[i] - centre[i]) / SLOPE_STEP) for i in range(size)]) / SLOPE_STEP
         slopes = {name: np.einsum("pk,pkm->mp", weights, found[name].reshape(size, len(STENCIL), -1)) for name in names}
         return {name: np.where(np.isfinite(one), one, 0.0) for name, one in slopes.items()}
 
 
 def _weights(at: float) -> FloatArray:
-    """Weights of the values at the stencil for the derivative of their polynomial at a point.
+    """Weights (5,) of the values at the stencil for the derivative of their polynomial at a point.
 
     >>> (12 * _weights(1.0)).round(9).tolist()
     [-1.0, 6.0, -18.0, 10.0, 3.0]

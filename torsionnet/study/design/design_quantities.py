@@ -1,4 +1,4 @@
-"""Quantities of designs in all configurations of a study, together and singly."""
+"""Quantities of designs in all configurations of a study, and their exact derivatives."""
 
 from __future__ import annotations
 
@@ -18,34 +18,35 @@ from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.response import ResponseQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock
 
-SAME = 1e-6
-"""Relative distance of a pole found together with others and the one with derivatives."""
-DECIBEL = 20 / np.log(10)
+SAME_POLE = 1e-6
+"""Largest relative distance between a pole of a batch and the same pole with derivatives."""
+DECIBELS_PER_NEPER = 20 / np.log(10)
+"""Decibels of a factor e."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExactSlopes:
-    """Derivatives of those quantities of an evaluator that have exact ones; ``Slopes`` of a design problem."""
+    """Exact derivatives of those quantities of an evaluator that have them; ``Slopes`` of a design problem."""
 
     evaluator: Evaluator
     wanted: tuple[str, ...]
-    """Quantities that derivatives are asked of."""
+    """Names of the quantities to differentiate."""
 
     def __call__(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        """Quantity -> derivatives (n_points, n_p), SI."""
+        """Quantity -> exact derivatives (n_points, n_p), SI."""
         numbers = self.evaluator.once(f"slopes of {self.wanted}", values, lambda: self._whole(values).ravel())
         parts = np.split(numbers.reshape(-1, len(self.evaluator.names)), np.cumsum(self._sizes)[:-1])
         return {name: slopes for name, slopes in zip(self.wanted, parts, strict=True) if np.isfinite(slopes).all()}
 
     def _whole(self, values: Mapping[str, float]) -> FloatArray:
-        """Those of all quantities (n_points of all, n_p), nan where there are none."""
+        """Derivatives of all quantities (n_points of all, n_p), nan where there are none."""
         found = self._found(values)
         nothing = [np.full((size, len(self.evaluator.names)), np.nan) for size in self._sizes]
         return np.concatenate([found.get(name, nan) for name, nan in zip(self.wanted, nothing, strict=True)])
 
     @cached_property
     def _sizes(self) -> list[int]:
-        """Points of every quantity."""
+        """Number of points of every quantity."""
         forms = [one.measured(self.evaluator.model, self.evaluator.quantities) for one in self._asked.values()]
         return [len(one.points) for one in forms]
 
@@ -64,7 +65,7 @@ class ExactSlopes:
 
     @cached_property
     def _modal(self) -> dict[str, ModeQuantity]:
-        """Natural frequencies with damping and damping ratios."""
+        """Quantities that are damped natural frequencies or damping ratios."""
         return {
             name: one
             for name, one in self._asked.items()
@@ -73,7 +74,7 @@ class ExactSlopes:
 
     @cached_property
     def _responses(self) -> dict[str, tuple[ResponseQuantity, ParametricResponse]]:
-        """Transfer functions above 0 Hz."""
+        """Quantities that are transfer functions above 0 Hz, with their parametric responses."""
         return {
             name: (
                 one,
@@ -107,16 +108,16 @@ def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
         relative = dy / y[:, None]
     if part == "phase":
         return np.asarray(relative.imag)
-    return np.asarray(relative.real * (DECIBEL if part == "dB" else np.abs(y)[:, None]))
+    return np.asarray(relative.real * (DECIBELS_PER_NEPER if part == "dB" else np.abs(y)[:, None]))
 
 
 def _of_mode(quantity: ModeQuantity, eigenvalue: complex, moved: ModeSensitivities) -> FloatArray:
-    """Derivatives (1, n_p); nan where the mode is not among those with derivatives."""
+    """Derivatives (1, n_p) of a quantity of a mode; nan where its mode is not among those with derivatives."""
     size = len(moved.parameters)
     if not np.isfinite(eigenvalue) or not len(moved.poles):
         return np.full((1, size), np.nan)
     place = int(np.argmin(np.abs(moved.poles - eigenvalue)))
-    if abs(moved.poles[place] - eigenvalue) > SAME * abs(eigenvalue):
+    if abs(moved.poles[place] - eigenvalue) > SAME_POLE * abs(eigenvalue):
         return np.full((1, size), np.nan)
     if isinstance(quantity, DampingRatio):
         return moved.damping_slopes[place : place + 1]
@@ -127,29 +128,29 @@ def _of_mode(quantity: ModeQuantity, eigenvalue: complex, moved: ModeSensitiviti
 
 @dataclass(frozen=True, eq=False)
 class DesignQuantities:
-    """Values of quantities in one configuration after the other, as points of one curve.
+    """Quantities of designs with their values in all configurations side by side, like points of one curve.
 
-    So a target is one in every configuration, a limit holds in all, and what is made small is the worst of them.
+    So a target holds in every configuration, a limit in all, and the objective is the worst of them.
 
     Attributes
     ----------
     evaluators : tuple of Evaluator
         One for each configuration.
     wanted : tuple of str
-        Quantities that are asked for.
+        Names of the quantities.
     """
 
     evaluators: tuple[Evaluator, ...]
     wanted: tuple[str, ...]
 
     def __call__(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n, n_configurations * n_points) by quantity."""
+        """Quantity -> values (n, n_configurations * n_points) of n designs."""
         count = len(next(iter(values.values())))
         found = [one(_completed(one, values, count), self.wanted) for one in self.evaluators]
         return {name: np.concatenate([one[name].reshape(count, -1) for one in found], axis=1) for name in self.wanted}
 
     def slopes(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        """Exact derivatives (n_configurations * n_points, n_p) of those quantities that have some everywhere."""
+        """Quantity -> exact derivatives (n_configurations * n_points, n_p), where all configurations have them."""
         found = [one(values) for one in self._exact]
         everywhere = [name for name in self.wanted if all(name in one for one in found)]
         return {name: np.concatenate([one[name] for one in found]) for name in everywhere}
@@ -159,13 +160,13 @@ class DesignQuantities:
         return [ExactSlopes(one, self.wanted) for one in self.evaluators]
 
     def singly(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        """The same values (n_configurations * n_points,) by models with these values of their own."""
+        """Quantity -> values (n_configurations * n_points,) of one design by single models."""
         at = {name: np.array([value]) for name, value in values.items()}
         blocks = [VariantBlock(one.model, at, one.quantities, None) for one in self.evaluators]
         return {name: np.concatenate([block.of(name)[0] for block in blocks]) for name in self.wanted}
 
 
 def _completed(evaluator: Evaluator, values: Mapping[str, FloatArray], count: int) -> dict[str, FloatArray]:
-    """With the model's own values (count,) of what may vary and is not given."""
+    """Values (count,) of all varied parameters: those given, and else the model's own."""
     own = evaluator.model.parameters
     return {name: values[name] if name in values else np.full(count, own[name]) for name in evaluator.names}

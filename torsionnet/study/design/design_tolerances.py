@@ -1,4 +1,4 @@
-"""How the parameters of what is built lie around those of the design."""
+"""Tolerances of the parameters of a design, and draws of them."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 
 LAWS = ("normal", "uniform")
-FIRST = 1e-12
-"""Smallest share of a distribution that is drawn: normal ones have no end."""
+"""Distributions of a tolerance."""
+LEAST_TAIL = 1e-12
+"""Smallest share of a distribution below or above a draw, as the tails of normal ones are infinite."""
 
 
 @dataclass(frozen=True)
 class DesignTolerance:
-    """Scatter of one parameter.
+    """Tolerance of one parameter of a design.
 
     ``size`` is a standard deviation (``normal``) or half a width (``uniform``), of the design's value where
-    ``relative``, else SI. ``centre``: of a parameter that is not designed, its value, SI.
+    ``relative``, else SI. ``centre`` is the value of a parameter that is not designed, SI.
     """
 
     name: str
@@ -39,34 +40,34 @@ class DesignTolerance:
             raise UsageError(f"the tolerance of {self.name} is normal or uniform, got {self.law!r}")
 
     def scattered(self, centre: FloatArray, shares: FloatArray) -> FloatArray:
-        """Values (n, count) around (n,) for shares (count,) of the probability."""
+        """Values (n, count) around centres (n,) at shares (count,) of the distribution."""
         units = ndtri(shares) if self.law == "normal" else 2 * shares - 1
         width = centre[:, None] if self.relative else np.ones_like(centre)[:, None]
         return np.asarray(centre[:, None] + self.size * width * units)
 
 
 class DrawnTolerances(Protocol):
-    """The same draws around every design, so that designs are compared alike."""
+    """Draws of tolerances, the same around every design, so that designs are compared alike."""
 
     @property
     def count(self) -> int:
-        """Samples of each design."""
+        """Number of samples of each design."""
         ...
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n * count,) of all parameters around n designs, the samples of the first one first."""
+        """Parameter -> values (n * count,) around n designs, the samples of the first design first."""
         ...
 
 
 class Tolerances(Protocol):
-    """How what is built lies around the design."""
+    """Tolerances of all parameters, from which draws are made."""
 
     def evenly(self, count: int, seed: int) -> DrawnTolerances:
-        """Draws that fill the space evenly; ``count`` may be rounded up."""
+        """Quasi-random draws that fill the space evenly; ``count`` may be rounded up."""
         ...
 
     def randomly(self, count: int, seed: int) -> DrawnTolerances:
-        """Independent draws, of which intervals of confidence can be told."""
+        """Independent random draws, for which confidence intervals hold."""
         ...
 
 
@@ -83,15 +84,15 @@ class IndependentDraws:
 
     each: tuple[DesignTolerance, ...]
     shares: FloatArray
-    """(count, n_tolerances), between 0 and 1."""
+    """Shares of the distributions (count, n_tolerances), between 0 and 1."""
 
     @property
     def count(self) -> int:
-        """Samples of each design."""
+        """Number of samples of each design."""
         return len(self.shares)
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n * count,) of all parameters, the samples of the first of n designs first."""
+        """Parameter -> values (n * count,) around n designs, the samples of the first design first."""
         size = len(next(iter(designs.values())))
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for one, shares in zip(self.each, self.shares.T, strict=True):
@@ -117,11 +118,11 @@ class DesignTolerances:
             raise UsageError("a robust design needs the tolerance of a parameter")
 
     def evenly(self, count: int, seed: int) -> IndependentDraws:
-        """Draws of a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
+        """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
         return IndependentDraws(self.each, even_shares(len(self.each), count, seed))
 
     def randomly(self, count: int, seed: int) -> IndependentDraws:
-        """Independent draws."""
+        """Independent random draws."""
         return IndependentDraws(self.each, random_shares(len(self.each), count, seed))
 
 
@@ -129,13 +130,13 @@ def even_shares(size: int, count: int, seed: int) -> FloatArray:
     """Points (n, size) of a scrambled Sobol sequence, n the next power of two."""
     _enough(count)
     shares = qmc.Sobol(size, scramble=True, seed=seed).random_base2(int(np.ceil(np.log2(count))))
-    return np.asarray(np.clip(shares, FIRST, 1 - FIRST))
+    return np.asarray(np.clip(shares, LEAST_TAIL, 1 - LEAST_TAIL))
 
 
 def random_shares(size: int, count: int, seed: int) -> FloatArray:
     """Independent points (count, size) of the unit cube."""
     _enough(count)
-    return np.asarray(np.clip(np.random.default_rng(seed).random((count, size)), FIRST, 1 - FIRST))
+    return np.asarray(np.clip(np.random.default_rng(seed).random((count, size)), LEAST_TAIL, 1 - LEAST_TAIL))
 
 
 def _enough(count: int) -> None:

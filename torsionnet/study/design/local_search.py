@@ -1,4 +1,4 @@
-"""The best design near one: least squares for targets, programming for objectives and limits."""
+"""Local search of the best design: least squares for targets, sequential quadratic programming for objectives."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from torsionnet.core.errors import SolveError
 from torsionnet.study.design.bounded_rows import BoundedPoints, BoundedRows, finite
 from torsionnet.study.design.design_problem import DesignProblem
 
-MOST, PEAK_STEPS = 200, 60
-"""Steps of a search, and of one whose points of peaks are chosen anew after it."""
-ROUNDS, PEAK_ROUNDS = 12, 40
-"""Rounds in which new points of curves come in, and of those over frequency, which have any number of points."""
-FINEST = 1e-14
-"""Change of the objective, of itself, at which programming stops."""
+MOST_STEPS, MOST_PEAK_STEPS = 200, 60
+"""Most steps of a search, and of one after which the points of peaks are chosen anew."""
+MOST_ROUNDS, MOST_PEAK_ROUNDS = 12, 40
+"""Most rounds with new active points of curves, and of curves over frequency, which have any number of points."""
+OBJECTIVE_TOLERANCE = 1e-14
+"""Relative change of the objective at which programming stops, a little above rounding."""
 
 
 def programmed(problem: DesignProblem, place: FloatArray) -> FloatArray:
-    """The best place that is found from one."""
+    """Best place found by sequential quadratic programming from a start, with active points renewed in rounds."""
     best, best_rank = place, problem.ranks(problem.at(place))[0]
     try:
         chosen = BoundedPoints.highest(problem, place).begun(problem, place)
-        for _ in range(PEAK_ROUNDS if chosen.peaks else ROUNDS):
+        for _ in range(MOST_PEAK_ROUNDS if chosen.peaks else MOST_ROUNDS):
             rows = BoundedRows(problem, chosen, place)
             place = _solved(rows, place)
             rank = problem.ranks(problem.at(place))[0]
@@ -41,7 +41,7 @@ def programmed(problem: DesignProblem, place: FloatArray) -> FloatArray:
 
 
 def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
-    """The best place as far as the chosen rows go: minimise t, the objective's rows below t, the limits' below 0."""
+    """Solution for the active rows: minimise t with the objective's rows below t and the limits' rows below 0."""
     size, sizes = len(start), rows.sizes(start)
     several = len(sizes) > 1
 
@@ -64,21 +64,19 @@ def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
         method="SLSQP",
         bounds=[(0.0, 1.0)] * size + [(None, None)] * several,
         constraints={"type": "ineq", "fun": inside, "jac": inside_slopes} if several or rows.is_limited else (),
-        options={"ftol": FINEST, "maxiter": PEAK_STEPS if rows.chosen.peaks else MOST},
+        options={"ftol": OBJECTIVE_TOLERANCE, "maxiter": MOST_PEAK_STEPS if rows.chosen.peaks else MOST_STEPS},
     )
     return np.asarray(np.clip(found.x[:size], 0.0, 1.0))
 
 
-EXACT = 4 * np.finfo(float).eps
-"""Change at which least squares stop: what rounding leaves."""
-MOST = 200
-"""Steps of a search."""
-EDGE = 1e-3
-"""Of the unit cube: nearer to a bound than this, a method that keeps inside may have stopped short of it."""
+LEAST_SQUARES_TOLERANCE = 4 * np.finfo(float).eps
+"""Relative change at which least squares stop: rounding."""
+BOUND_DISTANCE = 1e-3
+"""Distance from a bound in the unit cube within which a method of interior points may have stopped short of it."""
 
 
 def polished(problem: DesignProblem, place: FloatArray) -> FloatArray:
-    """The best place that is found from one, never a worse one."""
+    """Best place found by local searches from a place, never a worse one."""
     tried = [np.asarray(place, float)]
     if problem.goals.limits or problem.goals.objectives:
         tried.append(programmed(problem, tried[-1]))
@@ -89,7 +87,7 @@ def polished(problem: DesignProblem, place: FloatArray) -> FloatArray:
 
 
 def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
-    """Least squares, and from bounds that hold once more by a method that stays exactly at them."""
+    """Least-squares solution for targets, from places at bounds once more by a method that stays exactly at them."""
 
     def slopes(place: FloatArray) -> FloatArray:
         moved = problem.jacobian(place)
@@ -106,12 +104,12 @@ def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
             slopes,
             bounds=(0.0, 1.0),
             method=method,
-            ftol=EXACT,
-            xtol=EXACT,
-            gtol=EXACT,
-            max_nfev=MOST,
+            ftol=LEAST_SQUARES_TOLERANCE,
+            xtol=LEAST_SQUARES_TOLERANCE,
+            gtol=LEAST_SQUARES_TOLERANCE,
+            max_nfev=MOST_STEPS,
         )
         place = np.clip(found.x, 0.0, 1.0)
-        if np.all((place > EDGE) & (place < 1 - EDGE)):
+        if np.all((place > BOUND_DISTANCE) & (place < 1 - BOUND_DISTANCE)):
             break
     return place

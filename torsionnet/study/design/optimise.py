@@ -1,4 +1,4 @@
-"""The best design: a search everywhere, several searches nearby, and a single model that verifies the answer."""
+"""Optimisation of a design: global search, several local searches, and verification by a single model."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
-from torsionnet.study.design.design_optimum import REACHED, DesignOptimum
+from torsionnet.study.design.design_optimum import TARGET_MET, DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem, Rank
-from torsionnet.study.design.global_search import GENERATIONS, apart, evolved, samples
+from torsionnet.study.design.global_search import MOST_GENERATIONS, apart, evolved, samples
 from torsionnet.study.design.local_search import polished
 
-EQUAL = 1e-6
-"""Relative difference of merits that are equally good."""
+EQUAL_MERIT = 1e-6
+"""Largest relative difference of merits that count as equally good; searches end within less."""
 DISTANCES = 1e-2 * 0.25 ** np.arange(9)
-"""Of the unit cube: of designs beside the best, down to where merits are equal."""
-ROUNDS = 10
-"""Of steps to better designs, after which a search that still finds some has not settled."""
+"""Distances in the unit cube of the designs tried beside the best one, down to where merits are equal."""
+MOST_ROUNDS = 10
+"""Most steps to better designs nearby; a search that still finds better ones then has not converged."""
 
 
 def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
-    """Whether a design is as good as the best one, but for rounding and what a search leaves."""
-    if one[0] > best[0] * (1 + EQUAL):
+    """Whether a design is as good as the best one within the tolerance of a search."""
+    if one[0] > best[0] * (1 + EQUAL_MERIT):
         return False
     if problem.goals.targets:
-        return one[1] <= max(REACHED**2, best[1] * (1 + EQUAL))
-    return one[1] - best[1] <= EQUAL * abs(best[1])
+        return one[1] <= max(TARGET_MET**2, best[1] * (1 + EQUAL_MERIT))
+    return one[1] - best[1] <= EQUAL_MERIT * abs(best[1])
 
 
 def checked(problem: DesignProblem, place: FloatArray, seed: int) -> tuple[FloatArray, bool]:
-    """The best design beside ``place``, which it is itself as a rule, and whether no other there is better.
+    """Best design among ``place`` and its neighbours, and whether no neighbour of that is better.
 
     Designs are tried at several distances along every parameter and in as many directions between them, and one more
     search begins beside the place.
     """
     draw = np.random.default_rng(seed)
     rank = problem.ranks(problem.at(place))[0]
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         other, found = _best_beside(problem, place, draw)
         if found >= rank:
             return place, True
@@ -66,14 +66,14 @@ def _best_beside(problem: DesignProblem, place: FloatArray, draw: np.random.Gene
 
 
 BEGINNINGS, BESIDE = 5, 2
-"""Places from which local searches begin for targets, and for an objective beside the best of a population."""
-DIFFERENT = 1e-3
-"""Of the unit cube: designs that are farther apart are two."""
-FLAT = 1e-9
-"""Of the largest singular value: a direction with less does not move the targets."""
+"""Number of starts of local searches for targets, and for an objective beside the best of a population."""
+DIFFERENT_DESIGNS = 1e-3
+"""Distance in the unit cube above which two designs count as different; searches for one end closer together."""
+FREE_DIRECTION = 1e-9
+"""Singular value relative to the largest one below which a direction does not change the targets."""
 
 Single = Callable[[Mapping[str, float]], Mapping[str, ArrayLike]]
-"""Quantities of one design by a model of its own."""
+"""Function from the value of every parameter to the quantities of this design by a single model."""
 
 
 def optimise(
@@ -81,20 +81,20 @@ def optimise(
     *,
     single: Single | None = None,
     seed: int = 0,
-    generations: int = GENERATIONS,
+    generations: int = MOST_GENERATIONS,
     title: str = "",
 ) -> DesignOptimum:
-    """Search the best design of a problem with targets or one objective.
+    """Find the best design of a problem with targets or one objective.
 
     Parameters
     ----------
     problem : DesignProblem
     single : callable, optional
-        Recomputes the answer by one model.
+        Recomputes the optimum by a single model.
     seed : int
-        Of the population; the same seed gives the same answer.
+        Seed of the population; the same seed gives the same answer.
     generations : int
-        Of the population, at most.
+        Most generations of the population.
     title : str
 
     Raises
@@ -130,7 +130,7 @@ def optimise(
     else:
         begin = apart(ordered, BEGINNINGS)
     found = _each_polished(problem, begin)
-    if problem.goals.targets and found[0][0] > (0.0, REACHED**2):
+    if problem.goals.targets and found[0][0] > (0.0, TARGET_MET**2):
         found = sorted(
             [*found, *_each_polished(problem, [evolved(problem, ordered, seed, note, generations)])], key=_by_rank
         )
@@ -140,7 +140,7 @@ def optimise(
     if not settled:
         best, settled = checked(problem, best, seed)
         rank, equal = problem.ranks(problem.at(best))[0], [best]
-    different = apart_by(equal, DIFFERENT)
+    different = apart_by(equal, DIFFERENT_DESIGNS)
     best = min(different, key=lambda place: float(np.linalg.norm(place - problem.start)))
     note(rank[1])
     others = [one for one in different if one is not best]
@@ -158,7 +158,7 @@ def _each_polished(problem: DesignProblem, places: list[FloatArray]) -> list[tup
 
 
 def apart_by(places: list[FloatArray], distance: float) -> list[FloatArray]:
-    """Those that are not near an earlier one."""
+    """Places that are not near an earlier one."""
     kept: list[FloatArray] = []
     for place in places:
         if all(np.abs(place - other).max() > distance for other in kept):
@@ -196,17 +196,18 @@ def _result(
 
 
 def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
-    """Of parameters inside their bounds; at targets out of reach only parameters that move none of them.
+    """Number of directions of the parameters inside their bounds that change no target.
 
-    What comes nearest to such targets lies where their slopes cancel, which says nothing about other designs.
+    At targets that are missed only parameters without effect on any of them count: the nearest design lies where
+    slopes cancel, which says nothing about other designs.
     """
     if not problem.goals.targets:
         return 0
-    inside = (best > DIFFERENT) & (best < 1 - DIFFERENT)
+    inside = (best > DIFFERENT_DESIGNS) & (best < 1 - DIFFERENT_DESIGNS)
     moved = problem.jacobian(best)
     slopes = np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])[:, inside]
-    if np.abs(problem.goals.deviations(problem.at(best))).max() > REACHED:
+    if np.abs(problem.goals.deviations(problem.at(best))).max() > TARGET_MET:
         lengths = np.linalg.norm(slopes, axis=0)
-        return int(np.sum(lengths <= FLAT * lengths.max(initial=0.0)))
+        return int(np.sum(lengths <= FREE_DIRECTION * lengths.max(initial=0.0)))
     sizes = np.linalg.svd(slopes, compute_uv=False) if slopes.size else np.zeros(0)
-    return int(inside.sum() - np.sum(sizes > FLAT * max(float(sizes.max(initial=0.0)), FLAT)))
+    return int(inside.sum() - np.sum(sizes > FREE_DIRECTION * max(float(sizes.max(initial=0.0)), FREE_DIRECTION)))

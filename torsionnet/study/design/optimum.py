@@ -1,4 +1,4 @@
-"""The best design: targets that are met, or something that is smallest or largest."""
+"""The answer ``type: optimum``: values of parameters for targets or one objective."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 @dataclass(frozen=True, kw_only=True)
 class SingleDesign(DesignAnswer):
-    """Base of answers with targets or one objective."""
+    """Base class of answers with targets or one objective."""
 
     targets: Mapping[str, TargetEntry] = entry(TARGETS, None)
     minimise: tuple[str, ...] = entry(OneOrSeveral("what is to be small; of several the worst", NAMES), ())
@@ -36,7 +36,7 @@ class SingleDesign(DesignAnswer):
 
     @property
     def needs_goal(self) -> bool:
-        """Whether limits alone are not enough."""
+        """Whether the answer needs targets or an objective beside limits."""
         return True
 
     def with_values(self) -> Iterator[tuple[str, float | None, Path]]:

@@ -1,4 +1,4 @@
-"""The best compromises between several objectives."""
+"""The answer ``type: pareto``: Pareto front between several objectives."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_
 from torsionnet.study.design.design_answer import DesignAnswer
 from torsionnet.study.design.design_entries import NAMES, OneOrSeveral
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, Found
-from torsionnet.study.design.design_problem import FEASIBLE, LARGE, DesignProblem
+from torsionnet.study.design.design_problem import FEASIBLE_EXCESS, MISSING_VALUE, DesignProblem
 from torsionnet.study.design.optimise import Single, optimise
 from torsionnet.study.design.pareto_front import ParetoFront, nearest_to_best
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
-NEEDED = 'fronts of compromises need pymoo: pip install "torsionnet[pareto]"'
-MANY = 3
-"""Objectives from which reference directions (NSGA-III) spread the front better than crowding."""
-WORST = LARGE**2
-"""Objective of a design that has none."""
-VERIFIED = 5
-"""Designs along the front that a single model recomputes."""
+PYMOO_NEEDED = 'fronts of compromises need pymoo: pip install "torsionnet[pareto]"'
+MANY_OBJECTIVES = 3
+"""Number of objectives from which reference directions (NSGA-III) spread the front better than crowding (NSGA-II)."""
+MISSING_OBJECTIVE = MISSING_VALUE**2
+"""Number in place of an objective that a design does not have: worse than any number in place of a quantity."""
+VERIFIED_DESIGNS = 5
+"""Number of designs along the front that a single model recomputes; each takes as long as one variant solved singly."""
 
 
 def require_pymoo() -> None:
-    """Raise :class:`~torsionnet.core.errors.MissingExtraError` where it is not installed, without importing it."""
+    """Raise :class:`~torsionnet.core.errors.MissingExtraError` where pymoo is not installed, without importing it."""
     if find_spec("pymoo") is None:
-        raise MissingExtraError(NEEDED)
+        raise MissingExtraError(PYMOO_NEEDED)
 
 
 def pareto_front(
@@ -47,18 +47,18 @@ def pareto_front(
     seed: int = 0,
     title: str = "",
 ) -> ParetoFront:
-    """Search the designs none of which is better in every objective than another.
+    """Find the Pareto front: designs none of which is better in every objective than another.
 
     Parameters
     ----------
     problem : DesignProblem
-        With two objectives or more.
+        Problem with two objectives or more.
     population, generations : int
-        A generation is calculated as a whole.
+        Designs in a generation, and generations; a generation is calculated as a whole.
     single : callable, optional
-        Recomputes some designs by one model each.
+        Recomputes some designs by single models.
     seed : int
-        The same seed gives the same front.
+        Seed of the search; the same seed gives the same front.
     title : str
 
     Raises
@@ -100,7 +100,7 @@ def pareto_front(
 
 
 def _best_in(problem: DesignProblem, objective: DesignObjective, seed: int) -> FloatArray:
-    """Place of the design that is best in one objective: an end of the front."""
+    """Place of the design that is best in one objective, an end of the front."""
     alone = replace(problem, goals=replace(problem.goals, objectives=(objective,)))
     return problem.box.place(np.array(list(optimise(alone, seed=seed).values.values())))
 
@@ -108,7 +108,7 @@ def _best_in(problem: DesignProblem, objective: DesignObjective, seed: int) -> F
 def _evolved(
     problem: DesignProblem, ends: list[FloatArray], population: int, generations: int, seed: int
 ) -> tuple[str, FloatArray]:
-    """Method, and the places (n, n_p) of its front; the first generation are its ends and samples."""
+    """Name of the method, and places (n, n_p) of its front from a first generation of its ends and samples."""
     try:
         from pymoo.algorithms.moo.nsga2 import NSGA2
         from pymoo.algorithms.moo.nsga3 import NSGA3
@@ -116,7 +116,7 @@ def _evolved(
         from pymoo.optimize import minimize
         from pymoo.util.ref_dirs import get_reference_directions
     except ImportError:
-        raise MissingExtraError(NEEDED) from None
+        raise MissingExtraError(PYMOO_NEEDED) from None
 
     count, limited = len(problem.goals.objectives), problem.goals.excess(problem.at(problem.start)).shape[1]
 
@@ -124,30 +124,30 @@ def _evolved(
         def _evaluate(self, x: FloatArray, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
             del args, kwargs
             found = problem.at(x)
-            out["F"] = np.nan_to_num(_sizes(problem, found), nan=WORST, posinf=WORST)
+            out["F"] = np.nan_to_num(_sizes(problem, found), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
             if limited:
-                out["G"] = np.nan_to_num(problem.goals.excess(found), nan=WORST, posinf=WORST)
+                out["G"] = np.nan_to_num(problem.goals.excess(found), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
 
     size = len(problem.parameters)
     spread = qmc.Sobol(size, scramble=True, seed=seed).random(1 << population.bit_length())
     first = np.vstack([*ends, problem.start, spread])[:population]
     asked = Designs(n_var=size, n_obj=count, n_ieq_constr=limited, xl=np.zeros(size), xu=np.ones(size))
-    method = "NSGA-III" if count >= MANY else "NSGA-II"
-    if count >= MANY:
+    method = "NSGA-III" if count >= MANY_OBJECTIVES else "NSGA-II"
+    if count >= MANY_OBJECTIVES:
         directions = get_reference_directions("energy", count, population, seed=seed)
         algorithm = NSGA3(ref_dirs=directions, pop_size=population, sampling=first)
     else:
         algorithm = NSGA2(pop_size=population, sampling=first)
     found = minimize(asked, algorithm, ("n_gen", generations), seed=seed, verbose=False)
-    if found.X is None or (np.atleast_2d(found.F) >= WORST).all():
+    if found.X is None or (np.atleast_2d(found.F) >= MISSING_OBJECTIVE).all():
         raise SolveError("no design within the bounds was found that keeps all limits")
     return method, np.atleast_2d(found.X)
 
 
 def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
-    """Those that keep limits and than which no other is better in every objective."""
+    """Places of the designs that keep limits and are not dominated by another."""
     found = problem.at(places)
-    kept = problem.goals.violation(found) <= FEASIBLE
+    kept = problem.goals.violation(found) <= FEASIBLE_EXCESS
     places, sizes = places[kept], _sizes(problem, found)[kept]
     no_worse = np.all(sizes[:, None] <= sizes[None], axis=2)
     better = no_worse & np.any(sizes[:, None] < sizes[None], axis=2)
@@ -155,12 +155,12 @@ def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
 
 
 def _sizes(problem: DesignProblem, found: Found) -> FloatArray:
-    """What must all be small, (n, n_objectives)."""
+    """Objectives (n, n_objectives) with signs such that all are to be small."""
     return np.stack([one.columns(found).max(axis=1) for one in problem.goals.objectives], axis=1)
 
 
 def _disagreement(problem: DesignProblem, places: FloatArray, single: Single) -> float:
-    chosen = np.unique(np.linspace(0, len(places) - 1, VERIFIED).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(places) - 1, VERIFIED_DESIGNS).round().astype(int))
     found = problem.at(places[chosen])
     apart = 0.0
     for row, place in enumerate(places[chosen]):

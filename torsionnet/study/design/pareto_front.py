@@ -1,4 +1,4 @@
-"""Designs none of which is better in every objective than another."""
+"""Result of a search with several objectives: the Pareto front of designs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.core.entries.spec import Json
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.table import Column, Table
 from torsionnet.study.design.design_goals import DesignObjective, in_words
-from torsionnet.study.design.design_optimum import AGREES
+from torsionnet.study.design.design_optimum import SAME_QUANTITY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,26 +22,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ParetoFront:
-    """The best compromises between several objectives.
+    """Pareto front: designs none of which is better in every objective than another.
 
     Attributes
     ----------
     parameters : tuple of DesignParameter
-        With bounds; ``value`` is that of the compromise nearest to the best of all objectives.
+        Parameters with bounds; ``value`` is that of the compromise nearest to the best of all objectives.
     objectives : tuple of DesignObjective
     designs : (n, n_p) array
-        SI, ordered by the first objective.
+        Parameter values in SI, ordered by the first objective.
     values : (n, n_objectives) array
-        Of the objectives, as their quantities have them.
+        Values of the objectives' quantities.
     given : (n_objectives,) array
-        Of the model as it stands.
+        Values of the objectives' quantities of the model as it stands.
     disagreement : float
-        Largest relative difference to single models of the designs that were recomputed; nan where none was.
+        Largest relative difference of the recomputed designs to single models; nan where none was recomputed.
     evaluations, generations, seed : int
     method : str
     title : str
     units : tuple of str
-        Of the objectives, SI; empty where they are not known.
+        Units of the objectives, SI; empty where they are not known.
     """
 
     parameters: tuple[DesignParameter, ...]
@@ -63,12 +63,12 @@ class ParetoFront:
 
     @property
     def compromise(self) -> int:
-        """The design nearest to the best of all objectives, each over its range on the front."""
+        """Index of the design nearest to the best of all objectives, each over its range on the front."""
         return nearest_to_best(self._sizes)
 
     @property
     def extremes(self) -> tuple[int, ...]:
-        """For each objective the design that is best in it."""
+        """Index of the best design in each objective."""
         return tuple(int(best) for best in np.argmin(self._sizes, axis=0))
 
     @property
@@ -76,12 +76,12 @@ class ParetoFront:
         return np.asarray(self.values * np.array([one.sign for one in self.objectives]))
 
     def design(self, index: int) -> Mapping[str, float]:
-        """Value of every parameter, SI; :meth:`torsionnet.Drivetrain.configured` takes them."""
+        """Parameter -> value of a design in SI, for :meth:`torsionnet.Drivetrain.configured`."""
         return {one.name: float(value) for one, value in zip(self.parameters, self.designs[index], strict=True)}
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the front says."""
+        """Result in sentences: size of the front, best designs in each objective, compromise, verification."""
         said = [f"{len(self.designs)} designs by {self.method}, {self.evaluations} calculated, seed {self.seed}"]
         if len(self.designs) == 1:
             return (*said, "one design is the best in every objective: they do not contradict each other")
@@ -91,19 +91,19 @@ class ParetoFront:
             said.append(f"the best {one.name} is {in_words(at[place], self.units[place])}, with {rest}")
         said.append(f"a compromise near the best of all: {', '.join(self._told(self.values[self.compromise]))}")
         if np.isfinite(self.disagreement):
-            same = self.disagreement <= AGREES
+            same = self.disagreement <= SAME_QUANTITY
             said.append(f"recomputed singly: {'the same' if same else f'different by {self.disagreement:.2g}'}")
         return tuple(said)
 
     def _told(self, values: FloatArray) -> list[str]:
-        """Values of the objectives in words."""
+        """Words for the values of the objectives."""
         return [
             f"{one.name} {in_words(value, unit)}"
             for one, value, unit in zip(self.objectives, values, self.units, strict=True)
         ]
 
     def table(self) -> Table:
-        """A row for each design."""
+        """Table of the front, a row for each design."""
         columns = (
             *(Column(one.name, one.unit) for one in self.parameters),
             *(Column(one.name, unit) for one, unit in zip(self.objectives, self.units, strict=True)),
@@ -114,11 +114,11 @@ class ParetoFront:
         return Table(f"{self.title}: best compromises".removeprefix(": "), columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`."""
+        """Figure of the front by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.pareto_front(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """In full precision, for JSON."""
+        """Front as JSON data in full precision."""
         return {
             "parameters": [one.name for one in self.parameters],
             "objectives": [{"quantities": list(one.quantities), "sense": one.sense} for one in self.objectives],
@@ -135,7 +135,7 @@ class ParetoFront:
 
 
 def nearest_to_best(sizes: FloatArray) -> int:
-    """Row of values to be small that is nearest to the smallest of each, over its range.
+    """Index of the row (n, n_objectives) nearest to the smallest value of each column, over its range.
 
     >>> nearest_to_best(np.array([[0.0, 1.0], [0.3, 0.3], [1.0, 0.0]]))
     1

@@ -1,4 +1,4 @@
-"""Peaks of transfer functions as curves over frequency: where peaks change place, their largest has a kink."""
+"""Curves over frequency of quantities that are largest magnitudes, whose values have kinks where peaks swap."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from torsionnet.study.quantities.peak import PeakMagnitude
 
 @dataclass(frozen=True, eq=False)
 class KeptLevels:
-    """Levels that are read back where a search that was broken off has asked for them before.
+    """Levels over frequency that are read back where an interrupted search has calculated them before.
 
     Attributes
     ----------
     levels : Levels
     evaluator : Evaluator
-        Which keeps them.
+        Evaluator whose store keeps them.
     what : str
-        What the levels are of.
+        Words for the quantity of the levels, part of their key.
     names : tuple of str
-        Parameters that are chosen.
+        Design parameters.
     """
 
     levels: Levels
@@ -72,10 +72,10 @@ class KeptLevels:
 def peak_curves(
     quantities: Sequence[str], names: tuple[str, ...], evaluators: tuple[Evaluator, ...]
 ) -> dict[str, KeptLevels]:
-    """Curves over frequency, in all configurations, of those quantities that are their largest magnitude.
+    """Curves over frequency in all configurations of those quantities that are largest magnitudes in a band.
 
-    Their levels have exact derivatives to the parameters ``names``. Without a curve stay peaks over a measured input
-    whose excitation is named, and in bands from 0 Hz.
+    Their levels have exact derivatives to the parameters ``names``. Peaks over a measured input whose excitation is
+    named, and peaks in bands from 0 Hz, have no curve.
     """
     found = {}
     for name in quantities:
@@ -88,7 +88,7 @@ def peak_curves(
 
 
 def _curve(evaluator: Evaluator, name: str, names: tuple[str, ...]) -> Iterator[ReceptanceLevels]:
-    """The curve in one configuration, if there is one."""
+    """Curve of a quantity in one configuration, if it has one."""
     peak, model = evaluator.quantities[name], evaluator.model
     if isinstance(peak, PeakMagnitude) and peak.excitation is None and peak.band[0] > 0:
         band = float(peak.band[0]), float(peak.band[1])

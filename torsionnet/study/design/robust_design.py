@@ -1,4 +1,4 @@
-"""The design that is best when its parameters scatter, beside the one that is best on paper."""
+"""Search of a robust design, the best under tolerances, and its comparison with the nominal optimum."""
 
 from __future__ import annotations
 
@@ -24,27 +24,28 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CONFIDENCE = 0.95
-GENERATIONS = 20
-"""Of a population whose every member is many samples."""
-FRESH = 1000
-"""Added to the seed for the draws by which designs are compared in the end."""
+"""Confidence of the interval of the share that keeps all limits, the usual choice."""
+ROBUST_GENERATIONS = 20
+"""Most generations of a population of robust designs, each member of which takes many samples."""
+COMPARISON_SEED_OFFSET = 1000
+"""Number added to the seed for the draws of the final comparison, which must differ from those of the search."""
 
 
 @dataclass(frozen=True, eq=False)
 class ScatteredDesign:
-    """A design under tolerances, by draws on which it was not chosen.
+    """Statistics of a design under tolerances, by draws on which the design was not chosen.
 
     Attributes
     ----------
     label : str
     values : mapping
-        SI.
+        Parameter -> value, SI.
     measures : mapping
-        What was made small under tolerances, and what limits hold for.
+        Name of a robust measure (minimised or limited) -> its value.
     mean, deviation : mapping
-        Of objectives, over samples.
+        Objective -> mean and standard deviation over samples.
     kept : int
-        Samples that keep all limits.
+        Number of samples that keep all limits.
     count : int
     """
 
@@ -65,20 +66,20 @@ class ScatteredDesign:
 
 @dataclass(frozen=True, eq=False)
 class RobustOptimum:
-    """The best design under tolerances.
+    """Best design under tolerances, with the nominal optimum for comparison.
 
     Attributes
     ----------
     robust : DesignOptimum
-        Its quantities are measures over samples.
+        Robust design, whose quantities are measures over samples.
     nominal : DesignOptimum or None
-        The best design without tolerances; None where only rejects are made few.
+        Best design without tolerances; None where only rejects are minimised.
     designs : tuple of ScatteredDesign
-        As given, nominal, robust.
+        Statistics of the designs as given, nominal and robust.
     limited : bool
         Whether there are limits.
     samples, seed : int
-        By which the design was chosen.
+        Number of samples on which the design was chosen, and their seed.
     title : str
     """
 
@@ -92,12 +93,12 @@ class RobustOptimum:
 
     @property
     def values(self) -> dict[str, float]:
-        """Value by parameter, SI."""
+        """Parameter -> value of the robust design, SI."""
         return self.robust.values
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What was found."""
+        """Result in sentences: measures of the designs, shares that keep limits, samples."""
         said = []
         for name in self.robust.after:
             unit = self._unit(name)
@@ -117,7 +118,7 @@ class RobustOptimum:
         return self.robust.goals.units.get(name, "")
 
     def table(self) -> Table:
-        """A row for each parameter and measure, a column for each design."""
+        """Table with a row for each parameter and measure, a column for each design."""
         columns = (Column(""), Column("unit"), *(Column(one.label) for one in self.designs))
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, *(design.values[one.name] for design in self.designs))
@@ -135,11 +136,11 @@ class RobustOptimum:
         return Table(f"{self.title}: robust optimum".removeprefix(": "), columns, tuple(rows), self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`."""
+        """Figure of the designs by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.robust_optimum(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """In full precision, for JSON."""
+        """Result as JSON data in full precision."""
         return {
             "values": self.values,
             "samples": self.samples,
@@ -173,21 +174,21 @@ def robust_optimum(
     seed: int = 0,
     title: str = "",
 ) -> RobustOptimum:
-    """Search the design that is best under tolerances.
+    """Find the design that is best under tolerances.
 
     Parameters
     ----------
     problem : DesignProblem
-        With one objective, with targets (whose mean squared deviation is made small), or with limits alone for
+        Problem with one objective, with targets (whose mean squared deviation is minimised), or with limits alone for
         :class:`~torsionnet.study.design.robust_problem.Rejects`.
     tolerances : DesignTolerances or SpaceTolerances
     measure : RobustMeasure
     samples : int
         Draws around every design, the same for all, rounded up to a power of two.
     compared : int
-        Independent draws by which the designs are compared in the end.
+        Number of independent draws of the final comparison of the designs.
     single : callable, optional
-        Recomputes the nominal optimum by one model.
+        Recomputes the nominal optimum by a single model.
     seed : int
     title : str
 
@@ -204,8 +205,8 @@ def robust_optimum(
     if problem.goals.targets or problem.goals.objectives:
         nominal = optimise(problem, single=single, seed=seed, title=title)
         asked = _from_nominal(asked, nominal)
-    robust = optimise(asked, seed=seed, generations=GENERATIONS, title=title)
-    judged = Robustly(problem, tolerances.randomly(compared, seed + FRESH), measure)
+    robust = optimise(asked, seed=seed, generations=ROBUST_GENERATIONS, title=title)
+    judged = Robustly(problem, tolerances.randomly(compared, seed + COMPARISON_SEED_OFFSET), measure)
     given = {one.name: one.start for one in problem.parameters}
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)
@@ -213,13 +214,13 @@ def robust_optimum(
 
 
 def _on_samples(said: str) -> str:
-    """What is said of limits holds for the samples that the design was chosen on; on others they may be exceeded."""
+    """Sentence that restricts a statement on limits to the samples on which the design was chosen."""
     of_limits = said.startswith(("limits are kept", "no design within the bounds"))
     return f"on the samples it was chosen on, {said}" if of_limits else said
 
 
 def _from_nominal(asked: DesignProblem, nominal: DesignOptimum) -> DesignProblem:
-    """Searched from the nominal optimum, so that what is found is never worse than that on the same samples."""
+    """Copy of the robust problem that starts at the nominal optimum, so that its solution is never worse."""
     begun = tuple(replace(one, start=nominal.values[one.name]) for one in asked.parameters)
     return replace(asked, parameters=begun)
 

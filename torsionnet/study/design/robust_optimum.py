@@ -1,4 +1,4 @@
-"""The design that is best under the tolerances of a study."""
+"""The answer ``type: robust_optimum``: best design under the tolerances of a study."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from torsionnet.study.space.space import Space
 
 @dataclass(frozen=True, eq=False)
 class SpaceDraws:
-    """Draws of a space; those of a parameter that is designed are moved in proportion to the design.
+    """Draws of the tolerances of a study; those of a designed parameter are scaled with its value.
 
     Attributes
     ----------
     drawn : mapping
-        Values (count,) around the model as it stands.
+        Parameter -> values (count,) around the model as it stands.
     nominal : mapping
-        Values in the model.
+        Parameter -> value in the model.
     """
 
     drawn: Mapping[str, FloatArray]
@@ -38,11 +38,11 @@ class SpaceDraws:
 
     @property
     def count(self) -> int:
-        """Samples of each design."""
+        """Number of samples of each design."""
         return len(next(iter(self.drawn.values())))
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n * count,) of all parameters, the samples of the first of n designs first."""
+        """Parameter -> values (n * count,) around n designs, the samples of the first design first."""
         size = len(next(iter(designs.values())))
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for name, drawn in self.drawn.items():
@@ -55,7 +55,7 @@ class SpaceDraws:
 
 @dataclass(frozen=True, eq=False)
 class SpaceTolerances:
-    """Distributions of a study around its model; correlation is kept."""
+    """Tolerances of a study: its distributions around the model, with their correlation."""
 
     space: Space
     designed: tuple[str, ...]
@@ -70,11 +70,11 @@ class SpaceTolerances:
                 )
 
     def evenly(self, count: int, seed: int) -> SpaceDraws:
-        """Draws of a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
+        """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
         return self._drawn(even_shares(len(self.space.random_names), count, seed))
 
     def randomly(self, count: int, seed: int) -> SpaceDraws:
-        """Independent draws."""
+        """Independent random draws."""
         return self._drawn(random_shares(len(self.space.random_names), count, seed))
 
     def _drawn(self, shares: FloatArray) -> SpaceDraws:
@@ -82,7 +82,8 @@ class SpaceTolerances:
 
 
 DEVIATION, PERCENTILE, REJECTS = "mean and deviation", "percentile", "rejects"
-K, SHARE = 3.0, 0.95
+DEFAULT_K, DEFAULT_PERCENTILE = 3.0, 0.95
+"""Standard deviations added to the mean, and share of samples of the percentile, unless given."""
 
 
 @register_answer
@@ -147,5 +148,7 @@ class RobustDesign(SingleDesign):
 
     def _measure(self) -> RobustMeasure:
         if self.measure == DEVIATION:
-            return MeanAndDeviation(K if self.k is None else self.k)
-        return SamplePercentile(100 * (self.percentile or SHARE)) if self.measure == PERCENTILE else Rejects()
+            return MeanAndDeviation(DEFAULT_K if self.k is None else self.k)
+        return (
+            SamplePercentile(100 * (self.percentile or DEFAULT_PERCENTILE)) if self.measure == PERCENTILE else Rejects()
+        )

@@ -1,4 +1,4 @@
-"""A design under tolerances as a problem of its own, whose quantities are measures over samples."""
+"""Design problem under tolerances, whose quantities are robust measures over samples."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 
 class RobustMeasure(Protocol):
-    """Of the samples of a design one number, on the bad side of them."""
+    """Robust measure: one number for the samples of a design, on their bad side."""
 
     def name(self, quantity: str, sign: float) -> str:
-        """What it is called; ``sign`` is 1 where large is bad, -1 where small is."""
+        """Name of the measure of a quantity; ``sign`` is 1 where large values are bad, -1 where small ones are."""
         ...
 
     def of(self, samples: FloatArray, sign: float) -> FloatArray:
-        """Measure (n,) of samples (n, count)."""
+        """Measures (n,) of samples (n, count) of n designs."""
         ...
 
 
 @dataclass(frozen=True)
 class MeanAndDeviation:
-    """Mean and ``k`` standard deviations.
+    """Robust measure: mean plus or minus ``k`` standard deviations.
 
     >>> MeanAndDeviation(2.0).of(np.array([[1.0, 3.0]]), 1.0).tolist()
     [4.0]
@@ -52,7 +52,7 @@ class MeanAndDeviation:
 
 @dataclass(frozen=True)
 class SamplePercentile:
-    """What so many percent of samples are not worse than.
+    """Robust measure: percentile that so many per cent of the samples are not worse than.
 
     >>> SamplePercentile(75.0).of(np.array([[0.0, 1.0, 2.0, 3.0, 4.0]]), -1.0).tolist()
     [1.0]
@@ -74,9 +74,9 @@ class SamplePercentile:
 
 @dataclass(frozen=True)
 class Rejects:
-    """Share of samples that exceed a limit, from their largest excess.
+    """Robust measure: share of samples that exceed a limit, from their largest excess.
 
-    Designs with as many rejects are told by how far these exceed limits, which counts less than half a sample.
+    Designs with equally many rejects are ranked by how far these exceed limits, which counts less than half a sample.
 
     >>> Rejects().of(np.array([[-1.0, -1.0, -1.0, 0.1]]), 1.0).round(3).tolist()
     [0.253]
@@ -98,14 +98,14 @@ EXCESS = "excess over limits"
 
 @dataclass(frozen=True, eq=False)
 class Robustly:
-    """Measures of quantities over samples of every design; an ``Evaluate``."""
+    """Function from designs to robust measures over their samples; ``Evaluate`` of a design problem."""
 
     problem: DesignProblem
     tolerances: DrawnTolerances
     measure: RobustMeasure
 
     def __call__(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Measures (n,) by name."""
+        """Name of a measure -> its values (n,) of n designs."""
         samples = self.samples(designs)
         measured = {}
         for name, sign, measure in self.wanted():
@@ -116,7 +116,7 @@ class Robustly:
         return measured
 
     def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Of objectives, deviations and limits the worst of their points in every sample (n, count)."""
+        """Worst values (n, count) over the points of objectives, deviations and limits in the samples of n designs."""
         goals, count = self.problem.goals, self.tolerances.count
         found = self._found(designs)
         worst: dict[str, FloatArray] = {}
@@ -137,7 +137,7 @@ class Robustly:
         return {name: np.asarray(found[name], float).reshape(size, -1) for name in self.problem.goals.quantities}
 
     def wanted(self) -> list[tuple[str, float, RobustMeasure]]:
-        """What is made small: name, which side of it is bad, and how it is measured."""
+        """List of the objectives: name, sign of the bad side, and robust measure of each."""
         goals = self.problem.goals
         if isinstance(self.measure, Rejects):
             return [(EXCESS, 1.0, self.measure)]
@@ -147,7 +147,7 @@ class Robustly:
 
 
 def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure: RobustMeasure) -> DesignProblem:
-    """The problem whose quantities are measures over samples; limits hold for the measure of what they limit."""
+    """Design problem whose quantities are robust measures over samples; limits hold for the measures."""
     if isinstance(measure, Rejects) and not problem.goals.limits:
         raise UsageError("rejects are what exceeds limits: give limits")
     if not isinstance(measure, Rejects):
@@ -174,7 +174,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
 
 
 def _units(goals: DesignGoals, robustly: Robustly) -> dict[str, str]:
-    """Of measures, and of what they measure; shares and squares have none."""
+    """Units of measures and of their quantities; shares and squares have none."""
     if isinstance(robustly.measure, Rejects):
         return {}
     known = {**goals.units, **{one.name: goals.unit_of(one) for one in goals.objectives}}
@@ -184,7 +184,7 @@ def _units(goals: DesignGoals, robustly: Robustly) -> dict[str, str]:
 
 
 def _sides(limit: QuantityLimit, measure: RobustMeasure) -> tuple[float, ...]:
-    """1 for an upper limit, -1 for a lower one; none where rejects are counted, which rest on all limits."""
+    """Signs of the sides of a limit, 1 for upper, -1 for lower; none where rejects are counted over all limits."""
     if isinstance(measure, Rejects):
         return ()
     return (*((1.0,) if limit.below is not None else ()), *((-1.0,) if limit.above is not None else ()))

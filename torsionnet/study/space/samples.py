@@ -19,7 +19,7 @@ RANDOM, LATIN, SOBOL = "random", "latin_hypercube", "sobol"
 
 @dataclass(frozen=True, kw_only=True)
 class Samples(Declared):
-    """How values of parameters with a distribution are drawn.
+    """Number, method and seed of the draws of parameters with a distribution.
 
     Random draws are independent of each other, which confidence intervals rest on. A Latin hypercube has one draw in
     each of ``count`` equally likely ranges of every parameter; a Sobol sequence fills the space evenly, best where
