@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from torsionnet.plot.drawing import style
 from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts, arc, text_width
-from torsionnet.plot.schematic import emblems, outlines
-from torsionnet.plot.schematic.canvas import painted
+from torsionnet.plot.schematic import box_symbols, outlines
+from torsionnet.plot.schematic.canvas import figure_of_drawing
 
 EDGE = 12.0
 RC = {"svg.hashsalt": "torsionnet", "svg.fonttype": "path"}
@@ -24,7 +24,7 @@ def write_all(folder: Path) -> None:
     for name, draw in PICTURES.items():
         block = draw()
         x0, x1, y0, y1 = block.extent
-        save(painted(block, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE)), folder / f"signs_{name}.svg")
+        save(figure_of_drawing(block, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE)), folder / f"signs_{name}.svg")
     save(lag(), folder / "signs_lag.svg")
 
 
@@ -144,7 +144,7 @@ def gears() -> Piece:
 def planetary() -> Piece:
     block = Piece()
     factor = 2.6
-    for stroke in emblems.planetary(0, 0):
+    for stroke in box_symbols.planetary_symbol(0, 0):
         points = tuple((factor * u, factor * v) for u, v in stroke.points)
         block.strokes.append(Stroke(points, stroke.look, stroke.closed, stroke.fill))
     block.boxes.append((-62, 62, -62, 62))

@@ -9,9 +9,9 @@ from sign_picture import EDGE, save
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import Piece, Stroke
-from torsionnet.plot.schematic import emblems, glyphs, outlines, strands
-from torsionnet.plot.schematic.branch_lines import Drop, Stage
-from torsionnet.plot.schematic.canvas import painted
+from torsionnet.plot.schematic import box_symbols, glyphs, outlines, spring_chains
+from torsionnet.plot.schematic.branch_lines import Branch, GearPair
+from torsionnet.plot.schematic.canvas import figure_of_drawing
 
 BETWEEN = 60.0
 
@@ -27,7 +27,7 @@ def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
         drawn.append(tuple(block.strokes))
         whole.add(block.shifted(whole.extent[1] + BETWEEN - block.extent[0] if whole.strokes else 0.0, 0.0))
     x0, x1, y0, y1 = whole.extent
-    save(painted(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE)), folder / f"symbol_{kind}.svg")
+    save(figure_of_drawing(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE)), folder / f"symbol_{kind}.svg")
 
 
 def picture(element: Element) -> Piece:
@@ -61,14 +61,14 @@ def _clamp(element: Element) -> Piece:
 
 def _hanging(element: Element) -> Piece:
     """Below a shaft, with the ground or the mass at its far end."""
-    glyph, end, top = glyphs.inline_glyph(element, {}), strands.far_end(element, {}), -14.0
+    glyph, end, top = glyphs.inline_glyph(element, {}), spring_chains.far_end(element, {}), -14.0
     block = Piece(glyph.hanging(44, top))
     block.line((0, 0), (88, 0))
     block.strokes.append(Stroke(((44, 0), (44, top))))
     foot = top - glyph.length
     block.strokes += outlines.ground(44, foot) if end == GROUND else outlines.mass(44, foot) if end else []
     below = outlines.DISC_WIDTH if end else 0.0
-    block.boxes.append((44 - glyph.reach, 44 + glyph.reach, foot - below, 0))
+    block.boxes.append((44 - glyph.half_width, 44 + glyph.half_width, foot - below, 0))
     _port(block, 16, element, 0)
     return block
 
@@ -77,7 +77,7 @@ def _inline(element: Element) -> Piece:
     """Between two ends."""
     glyph = glyphs.inline_glyph(element, {})
     block = Piece(glyph.along(44, 0))
-    block.boxes.append((44, 44 + glyph.length, -glyph.reach, glyph.reach))
+    block.boxes.append((44, 44 + glyph.length, -glyph.half_width, glyph.half_width))
     block.line((0, 0), (44, 0))
     block.line((44 + glyph.length, 0), (88 + glyph.length, 0))
     _port(block, 16, element, 0)
@@ -90,7 +90,7 @@ def _gear(element: Element) -> Piece:
     block, distance = Piece(), 70.0
     block.line((0, 0), (70, 0))
     block.line((70, -distance), (150, -distance))
-    block.add(Drop(70, 0, Piece(), (Stage(element, 0.0, (), 1.6),)).connector(distance))
+    block.add(Branch(70, 0, Piece(), (GearPair(element, 0.0, (), 1.6),)).connector(distance))
     _port(block, 20, element, 0)
     _port(block, 126, element, 1, y=-distance)
     if "housing" in element.ports:
@@ -104,7 +104,7 @@ def _box(element: Element) -> Piece:
     block.line((-110, 0), (-60, 0))
     block.line((60, 0), (110, 0))
     block.line((0, -half), (0, -half - 22))
-    block.strokes += [outlines.rectangle(-60, 60, -half, half, outlines.BOX), *emblems.emblem(element, 0, 6)]
+    block.strokes += [outlines.rectangle(-60, 60, -half, half, outlines.BOX), *box_symbols.box_symbol(element, 0, 6)]
     block.boxes.append((-60, 60, -half, half))
     first, second, *others = element.ports
     left, right = (min(44.0, 57 - 2.2 * len(name)) for name in (first, second))

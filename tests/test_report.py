@@ -26,7 +26,7 @@ from torsionnet.core.number_text import NumberText
 from torsionnet.plot import STYLE, bode, mode_shapes, save, schematic
 from torsionnet.plot.drawing.labels import quantity, symbol
 from torsionnet.plot.drawing.pieces import ROLES
-from torsionnet.plot.schematic.stations import axis_of, idle_nodes
+from torsionnet.plot.schematic.stations import idle_nodes, node_axis
 from torsionnet.plot.shape_grid import shape_grid
 from torsionnet.plot.shapes import view_of
 from torsionnet.response import Channel, FrequencyResponse
@@ -277,7 +277,7 @@ class TestModeShapes:
 
     def test_stations_within_a_shaft_stand_between_its_ends(self):
         rig = tn.load("drill_string")
-        names = [station.node for station in axis_of(rig).stations]
+        names = [station.node for station in node_axis(rig).stations]
         assert names == ["table", *rig.elements["pipe"].internal_nodes, "bit"]
 
     def test_phases_that_scatter_are_told(self):
@@ -358,7 +358,7 @@ class TestModeShapes:
     def test_every_node_is_shown_once(self, example):
         model = MODELS[example]()
         modes = model.modes()
-        axis = axis_of(model)
+        axis = node_axis(model)
         assert sorted(station.node for station in axis.stations if not station.again) == sorted(modes.nodes)
         places = [station.x for station in axis.stations]
         assert places == sorted(set(places))

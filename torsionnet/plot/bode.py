@@ -121,7 +121,7 @@ def bode(
     _draw(axes, panels, curves, decibels=decibels, conventions=conventions)
     _dress_frequency(axes, curves, conventions, x_log=x_log)
     _dress_magnitude(axes[0], _pair(chosen), unit, decibels=decibels, conventions=conventions)
-    style.heading(figure, common if title is None else title)
+    style.set_title(figure, common if title is None else title)
     _legend(figure, axes[0], curves)
     return figure
 
@@ -210,7 +210,7 @@ def _axes(figure: Figure, panels: Sequence[str]) -> list[Axes]:
     )
     axes: list[Axes] = list(grid[:, 0])
     for panel in axes:
-        style.dress(panel)
+        style.style_axes(panel)
     figure.align_ylabels(axes)
     return axes
 

@@ -41,12 +41,12 @@ def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=style.SMALL)
     spread = f"{100 * fit.spread:.2g}"
     words = f"{fit.label}: {fit.natural_frequency:.4g} Hz, {100 * fit.damping_ratio:.3g} % ± {spread} % over the pairs"
-    style.heading(figure, words if title is None else title)
+    style.set_title(figure, words if title is None else title)
     return figure
 
 
 def _plane(axes: Axes, fit: CircleFit) -> None:
-    style.dress(axes)
+    style.style_axes(axes)
     turn = np.linspace(0, 2 * np.pi, 361)
     around = fit.center + fit.radius * np.exp(1j * turn)
     axes.plot(around.real, around.imag, color=style.PALETTE[0], linewidth=1.2, label="circle")
@@ -75,7 +75,7 @@ def _plane(axes: Axes, fit: CircleFit) -> None:
 
 
 def _pairs(axes: Axes, fit: CircleFit) -> None:
-    style.dress(axes)
+    style.style_axes(axes)
     resonance = fit.natural_frequency
     below, above = fit.frequencies[fit.frequencies < resonance], fit.frequencies[fit.frequencies > resonance]
     apart = above - below[:, None]

@@ -48,7 +48,7 @@ def coherence(
     names = [response.title for response in given] if labels is None else list(labels)
     figure = style.new_figure(style.WIDTH, 2.6)
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     for number, (response, name) in enumerate(zip(given, names, strict=True)):
         if response.coherence is None:
             raise UsageError(
@@ -66,6 +66,6 @@ def coherence(
     if x_log:
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, *axes.get_xlim())
-    style.heading(figure, title)
+    style.set_title(figure, title)
     figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=style.SMALL)
     return figure

@@ -82,7 +82,7 @@ def comparison(
         )
     )
     for panel in panels.values():
-        style.dress(panel)
+        style.style_axes(panel)
     _responses(panels, test, model, conventions)
     f = test.frequencies * conventions.frequency_scale
     good = _is_coherent(test)
@@ -92,7 +92,7 @@ def comparison(
         panels[name].set_ylabel(f"test - model\n[{name}]")
         _limit_to(panels[name], values[_is_usable(test) & good])
     _dress(figure, panels, test, conventions, x_log=x_log)
-    style.heading(figure, model.title if title is None else title)
+    style.set_title(figure, model.title if title is None else title)
     handles, names = panels["magnitude"].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=2, frameon=False, fontsize=style.SMALL)
     return figure

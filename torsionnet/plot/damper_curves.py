@@ -49,12 +49,12 @@ def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title:
     for number in range(count):
         first = _draw_effect(figure.add_subplot(grid[1, number], sharey=first), found, number, scale)
     figure.axes[1].set_ylabel(f"its maximum [{unit}]")
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
 def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> None:
-    style.dress(axes)
+    style.style_axes(axes)
     for number, curve in enumerate(found.curves):
         axes.plot(curve.points, curve.levels * scale, label=curve.label, **style.line_style(number))
     for label, mark, points in (("maximum", "o", found.peaks), ("all films meet", "x", found.fixed_points)):
@@ -80,7 +80,7 @@ def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> N
 
 def _draw_effect(axes: Axes, found: DamperOptimum, number: int, scale: float) -> Axes:
     """The maximum over one value; the value as given is a dotted line."""
-    style.dress(axes)
+    style.style_axes(axes)
     one = found.parameters[number]
     values, sizes = found.effects[one.name].T
     axes.plot(values, sizes * scale, color=style.INK, linewidth=1.6)

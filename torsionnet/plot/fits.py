@@ -66,7 +66,7 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
     handles, names = above[0] + below[0], above[1] + below[1]
     figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
     values = ", ".join(f"{name} = {value:.4g}" for name, value in list(found.values.items())[:4])
-    style.heading(figure, f"{found.title}: {values}" if title is None else title)
+    style.set_title(figure, f"{found.title}: {values}" if title is None else title)
     return figure
 
 
@@ -88,7 +88,7 @@ def correlation(found: Fit, *, title: str | None = None) -> Figure:
     bar = figure.colorbar(shown, ax=axes)
     bar.set_label("correlation [-]", fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -113,7 +113,7 @@ def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None
     size.set_title(one.name, fontsize=style.FONT)
     left.set_xlabel(f"frequency [{conventions.frequency}]")
     for panel in panels:
-        style.dress(panel)
+        style.style_axes(panel)
 
 
 def _phase(values: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

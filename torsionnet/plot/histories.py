@@ -56,7 +56,7 @@ def time_histories(
     figure = style.new_figure(style.WIDTH, 1.0 + 1.5 * len(chosen.signals))
     panels = figure.subplots(len(chosen.signals), 1, sharex=True, squeeze=False)[:, 0]
     for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):
-        style.dress(panel)
+        style.style_axes(panel)
         largest = float(np.nanmax(np.abs(signal.values), initial=0.0))
         scale, unit = axis_unit(signal.unit, largest, conventions) if signal.unit else (1.0, "unit unknown")
         time, values = thinned(chosen.time, signal.values * scale)
@@ -65,7 +65,7 @@ def time_histories(
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(chosen.time[0], chosen.time[-1])
     figure.align_ylabels(list(panels))
-    style.heading(figure, recording.title if title is None else title)
+    style.set_title(figure, recording.title if title is None else title)
     return figure
 
 

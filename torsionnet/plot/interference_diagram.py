@@ -43,7 +43,7 @@ def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None,
     """
     figure = style.new_figure(style.WIDTH, 5.2)
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     low, high = (speed * RPM for speed in found.speed_range)
     end = 1.06 * max([high, *(_speed(one) for one in found.crossings if math.isfinite(_speed(one)))])
     top = highest or HEADROOM * max([_natural(one) for one in found.crossings] or [found.modes[0].undamped_frequency])
@@ -55,7 +55,7 @@ def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None,
     axes.set_xlabel(f"speed of {found.reference} [r/min]")
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 

@@ -63,7 +63,7 @@ def limit_check(
     axes[-1].set_xlabel(f"speed of {check.reference} [r/min]")
     if len(check.rpm) > 1:
         axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
-    style.heading(figure, check.title if title is None else title)
+    style.set_title(figure, check.title if title is None else title)
     return figure
 
 
@@ -88,7 +88,7 @@ def _draw(
     first = verdicts[0]
     known = [np.nanmax(one.allowed) for one in verdicts if np.isfinite(one.allowed).any()]
     scale, unit = axis_unit(first.unit, float(max([*known, first.values.max()])), conventions)
-    style.dress(panel)
+    style.style_axes(panel)
     for number, span in enumerate(span for one in verdicts for span in one.barred):
         label = None if number else "to be barred"
         panel.axvspan(span.low * RPM, span.high * RPM, color=LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)

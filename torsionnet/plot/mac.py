@@ -72,5 +72,5 @@ def mac_matrix(
     bar = figure.colorbar(picture, ax=axes, shrink=0.9)
     bar.set_label("MAC [-]", fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
-    style.heading(figure, title)
+    style.set_title(figure, title)
     return figure

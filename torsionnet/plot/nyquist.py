@@ -48,12 +48,12 @@ def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=style.SMALL)
     words = f"{margins.title}: loop opened at {margins.controller}"
     words += "" if margins.stable else " (unstable)"
-    style.heading(figure, words if title is None else title)
+    style.set_title(figure, words if title is None else title)
     return figure
 
 
 def _plane(axes: Axes, margins: LoopMargins) -> None:
-    style.dress(axes)
+    style.style_axes(axes)
     loop = margins.loop * np.minimum(1, WIDEST / np.maximum(np.abs(margins.loop), 1e-300))
     axes.plot(loop.real, loop.imag, color=style.PALETTE[0], linewidth=1.4, label="L, frequency > 0")
     axes.plot(loop.real, -loop.imag, color=style.PALETTE[0], linewidth=0.7, linestyle="--")
@@ -74,7 +74,7 @@ def _plane(axes: Axes, margins: LoopMargins) -> None:
 
 def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
     for axes in (size, phase):
-        style.dress(axes)
+        style.style_axes(axes)
         axes.set_xscale("log")
     shown = _that_matter(margins)
     f, loop = margins.frequencies[shown], margins.loop[shown]

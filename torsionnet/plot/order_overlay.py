@@ -52,7 +52,7 @@ def order_overlay(
         pairs = compared_orders(response, name, orders)
         largest = max(float(max(pair.curve.max(), pair.measured.amplitude.max())) for pair in pairs)
         scale, shown = axis_unit(unit, largest, conventions)
-        style.dress(panel)
+        style.style_axes(panel)
         for number, pair in enumerate(pairs):
             drawn = style.line_style(number)
             rpm, label = pair.measured.speeds * RPM, f"order {pair.measured.order:g}"
@@ -63,5 +63,5 @@ def order_overlay(
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
-    style.heading(figure, response.title if title is None else title)
+    style.set_title(figure, response.title if title is None else title)
     return figure

@@ -59,7 +59,7 @@ def order_response(
         place = response.output(name)
         scale, unit = axis_unit(response.outputs[place].unit, float(total[:, place].max()), conventions)
         sizes = response.sizes[:, :, place] * scale
-        style.dress(panel)
+        style.style_axes(panel)
         exact = response.revolutions is not None
         label = "all orders, half range" if exact else "half ranges, added"
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
@@ -71,7 +71,7 @@ def order_response(
     panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
     if len(response.rpm) > 1:
         panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
-    style.heading(figure, response.title if title is None else title)
+    style.set_title(figure, response.title if title is None else title)
     return figure
 
 
@@ -108,7 +108,7 @@ def half_ranges(
     scale, unit = axis_unit(channel.unit, max(float(size.max()) for size in sizes), conventions)
     figure = style.new_figure(style.WIDTH, 3.4)
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     for number, (response, size) in enumerate(zip(responses, sizes, strict=True)):
         label = labels[number] if labels else response.title
         axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
@@ -121,7 +121,7 @@ def half_ranges(
         # Names of configurations are long: below, they leave the curves their width.
         columns = 1 if max(len(str(line.get_label())) for line in axes.lines) > HALF_WIDTH else 2
         figure.legend(fontsize=style.SMALL, frameon=False, loc="outside lower center", ncols=columns)
-    style.heading(figure, channel.name if title is None else title)
+    style.set_title(figure, channel.name if title is None else title)
     return figure
 
 
@@ -160,12 +160,12 @@ def waveform(
     channel = response.outputs[place]
     figure = style.new_figure(style.WIDTH, 3.2)
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     scale, unit = axis_unit(channel.unit, float(np.abs(waves[at]).max()), conventions)
     axes.plot(np.degrees(angle), waves[at] * scale, color=style.INK, linewidth=1.4)
     axes.set_xlabel(f"angle of {response.reference} [deg]")
     axes.set_ylabel(f"{channel.name} [{unit}]")
     axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
     axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
-    style.heading(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)
+    style.set_title(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)
     return figure

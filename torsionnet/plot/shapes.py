@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.listing import comma_list
-from torsionnet.plot.schematic.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
+from torsionnet.plot.schematic.stations import Axis, idle_nodes, node_axis, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
 from torsionnet.response.mode_numbers import place_of
 from torsionnet.response.modes import OSCILLATORY
@@ -112,7 +112,7 @@ def mode_shapes(
     chosen = _chosen(modes, which)
     view = view_of(modes, drivetrain, referred_to, own=own_angles, idle=idle)
     figure = _panels(modes, chosen, view, conventions)
-    style.heading(figure, modes.title if title is None else title)
+    style.set_title(figure, modes.title if title is None else title)
     return figure
 
 
@@ -134,7 +134,7 @@ def view_of(
         return View(plain_axis(modes.nodes), ones, "angle of each node [-]")
     idlers = set() if idle else idle_nodes(drivetrain)
     left_out = tuple(node for node in drivetrain.nodes if node in idlers)
-    axis = axis_of(drivetrain, left_out)
+    axis = node_axis(drivetrain, left_out)
     if own or not axis.stations:
         return View(axis, ones, "angle of each node [-]", idle=left_out)
     reference = referred_to or axis.stations[0].node
@@ -210,7 +210,7 @@ def _panel(axes: Axes, modes: Modes, index: int, view: View, conventions: Conven
     shape = shown(modes, index, view)
     x = np.array([station.x for station in view.axis.stations])
     out = scatter(shape)
-    style.dress(axes)
+    style.style_axes(axes)
     axes.axhline(0, color=style.MUTED, linewidth=0.8)
     _marks(axes, view.axis)
     if out > OUT_OF_PHASE:

@@ -63,7 +63,7 @@ def stabilisation(
     scale = conventions.frequency_scale
     _indicator(level, diagram, scale)
     _poles(orders, diagram, scale)
-    style.dress(orders)
+    style.style_axes(orders)
     orders.set_zorder(level.get_zorder() + 1)
     orders.patch.set_visible(False)
     low, high = np.abs(diagram.lines.s[[0, -1]]) / (2 * np.pi) * scale
@@ -75,7 +75,7 @@ def stabilisation(
     orders.set_xlabel(f"natural frequency |λ|/2π [{conventions.frequency}]")
     orders.set_ylabel("order of the fit")
     figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
-    style.heading(figure, diagram.response.title if title is None else title)
+    style.set_title(figure, diagram.response.title if title is None else title)
     return figure
 
 

@@ -60,7 +60,7 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
     figure.supxlabel(
         "numbers: cylinders; black: their sum; circle: one cylinder", fontsize=style.SMALL, color=style.MUTED
     )
-    style.heading(figure, textwrap.fill(stars[0].title if title is None else title, WIDEST))
+    style.set_title(figure, textwrap.fill(stars[0].title if title is None else title, WIDEST))
     return figure
 
 

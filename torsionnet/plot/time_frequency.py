@@ -66,7 +66,7 @@ def spectrogram(
     _map(figure, axes, seen.times, seen.frequencies[kept], levels[kept], span, label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("frequency [Hz]")
-    style.heading(figure, seen.name if title is None else title)
+    style.set_title(figure, seen.name if title is None else title)
     return figure
 
 
@@ -101,7 +101,7 @@ def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = 
     _map(figure, axes, speeds[rising], seen.orders, levels[:, rising], span, label)
     axes.set_xlabel("speed [rpm]")
     axes.set_ylabel("order [-]")
-    style.heading(figure, seen.name if title is None else title)
+    style.set_title(figure, seen.name if title is None else title)
     return figure
 
 
@@ -124,13 +124,13 @@ def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: s
         size.plot(found.frequencies, found.amplitude[:, number] * scale, label=f"{order:g}x", **look)
         phase.plot(found.frequencies, np.unwrap(found.phase[:, number], period=360), **look)
     for axes in (size, phase):
-        style.dress(axes)
+        style.style_axes(axes)
     size.set_yscale("log")
     style.log_ticks(size.yaxis, *size.get_ylim())
     size.set_ylabel(f"amplitude [{unit}]")
     phase.set_ylabel("phase [deg]")
     phase.set_xlabel("frequency of the sweep [Hz]")
-    style.heading(figure, found.name if title is None else title)
+    style.set_title(figure, found.name if title is None else title)
     figure.legend(loc="outside lower center", ncols=len(found.orders), frameon=False, fontsize=style.SMALL)
     return figure
 
@@ -148,7 +148,7 @@ def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: Float
         shading="nearest",
         rasterized=True,
     )
-    style.dress(axes)
+    style.style_axes(axes)
     axes.grid(visible=False)
     bar = figure.colorbar(shown, ax=axes, pad=0.02)
     bar.set_label(label, fontsize=style.FONT, color=style.INK)

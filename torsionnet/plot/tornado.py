@@ -65,7 +65,7 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
             _damping(row[1], found, mode, shown)
     for axes, what in zip(_lowest(panels), ("natural frequency", "damping ratio"), strict=False):
         axes.set_xlabel(f"{what} [% per %]")
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -95,7 +95,7 @@ def _lowest(panels: Any) -> list[Axes]:
 
 def _bars(axes: Axes, found: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:
     """Bars of those parameters that move this mode, the longest on top."""
-    style.dress(axes)
+    style.style_axes(axes)
     sizes = np.abs(slopes)
     falling = sorted(shown, key=lambda p: -float(f"{sizes[p]:.6g}"))  # equal ones in the order of the parameters
     longest = [p for p in falling if sizes[p] > max(FAINTEST * sizes[falling[0]], NOTHING)]

@@ -61,7 +61,7 @@ def waterfall(
     right = 1.05 * float(hertz[:, shown].max())
     figure = style.new_figure(style.WIDTH, 4.6)
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     for number in range(len(chosen))[::-1]:  # those in front are drawn last and hide what is behind
         f, heights = _spectrum(hertz[number], sizes[number] / largest * HEIGHT * span, right)
         axes.fill_between(
@@ -84,7 +84,7 @@ def waterfall(
                   bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1})  # fmt: skip
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"speed of {response.reference} [r/min], lines: {channel.name}")
-    style.heading(figure, response.title if title is None else title)
+    style.set_title(figure, response.title if title is None else title)
     return figure
 
 

@@ -52,7 +52,7 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
 
 
-def takes_a_page(count: int, rows: int) -> bool:
+def fills_a_page(count: int, rows: int) -> bool:
     """Whether ``count`` panels of ``rows`` bars are more than can be read as one picture."""
     return count > FEW_PANELS and count * (rows + 2) > MOST_BARS
 

@@ -26,7 +26,7 @@ MARGIN = 6.0
 
 
 @dataclass(frozen=True)
-class Role:
+class TextStyle:
     """Size in points, colour and font style of the texts of one kind."""
 
     size: float
@@ -36,15 +36,15 @@ class Role:
 
 
 ROLES = {
-    "name": Role(8.5, style.INK),
-    "value": Role(7.6, style.MUTED),
-    "node": Role(7.8, style.MUTED, italic=True),
-    "port": Role(7.0, style.MUTED),
-    "input": Role(9.0, style.PALETTE[1]),
-    "sensor": Role(9.0, style.PALETTE[2]),
-    "what": Role(7.0, style.MUTED),
-    "note": Role(7.6, style.MUTED),
-    "title": Role(13.0, style.INK, bold=True),
+    "name": TextStyle(8.5, style.INK),
+    "value": TextStyle(7.6, style.MUTED),
+    "node": TextStyle(7.8, style.MUTED, italic=True),
+    "port": TextStyle(7.0, style.MUTED),
+    "input": TextStyle(9.0, style.PALETTE[1]),
+    "sensor": TextStyle(9.0, style.PALETTE[2]),
+    "what": TextStyle(7.0, style.MUTED),
+    "note": TextStyle(7.6, style.MUTED),
+    "title": TextStyle(13.0, style.INK, bold=True),
 }
 LEADING = 1.3
 """Distance of lines over the size of the font."""
@@ -91,7 +91,7 @@ class LooseEnd:
 
     def shifted(self, dx: float, dy: float) -> LooseEnd:
         """Copy of the loose end moved by (dx, dy) points."""
-        return LooseEnd(self.loop, self.node, self.x + dx, self.y + dy, moved(self.tag, dx, dy))
+        return LooseEnd(self.loop, self.node, self.x + dx, self.y + dy, shifted_box(self.tag, dx, dy))
 
 
 @dataclass
@@ -110,8 +110,8 @@ class Piece:
         return Piece(
             [stroke.shifted(dx, dy) for stroke in self.strokes],
             [label.shifted(dx, dy) for label in self.labels],
-            [moved(box, dx, dy) for box in self.boxes],
-            [moved(box, dx, dy) for box in self.wires],
+            [shifted_box(box, dx, dy) for box in self.boxes],
+            [shifted_box(box, dx, dy) for box in self.wires],
             [end.shifted(dx, dy) for end in self.ends],
             {loop: (x + dx, y + dy) for loop, (x, y) in self.anchors.items()},
         )
@@ -158,7 +158,7 @@ class Piece:
         )
 
 
-def moved(box: Box, dx: float, dy: float) -> Box:
+def shifted_box(box: Box, dx: float, dy: float) -> Box:
     """Box shifted by (dx, dy) points."""
     return (box[0] + dx, box[1] + dx, box[2] + dy, box[3] + dy)
 
@@ -187,7 +187,7 @@ def is_math(text: str, role: str) -> bool:
     return "$" in text and role != "title"
 
 
-def widest(lines: Iterable[tuple[str, str]]) -> float:
+def label_width(lines: Iterable[tuple[str, str]]) -> float:
     """Width in points of the widest of the lines of a label."""
     return max((text_width(text, role) for text, role in lines), default=0.0)
 
@@ -206,7 +206,7 @@ def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: flo
     return not bool(apart.all())
 
 
-def as_array(boxes: Sequence[Box]) -> NDArray[np.float64]:
+def box_array(boxes: Sequence[Box]) -> NDArray[np.float64]:
     """Boxes as an array of shape (n, 4)."""
     return np.array(boxes, dtype=float).reshape(-1, 4)
 

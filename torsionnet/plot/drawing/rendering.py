@@ -17,7 +17,7 @@ _USED = re.compile(r'(?:xlink:href="#|url\(#)([^")]+)')
 _STYLE = re.compile(r"<defs>\s*<style[^>]*>\*\{stroke-linejoin: round; stroke-linecap: butt\}</style>\s*</defs>\s*")
 
 
-def rendered(figure: Figure, form: str) -> bytes:
+def figure_bytes(figure: Figure, form: str) -> bytes:
     """Bytes of a figure as ``svg``, ``png`` or ``pdf``; equal figures give equal bytes."""
     buffer = io.BytesIO()
     with mpl.rc_context(SETTINGS):
@@ -32,7 +32,7 @@ def _two_decimals(match: re.Match[str]) -> str:
 
 def inline_svg(figure: Figure, prefix: str) -> str:
     """Figure as an ``<svg>`` element for an HTML page; its ids begin with ``prefix``, unused ids are removed."""
-    text = rendered(figure, "svg").decode()
+    text = figure_bytes(figure, "svg").decode()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = re.sub(r"<!--.*?-->\s*", "", text, flags=re.DOTALL)

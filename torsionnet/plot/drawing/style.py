@@ -84,7 +84,7 @@ def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, A
     return {"color": PALETTE[first], "linestyle": DASHES[second], "linewidth": 1.6}
 
 
-def dress(axes: Axes) -> None:
+def style_axes(axes: Axes) -> None:
     """Apply the style to axes: light grid, no frame, ticks and labels in the common sizes."""
     axes.grid(visible=True, which="major", color=FAINT, linewidth=0.7)
     axes.set_axisbelow(True)
@@ -100,7 +100,7 @@ def log_ticks(axis: Axis, low: float, high: float) -> None:
     """Set ticks with plain numbers on a log axis: 1, 2, 5 over few decades, powers of ten over many."""
     few = 0 < low < high and math.log10(high / low) < FEW_DECADES
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=20 if few else 9))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -115,12 +115,12 @@ def phase_ticks(axes: Axes, low: float, high: float) -> None:
     axes.yaxis.set_major_locator(MultipleLocator(step * (math.ceil(span / step / 12) or 1)))
 
 
-def plain(value: float) -> str:
+def tick_text(value: float) -> str:
     """Text of a tick as a short number."""
     return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
 
 
-def heading(figure: Figure, title: str) -> None:
+def set_title(figure: Figure, title: str) -> None:
     """Set the title of a figure, folded to its width."""
     if title:
         lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]

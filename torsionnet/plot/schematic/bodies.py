@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot.drawing.pieces import LEADING, ROLES, Piece, Stroke, Texts, widest
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Piece, Stroke, Texts, label_width
 from torsionnet.plot.schematic.glyphs import inline_glyph
-from torsionnet.plot.schematic.strands import far_end
+from torsionnet.plot.schematic.spring_chains import far_end
 
 if TYPE_CHECKING:
     from torsionnet.plot.schematic.planned_row import PlannedRow
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of a line, length of a mark's leader
 
 
-def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
+def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
     """Draw a disc, an element to ground, or the element below the disc."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
@@ -28,50 +28,50 @@ def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> Non
         piece.write(0, half + 3, above)
     if hanging:
         _hang(line, piece, hanging, -half, below)
-    reach = 10.0 * scale
-    line.put(piece, reach, reach)
+    half_width = 10.0 * scale
+    line.put(piece, half_width, half_width)
 
 
 def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
     """Draw an element from y down to its far end, with its texts below and torque marks above it."""
-    length, reach = 14.0, 8.0
+    length, half_width = 14.0, 8.0
     y = _tapped(line, piece, element, y)
     if element.glyph == "clamp":
         piece.strokes.append(Stroke(((0, y), (0, y - length))))
     else:
         glyph = inline_glyph(element, line.values).scaled(line.plan.scale)
-        length, reach = glyph.length, glyph.reach
+        length, half_width = glyph.length, glyph.half_width
         piece.strokes += glyph.hanging(0, y)
     end = far_end(element, line.values)
     foot = outlines.ground(0, y - length) if end == GROUND else outlines.mass(0, y - length) if end else []
     piece.strokes += foot
     bottom = min([y - length, *(v for stroke in foot for _, v in stroke.points)]) - 1
-    wide = max(reach, outlines.GROUND_WIDTH / 2 + 1)
+    wide = max(half_width, outlines.GROUND_WIDTH / 2 + 1)
     piece.boxes.append((-wide, wide, bottom, y))
     piece.write(0, bottom - 2, texts, upward=False)
 
 
 def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
     """Draw the torque marks of an element one below the other, and return the y where the element begins."""
-    for tap in line.plan.taps_of(element):
+    for tap in line.plan.sensors_on(element):
         mark = tap.mark(alone=True)
         texts = mark.texts
         height = sum(LEADING * ROLES[role].size for _, role in texts) + 4
         piece.strokes += [Stroke(((0, y), (0, y - height))), *outlines.side_mark(0, y - height / 2, LEADER)]
         piece.boxes += [(-6, LEADER, y - height / 2 - 5, y - height / 2 + 5), (-4, 4, y - height, y)]
-        piece.write(LEADER + 3 + widest(texts) / 2, y - 2, texts, upward=False)
+        piece.write(LEADER + 3 + label_width(texts) / 2, y - 2, texts, upward=False)
         y -= height
     return y
 
 
-def ending(line: PlannedRow, element: Element) -> float:
+def draw_line_end(line: PlannedRow, element: Element) -> float:
     """Draw the element to ground or to a mass that ends a shaft line, and return the x where the shaft stops."""
     texts = line.plan.texts(element)
     glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)
-    length, reach = (glyph.length, glyph.reach) if glyph else (0.0, 0.0)
+    length, half_width = (glyph.length, glyph.half_width) if glyph else (0.0, 0.0)
     end = far_end(element, line.values)
     last = outlines.wall(length / 2, WALL) if end == GROUND else outlines.disc(length / 2 + 4, WALL) if end else []
-    high = max(WALL, reach) if end else reach
+    high = max(WALL, half_width) if end else half_width
     piece = Piece([*(glyph.along(-length / 2, 0) if glyph else []), *last])
     piece.boxes.append((-length / 2, length / 2 + 8, -high, high))
     piece.write(0, high + 4, texts)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import torsionnet.plot.schematic.emblems as emblems
+import torsionnet.plot.schematic.box_symbols as box_symbols
 import torsionnet.plot.schematic.outlines as outlines
-from torsionnet.plot.drawing.pieces import Piece, Stroke, text_width, widest
-from torsionnet.plot.schematic.branch_lines import Exit
+from torsionnet.plot.drawing.pieces import Piece, Stroke, label_width, text_width
+from torsionnet.plot.schematic.branch_lines import BranchStart
 from torsionnet.plot.schematic.topology import Link, Vertex
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from torsionnet.plot.schematic.epicyclic import Boxed
+    from torsionnet.plot.schematic.epicyclic import BoxElement
     from torsionnet.plot.schematic.planned_row import PlannedRow
 
 HALF_HEIGHT = 35.0
@@ -21,7 +21,7 @@ HALF_HEIGHT = 35.0
 GAP, STUB = 10.0, 12.0  # points: more than the texts in width, piece of shaft below a port
 
 
-def box(
+def draw_box(
     line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
 ) -> None:
     """Draw an element with three and more ports as a box: the line enters left and goes on right, other ports below."""
@@ -30,12 +30,12 @@ def box(
     below = _ports_below(line, vertex, element, leaving)
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
     slots = [max(30.0, text_width(port, "port") + 8) for port in below]
-    width = max(2 * (emblems.HALF_SIZE + side), widest(texts) + GAP, sum(slots) + 8)
-    before_x, middle = line.x, line.keep(width)
+    width = max(2 * (box_symbols.HALF_SIZE + side), label_width(texts) + GAP, sum(slots) + 8)
+    before_x, middle = line.x, line.keep_free(width)
     start, end = middle - width / 2, middle + width / 2
     line.block.line((before_x, 0), (start, 0))
     line.block.strokes.append(outlines.rectangle(start, end, -HALF_HEIGHT, HALF_HEIGHT, outlines.BOX))
-    line.block.strokes += emblems.emblem(element, middle, HALF_HEIGHT - emblems.HALF_SIZE - 5)
+    line.block.strokes += box_symbols.box_symbol(element, middle, HALF_HEIGHT - box_symbols.HALF_SIZE - 5)
     line.block.boxes.append((start, end, -HALF_HEIGHT, HALF_HEIGHT))
     line.block.write(middle, HALF_HEIGHT + 3, texts)
     for link, left in ((before, True), (after, False)):
@@ -50,7 +50,7 @@ def box(
 
 
 def _ports_below(
-    line: PlannedRow, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]
+    line: PlannedRow, vertex: Vertex, element: BoxElement, leaving: Sequence[tuple[Link, Vertex]]
 ) -> dict[str, Any]:
     """Ports at the lower edge of a box with what is drawn there: another line, a loop, or None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
@@ -60,7 +60,7 @@ def _ports_below(
 
 def _port(line: PlannedRow, x: float, use: Any) -> None:
     if isinstance(use, Vertex):
-        line.exits.append(Exit(x, -HALF_HEIGHT, use))
+        line.exits.append(BranchStart(x, -HALF_HEIGHT, use))
     elif use is None:
         line.block.strokes += [
             Stroke(((x, -HALF_HEIGHT), (x, -HALF_HEIGHT - 10))),
@@ -68,7 +68,7 @@ def _port(line: PlannedRow, x: float, use: Any) -> None:
         ]
         line.block.boxes.append((x - 14, x + 14, -HALF_HEIGHT - 17, -HALF_HEIGHT))
     else:
-        line.exits.append(Exit(x, -HALF_HEIGHT, _loop(line, *use)))
+        line.exits.append(BranchStart(x, -HALF_HEIGHT, _loop(line, *use)))
 
 
 def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
@@ -76,6 +76,6 @@ def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
     piece = type(line)(line.plan, wall=6.0)
     piece.block.line((0, 0), (STUB, 0))
     piece.x = STUB
-    piece.marks_on_shaft(piece.beside(end.name, link))
-    piece.loose(number, end)
+    piece.draw_marks_on_shaft(piece.link_marks(end.name, link))
+    piece.add_loose_end(number, end)
     return piece.block

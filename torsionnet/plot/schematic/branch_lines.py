@@ -10,7 +10,7 @@ import numpy as np
 
 import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot.drawing.pieces import Piece, Stroke, arc, as_array, overlap
+from torsionnet.plot.drawing.pieces import Piece, Stroke, arc, box_array, overlap
 from torsionnet.plot.schematic.topology import Vertex
 
 STEP, FARTHEST = 4.0, 3000.0
@@ -24,7 +24,7 @@ UP_IF = 0.6
 
 
 @dataclass(frozen=True)
-class Stage:
+class GearPair:
     """Gear pair between a line and a branch that leaves it."""
 
     element: Element
@@ -41,13 +41,13 @@ class Stage:
 
 
 @dataclass(frozen=True)
-class Exit:
+class BranchStart:
     """Branch to be placed that leaves a line at (x, y): a line, given by its first vertex, or a finished piece."""
 
     x: float
     y: float
     what: Vertex | Piece
-    stages: tuple[Stage, ...] = ()
+    stages: tuple[GearPair, ...] = ()
 
     @property
     def last(self) -> float:
@@ -56,13 +56,13 @@ class Exit:
 
 
 @dataclass(frozen=True)
-class Drop:
+class Branch:
     """Branch with its finished piece that leaves a line at (x, y)."""
 
     x: float
     y: float
     block: Piece
-    stages: tuple[Stage, ...] = ()
+    stages: tuple[GearPair, ...] = ()
     up_if: float = UP_IF
     """Way up over way down up to which the branch goes up; 0: never up."""
 
@@ -78,14 +78,14 @@ class Drop:
         return block
 
 
-def ratio_of(element: Any, parent: str, values: Mapping[str, Any]) -> float:
+def wheel_ratio(element: Any, parent: str, values: Mapping[str, Any]) -> float:
     """Radius of the wheel on the branch over that on the parent line, within limits that can be drawn."""
     tau = abs(float(element.ratio_value(dict(values)))) if hasattr(element, "ratio_value") else 1.0
     ratio = tau if next(iter(element.ports.values())) == parent else 1 / tau
     return min(max(ratio, SMALLEST_WHEEL_RATIO), 1 / SMALLEST_WHEEL_RATIO)
 
 
-def _wheels(block: Piece, stage: Stage, x: float, distance: float) -> None:
+def _wheels(block: Piece, stage: GearPair, x: float, distance: float) -> None:
     down = distance > 0
     mesh = MESH if stage.compliant else 0.0
     between = abs(distance) if abs(distance) < FARTHEST_WHEELS else LARGEST_WHEELS
@@ -110,7 +110,7 @@ def _wheels(block: Piece, stage: Stage, x: float, distance: float) -> None:
     block.write(x, -side * (first + beyond), stage.texts, upward=down)
 
 
-def attach(base: Piece, drops: Sequence[Drop], *, may_rise: bool) -> None:
+def place_branches(base: Piece, drops: Sequence[Branch], *, may_rise: bool) -> None:
     """Add branches to a line at the nearest free places, the rightmost first, so that others pass to its left."""
     for drop in reversed(drops):
         down = _distance(base, drop, 1)
@@ -122,37 +122,37 @@ def attach(base: Piece, drops: Sequence[Drop], *, may_rise: bool) -> None:
         base.add(drop.block.shifted(drop.x, -distance))
 
 
-def _distance(base: Piece, drop: Drop, sign: int) -> float:
+def _distance(base: Piece, drop: Branch, sign: int) -> float:
     """Least distance at which neither a branch nor its connector meets anything, in points."""
-    taken = as_array([*base.boxes, *base.wires])
+    taken = box_array([*base.boxes, *base.wires])
     # The line itself lies between the wheels and below the start of a wire: that is no collision.
     own = [box for box in base.wires if box[2] < drop.y < box[3] or box[2] < 0 < box[3]]
-    crossed = as_array(
+    crossed = box_array(
         [*(box for box in base.boxes if not _holds(box, drop)), *(w for w in base.wires if w not in own)]
     )
-    block = as_array([*drop.block.boxes, *drop.block.wires])
+    block = box_array([*drop.block.boxes, *drop.block.wires])
     block[:, :2] += drop.x
     down = np.array([0, 0, -sign, -sign])
     distance = (SMALLEST_WHEELS if drop.stages else SHORTEST_WIRE) - drop.y
     distance += MESH * any(stage.compliant for stage in drop.stages)
     while distance < FARTHEST:
         connector = drop.connector(sign * distance)
-        joined = as_array([*connector.boxes, *connector.wires])
+        joined = box_array([*connector.boxes, *connector.wires])
         there = block + distance * down
         free = not overlap(there, taken) and not overlap(joined, crossed, 2)
-        if free and not overlap(as_array(connector.boxes), there[: len(drop.block.boxes)], 1):
+        if free and not overlap(box_array(connector.boxes), there[: len(drop.block.boxes)], 1):
             return distance
         distance += max(STEP, STEP * distance / 200)
     return FARTHEST
 
 
-def _below(base: Piece, drop: Drop) -> float:
+def _below(base: Piece, drop: Branch) -> float:
     """Distance of a branch below everything else, for a connector that has to cross something."""
     _, _, bottom, _ = base.extent
     _, _, _, top = drop.block.extent
     return top - bottom + STEP
 
 
-def _holds(box: tuple[float, float, float, float], drop: Drop) -> bool:
+def _holds(box: tuple[float, float, float, float], drop: Branch) -> bool:
     """Whether a branch starts at the edge of a box, or under a text inside it."""
     return drop.y != 0 and box[0] <= drop.x <= box[1] and box[2] - 6 <= drop.y <= box[3]

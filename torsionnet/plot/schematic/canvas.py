@@ -30,7 +30,7 @@ TALLEST_FIGURE = 24.0
 """Height in inches above which a drawing is scaled down, its texts with it."""
 
 
-def painted(block: Piece, extent: Box) -> Figure:
+def figure_of_drawing(block: Piece, extent: Box) -> Figure:
     """Figure of a drawing within the extent: one axes without ticks whose unit is a point."""
     figure, axes, scale = _canvas(extent)
     for order, stroke in enumerate(block.strokes):

@@ -13,10 +13,10 @@ from torsionnet.model.channels import Input
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Texts
-from torsionnet.plot.schematic.epicyclic import Boxed, EpicyclicSet
+from torsionnet.plot.schematic.epicyclic import BoxElement, EpicyclicSet
 from torsionnet.plot.schematic.part_boxes import PartBox
-from torsionnet.plot.schematic.taps import Tap, belongs
-from torsionnet.plot.schematic.texts import broken, set_lines
+from torsionnet.plot.schematic.taps import Tap, is_on_link
+from torsionnet.plot.schematic.texts import break_lines, planetary_set_lines
 from torsionnet.plot.schematic.topology import Connections, Link, Tree, Vertex, connections, trees
 
 if TYPE_CHECKING:
@@ -121,13 +121,13 @@ class DrawingPlan:
             found.setdefault(self.homes.get(node, node), []).append(Tap(name, sensor.quantity, element.name, port))
         return found
 
-    def taps_of(self, element: Element) -> list[Tap]:
+    def sensors_on(self, element: Element) -> list[Tap]:
         """Sensors of the torque or twist of an element."""
         return [tap for taps in self.taps.values() for tap in taps if tap.element == element.name]
 
-    def leads_on(self, tap: Tap, node: str) -> bool:
+    def is_drawn_beside(self, tap: Tap, node: str) -> bool:
         """Whether a sensor is on an element that leads on from a node, and is drawn beside that element."""
-        return any(belongs(tap, link) for link in self._links[node])
+        return any(is_on_link(tap, link) for link in self._links[node])
 
     @cached_property
     def _links(self) -> dict[str, list[Link]]:
@@ -150,23 +150,23 @@ class DrawingPlan:
     def node_texts(self, node: str) -> Texts:
         """Label of a node: its name, with the gears whose housing it is."""
         gears = self.housings.get(node, []) if not self.compact else []
-        return broken([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
+        return break_lines([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
 
-    def texts(self, element: Boxed) -> Texts:
+    def texts(self, element: BoxElement) -> Texts:
         """Label of an element: its name and main values."""
         if self.compact:
             return []
         if isinstance(element, PartBox):
-            return broken([(element.name, "name"), (element.description, "what")])
+            return break_lines([(element.name, "name"), (element.description, "what")])
         if isinstance(element, EpicyclicSet):
-            return set_lines(element, self.drivetrain.exact_values)
+            return planetary_set_lines(element, self.drivetrain.exact_values)
         lines = [(text, "value") for text in value_lines(element, self.drivetrain.exact_values)]
         if getattr(element, "locked", False):
             lines.append(("locked", "value"))
         housing = element.ports.get("housing", GROUND)
         if housing != GROUND:
             lines.append((f"housing: {housing}", "node"))
-        return broken([(element.name, "name"), *lines])
+        return break_lines([(element.name, "name"), *lines])
 
 
 def _taken(element: Element, at: str | None) -> tuple[str, str]:

@@ -42,7 +42,7 @@ class EpicyclicSet:
         return (*self.sun_meshes, *self.ring_meshes, *self.bodies)
 
 
-Boxed: TypeAlias = Element | EpicyclicSet
+BoxElement: TypeAlias = Element | EpicyclicSet
 """Element, or planetary set of several, drawn as a box with three ports."""
 
 

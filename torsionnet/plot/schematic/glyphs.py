@@ -8,16 +8,16 @@ from typing import Any
 
 from torsionnet.model.elements import Element, Law, Values
 from torsionnet.plot.drawing.pieces import Point, Stroke, arc
-from torsionnet.plot.schematic.emblems import emblem
+from torsionnet.plot.schematic.box_symbols import box_symbol
 from torsionnet.plot.schematic.outlines import BODY, BOX, Glyph, rectangle, wheel
-from torsionnet.plot.schematic.strands import network
+from torsionnet.plot.schematic.spring_chains import chain_symbol
 
 _LENGTH, _HALF = 52.0, 14.0
 
 
 def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
     """Symbol of an element with stiffness: springs and dashpots, between two discs if both ends have an inertia."""
-    between = network(element, values, "spring")
+    between = chain_symbol(element, values, "spring")
     ends = [*element.ports.values()]
     heavy = {
         node
@@ -30,7 +30,7 @@ def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
 
 def _between_discs(inner: Glyph) -> Glyph:
     """Symbol with a disc added at either end."""
-    first, width, half = 4.0, 8.0, max(16.0, inner.reach)
+    first, width, half = 4.0, 8.0, max(16.0, inner.half_width)
     start = first + width
     end = start + inner.length
     leads = (Stroke(((0, 0), (first, 0)), "shaft"), Stroke(((end + width, 0), (end + start, 0)), "shaft"))
@@ -39,7 +39,7 @@ def _between_discs(inner: Glyph) -> Glyph:
 
 
 def _damper(element: Element, values: Mapping[str, Any]) -> Glyph:
-    return network(element, values, "damper")
+    return chain_symbol(element, values, "damper")
 
 
 def _disc(element: Element, values: Mapping[str, Any]) -> Glyph:
@@ -90,7 +90,7 @@ def _boxed(element: Element, values: Mapping[str, Any]) -> Glyph:
     """Symbol of an element with a symbol in a box between its two ends."""
     del values
     leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((64, 0), (72, 0)), "shaft"))
-    return Glyph((*leads, rectangle(8, 64, -24, 24, BOX), *emblem(element, 36, 0)), 72, 25)
+    return Glyph((*leads, rectangle(8, 64, -24, 24, BOX), *box_symbol(element, 36, 0)), 72, 25)
 
 
 def _other(element: Element, values: Mapping[str, Any]) -> Glyph:

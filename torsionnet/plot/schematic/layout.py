@@ -13,10 +13,17 @@ from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING
 
 from torsionnet.plot.drawing.pieces import Piece, Stroke, text_width
-from torsionnet.plot.schematic.branch_lines import UP_IF, Drop, Exit
+from torsionnet.plot.schematic.branch_lines import UP_IF, Branch, BranchStart
 from torsionnet.plot.schematic.drawing_plan import DrawingPlan, make_plan
-from torsionnet.plot.schematic.line_routes import Course, Leaving, RouteStep, courses, cuts, needed
-from torsionnet.plot.schematic.shaft_lines import Line
+from torsionnet.plot.schematic.line_routes import (
+    BranchWidth,
+    LineRoute,
+    RouteStep,
+    line_routes,
+    line_width,
+    piece_starts,
+)
+from torsionnet.plot.schematic.shaft_lines import ShaftLine
 from torsionnet.plot.schematic.topology import Link, Tree, Vertex
 
 if TYPE_CHECKING:
@@ -46,55 +53,55 @@ LONGEST_FLAG = 24
 """Characters of a name on a flag; the rest is cut off."""
 
 
-def blocks(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[Piece]]:
+def layout_bands(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[Piece]]:
     """Bands of drawing of each connected part, from top to bottom, for a page width in points."""
     plan, grown = make_plan(drivetrain, page)
     if plan.loops:
         plan.page -= WIRE_ROOM
-    return [Sheet(tree, plan).bands() for tree in grown]
+    return [PartLayout(tree, plan).bands() for tree in grown]
 
 
-class Sheet:
+class PartLayout:
     """Layout of one connected part: its lines, their widths, and the lines that wait for a band of their own."""
 
     def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
         self.tree: Tree = tree
         self.plan: DrawingPlan = plan
-        self.courses: dict[Vertex, Course] = courses(tree)
+        self.routes: dict[Vertex, LineRoute] = line_routes(tree)
         self.starts: dict[Vertex, float] = {}
         self.steps: dict[Vertex, list[RouteStep]] = {}
         self.needs: dict[Vertex, float] = {}
         self.waiting: deque[Vertex] = deque([tree.root])
-        for head in reversed(self.courses):
+        for head in reversed(self.routes):
             self._measure(head)
 
     def _measure(self, head: Vertex) -> None:
         """Measure the widths of a line whose branches have been measured before."""
         self._steps(head)
         room = self.plan.page - MARGIN - INDENT
-        wide = zip(self.courses[head].vertices, self.steps[head], strict=True)
+        wide = zip(self.routes[head].vertices, self.steps[head], strict=True)
         crowded = {vertex: math.ceil(step.whole / (0.8 * room)) for vertex, step in wide if step.whole > room}
         if crowded:
-            self.courses[head] = self.courses[head].split(crowded)
+            self.routes[head] = self.routes[head].split(crowded)
             self._steps(head)
-        self.needs[head] = needed(self.starts[head], self.steps[head])
+        self.needs[head] = line_width(self.starts[head], self.steps[head])
 
     def _steps(self, head: Vertex) -> None:
-        course, line = self.courses[head], Line(self.plan)
-        if course.incoming is not None:
-            line.begin(course.incoming, course.parent)
+        route, line = self.routes[head], ShaftLine(self.plan)
+        if route.incoming is not None:
+            line.begin(route.incoming, route.parent)
         self.starts[head] = line.x
-        self.steps[head] = [self._step(line, course.cut(place, place + 1)) for place in range(len(course.vertices))]
+        self.steps[head] = [self._step(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
 
-    def _step(self, line: Line, course: Course) -> RouteStep:
+    def _step(self, line: ShaftLine, route: LineRoute) -> RouteStep:
         """Draw one vertex of a line, and return the room it took."""
         start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
-        self._fill(line, course)
+        self._fill(line, route)
         taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
         left = start - min((box[0] for box in taken), default=start)
         right = max((box[1] for box in taken), default=line.x) - line.x
         heads = ((each, each.what) for each in line.exits[exits:])
-        leaving = [Leaving(each.x - start, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
+        leaving = [BranchWidth(each.x - start, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
         return RouteStep(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
 
     def bands(self) -> list[Piece]:
@@ -106,51 +113,49 @@ class Sheet:
         return found
 
     def _band(self, head: Vertex) -> Piece:
-        course = self.courses[head]
-        if course.incoming is None:
-            return self._course(head, self.plan.page, top=True)
-        came = course.incoming
-        line = Line(self.plan)
+        route = self.routes[head]
+        if route.incoming is None:
+            return self._route(head, self.plan.page, top=True)
+        came = route.incoming
+        line = ShaftLine(self.plan)
         line.x = _flag(line.block, 0.0, self._shared_node(head)) + 6
         line.block.line((line.x - 6, 0), (line.x, 0))
         if not came.is_gear:
-            line.arrive(came, course.parent)
-        return self._course(head, self.plan.page, top=True, begun=line)
+            line.draw_incoming(came, route.parent)
+        return self._route(head, self.plan.page, top=True, begun=line)
 
-    def _course(self, head: Vertex, room: float, *, top: bool = False, begun: Line | None = None) -> Piece:
+    def _route(self, head: Vertex, room: float, *, top: bool = False, begun: ShaftLine | None = None) -> Piece:
         """Drawing of a line with all its branches, cut into pieces if it is wider than the room."""
-        course = self.courses[head]
+        route = self.routes[head]
         start = begun.x if begun is not None else self.starts[head]
-        indent = INDENT if begun is None and course.incoming is not None and course.incoming.is_gear else 0.0
-        begins = cuts(start, self.steps[head], room, MARGIN + indent)
+        indent = INDENT if begun is None and route.incoming is not None and route.incoming.is_gear else 0.0
+        begins = piece_starts(start, self.steps[head], room, MARGIN + indent)
         narrow = room if len(begins) == 1 else room - MARGIN - indent
         built = []
-        for first, last in zip_longest(begins, begins[1:], fillvalue=len(course.vertices)):
-            piece = course.cut(first, last)
-            line = Line(self.plan)
+        for first, last in zip_longest(begins, begins[1:], fillvalue=len(route.vertices)):
+            piece = route.cut(first, last)
+            line = ShaftLine(self.plan)
             if first == 0 and begun is not None:
                 line = begun
             elif piece.incoming is not None:
                 line.begin(piece.incoming, piece.parent)
             self._fill(line, piece)
-            built.append(
-                self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices))
-            )
+            built.append(self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(route.vertices)))
         return _stacked(built, indent)
 
-    def _fill(self, line: Line, course: Course) -> None:
-        before = course.incoming or course.before
-        for place, (vertex, onward) in enumerate(zip_longest(course.vertices, course.links)):
+    def _fill(self, line: ShaftLine, route: LineRoute) -> None:
+        before = route.incoming or route.before
+        for place, (vertex, onward) in enumerate(zip_longest(route.vertices, route.links)):
             leaving = [pair for pair in self.tree.children[vertex] if self._leaves(pair)]
-            line.vertex(vertex, before, onward, leaving, course.share(place))
+            line.draw_vertex(vertex, before, onward, leaving, route.share(place))
             if onward is not None:
-                line.gap(onward)
+                line.draw_link(onward)
             before = onward
 
     def _leaves(self, pair: tuple[Link, Vertex]) -> bool:
-        return pair[1] in self.courses and self.courses[pair[1]].incoming is pair[0]
+        return pair[1] in self.routes and self.routes[pair[1]].incoming is pair[0]
 
-    def _finished(self, line: Line, room: float, *, may_rise: bool, loops_up: bool) -> Piece:
+    def _finished(self, line: ShaftLine, room: float, *, may_rise: bool, loops_up: bool) -> Piece:
         overhang = max(0.0, -min((box[0] for box in line.block.boxes), default=0.0))
         # Where the line goes on below, what leads a loop around it stays out of its way.
         return line.finish(
@@ -158,32 +163,36 @@ class Sheet:
             may_rise=may_rise,
         )
 
-    def _settled(self, leaving: Exit, room: float, loops_up_if: float) -> Drop:
+    def _settled(self, leaving: BranchStart, room: float, loops_up_if: float) -> Branch:
         """Branch with its drawing: the line itself, or a flag if there is no room for the line."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Piece):
-            return Drop(x, y, what, stages, up_if=loops_up_if)
+            return Branch(x, y, what, stages, up_if=loops_up_if)
         if self.needs[what] <= room or self._may_be_cut(what, room):
-            return Drop(x, y, self._course(what, room), stages, up_if=UP_IF if self.needs[what] <= room else 0.0)
+            return Branch(x, y, self._route(what, room), stages, up_if=UP_IF if self.needs[what] <= room else 0.0)
         self.waiting.append(what)
         block = Piece()
         begin = stages[-1].offset + 18 if stages else 12.0
         block.line((0, 0), (begin, 0))
         _flag(block, begin, self._shared_node(what))
-        return Drop(x, y, block, stages)
+        return Branch(x, y, block, stages)
 
     def _shared_node(self, head: Vertex) -> str:
         """Node named on the flags of a line that begins a band of its own."""
-        course = self.courses[head]
-        shaft = course.incoming is not None and course.incoming.elements and not course.incoming.is_gear
-        return course.parent.name if shaft and course.parent is not None else head.name
+        route = self.routes[head]
+        shaft = route.incoming is not None and route.incoming.elements and not route.incoming.is_gear
+        return route.parent.name if shaft and route.parent is not None else head.name
 
     def _may_be_cut(self, head: Vertex, room: float) -> bool:
         """Whether a line has to be cut even on a page of its own, and needs no more pieces in the room given."""
         steps, start = self.steps[head], self.starts[head]
         if room < max(NARROWEST_BRANCH * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
             return False
-        return len(cuts(start, steps, room, MARGIN + INDENT)) <= len(cuts(start, steps, self.plan.page, MARGIN)) > 1
+        return (
+            len(piece_starts(start, steps, room, MARGIN + INDENT))
+            <= len(piece_starts(start, steps, self.plan.page, MARGIN))
+            > 1
+        )
 
 
 def _stacked(built: list[Piece], indent: float) -> Piece:

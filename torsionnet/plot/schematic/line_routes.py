@@ -14,7 +14,7 @@ PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
 
 
 @dataclass(frozen=True)
-class Course:
+class LineRoute:
     """Route of a line: its vertices and links, and the link by which it leaves its parent."""
 
     incoming: Link | None
@@ -31,14 +31,14 @@ class Course:
         """Number of the part at a place of the line, and count of parts of its vertex."""
         return self.shares[place] if self.shares else (0, 1)
 
-    def cut(self, first: int, last: int) -> Course:
+    def cut(self, first: int, last: int) -> LineRoute:
         """Piece of the route from vertex ``first`` up to ``last``, with the link after it."""
         before = self.links[first - 1] if first else self.before
         incoming = None if first else self.incoming
         shares = self.shares[first:last]
-        return Course(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
+        return LineRoute(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
 
-    def split(self, crowded: Mapping[Vertex, int]) -> Course:
+    def split(self, crowded: Mapping[Vertex, int]) -> LineRoute:
         """Copy of the route with crowded vertices split into several parts with a piece of shaft between them."""
         vertices: list[Vertex] = []
         links: list[Link] = []
@@ -48,10 +48,10 @@ class Course:
             vertices += [vertex] * parts
             links += [Link(vertex, vertex)] * (parts - 1) + ([onward] if onward is not None else [])
             shares += [(part, parts) for part in range(parts)]
-        return Course(self.incoming, self.parent, tuple(vertices), tuple(links), self.before, tuple(shares))
+        return LineRoute(self.incoming, self.parent, tuple(vertices), tuple(links), self.before, tuple(shares))
 
 
-class Leaving(NamedTuple):
+class BranchWidth(NamedTuple):
     """Branch that leaves a step of a line: distance from the step's start, and width with all its own branches."""
 
     x: float
@@ -64,7 +64,7 @@ class RouteStep(NamedTuple):
     width: float
     left: float
     right: float
-    leaving: tuple[Leaving, ...]
+    leaving: tuple[BranchWidth, ...]
 
     @property
     def whole(self) -> float:
@@ -72,10 +72,10 @@ class RouteStep(NamedTuple):
         return self.left + self.width + self.right
 
 
-def courses(tree: Tree) -> dict[Vertex, Course]:
+def line_routes(tree: Tree) -> dict[Vertex, LineRoute]:
     """Routes of the lines of a tree by their first vertex, those nearer to the root first."""
     height = heights(tree)
-    found: dict[Vertex, Course] = {}
+    found: dict[Vertex, LineRoute] = {}
     heads: list[tuple[Link | None, Vertex | None, Vertex]] = [(None, None, tree.root)]
     for incoming, parent, head in heads:
         vertices, links = [head], []
@@ -88,11 +88,11 @@ def courses(tree: Tree) -> dict[Vertex, Course]:
                 break
             links.append(onward[0])
             vertices.append(onward[1])
-        found[head] = Course(incoming, parent, tuple(vertices), tuple(links))
+        found[head] = LineRoute(incoming, parent, tuple(vertices), tuple(links))
     return found
 
 
-def needed(start: float, steps: Sequence[RouteStep]) -> float:
+def line_width(start: float, steps: Sequence[RouteStep]) -> float:
     """Width in points of a line in one piece, with all its branches."""
     x = start + max(0.0, steps[0].left - start)
     far = x
@@ -102,9 +102,9 @@ def needed(start: float, steps: Sequence[RouteStep]) -> float:
     return far
 
 
-def cuts(start: float, steps: Sequence[RouteStep], room: float, margin: float) -> list[int]:
+def piece_starts(start: float, steps: Sequence[RouteStep], room: float, margin: float) -> list[int]:
     """Numbers of the steps at which the pieces of a cut line begin: few, of like width, with room for branches."""
-    if needed(start, steps) <= room:
+    if line_width(start, steps) <= room:
         return [0]
     narrow = room - margin
     best: list[float] = [0.0]
@@ -142,5 +142,5 @@ def _cost(piece: Sequence[RouteStep], start: float, room: float) -> float:
             if begin + leaving.need > room:
                 cost += MISPLACED * (step.left + leaving.x + leaving.need <= room) + LATE * begin
         x += step.width
-    far = max(x + piece[-1].right, needed(start, piece) if cost < MISPLACED else x)
+    far = max(x + piece[-1].right, line_width(start, piece) if cost < MISPLACED else x)
     return cost + (room - min(far, room)) ** 2 + MISPLACED * max(0.0, x - room)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts
-from torsionnet.plot.schematic.texts import broken
+from torsionnet.plot.schematic.texts import break_lines
 
 TOPS = {"input": 19.0, "reaction": 19.0, "motion": 20.0, "torque": 20.0}
 """Points above the shaft where the name of each kind of mark begins."""
@@ -23,7 +23,7 @@ class Mark:
     name: str
     what: str
 
-    def drawn(self, lift: float = 0.0) -> Piece:
+    def piece(self, lift: float = 0.0) -> Piece:
         """Drawing of the mark around x = 0, with its name raised by ``lift`` points."""
         top = TOPS[self.kind] + lift
         piece = Piece()
@@ -47,4 +47,4 @@ class Mark:
     @property
     def texts(self) -> Texts:
         """Label of the mark: name and description."""
-        return broken([(self.name, "input" if self._is_arrow else "sensor"), (self.what, "what")])
+        return break_lines([(self.name, "input" if self._is_arrow else "sensor"), (self.what, "what")])

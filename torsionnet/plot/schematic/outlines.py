@@ -13,11 +13,11 @@ BODY, WHEEL, BOX = "#dbe5ee", "#efe6d8", "#fbf9f5"
 
 @dataclass(frozen=True)
 class Glyph:
-    """Symbol as strokes from (0, 0) to (length, 0), which stay within ``reach`` points of that line."""
+    """Symbol as strokes from (0, 0) to (length, 0), which stay within ``half_width`` points of that line."""
 
     strokes: tuple[Stroke, ...]
     length: float
-    reach: float
+    half_width: float
 
     def along(self, x: float, y: float) -> list[Stroke]:
         """Strokes of the symbol from (x, y) to the right."""
@@ -29,7 +29,7 @@ class Glyph:
             Stroke(tuple((factor * u, factor * v) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
             for stroke in self.strokes
         )
-        return Glyph(tuple(strokes), factor * self.length, factor * self.reach)
+        return Glyph(tuple(strokes), factor * self.length, factor * self.half_width)
 
     def hanging(self, x: float, y: float) -> list[Stroke]:
         """Strokes of the symbol from (x, y) downwards."""

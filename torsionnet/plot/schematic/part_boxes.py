@@ -36,7 +36,7 @@ class PartBox(Element):
         return self.inner
 
 
-def boxed(drivetrain: Drivetrain) -> Drivetrain:
+def with_part_boxes(drivetrain: Drivetrain) -> Drivetrain:
     """Copy of a drivetrain with a box in place of each copy of a part; itself if it uses no parts.
 
     Sensors on elements within a part are not drawn; motions of its nodes stand at its first port.

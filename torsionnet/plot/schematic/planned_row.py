@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Stroke, Texts, moved, text_width, widest
-from torsionnet.plot.schematic.branch_lines import Exit
+from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Stroke, Texts, label_width, shifted_box, text_width
+from torsionnet.plot.schematic.branch_lines import BranchStart
 from torsionnet.plot.schematic.marks import Mark
 from torsionnet.plot.schematic.taps import marks_beside
 from torsionnet.plot.schematic.topology import Link, Vertex
@@ -51,24 +51,24 @@ class Row:
                 if box[2] < there[3] + VERTICAL_GAP and there[2] < box[3] + VERTICAL_GAP:
                     x = max(x, there[1] + SIDE_GAP - box[0])
         self.block.add(piece.shifted(x, 0))
-        self.columns += [moved(box, x, 0) for box in columns]
+        self.columns += [shifted_box(box, x, 0) for box in columns]
         self.x = x + right
         return x
 
-    def keep(self, width: float) -> float:
+    def keep_free(self, width: float) -> float:
         """Keep a column of a width free above and below the row, and return the x of its middle."""
         return self.put(Piece(), width / 2, width / 2, [(-width / 2, width / 2, -FAR_OUT, FAR_OUT)])
 
     def name(self, start: float, texts: Texts) -> float:
         """Keep room above the row for the name of the symbols since ``start``, and return the x where it ends."""
-        half = widest(texts) / 2
+        half = label_width(texts) / 2
         end = max(self.x, start + 14, 2 * (self.named_until + SIDE_GAP + half) - start, 2 * (self.wall + half) - start)
         middle = (start + end) / 2
         self.named_until = middle + half
         self.x = end
         return end
 
-    def bracket(self, x0: float, x1: float, y: float) -> None:
+    def draw_bracket(self, x0: float, x1: float, y: float) -> None:
         """Draw a bracket at height y over the symbols from x0 to x1."""
         self.block.strokes.append(Stroke(((x0, y - 3), (x0, y), (x1, y), (x1, y - 3)), "faint"))
         self.block.boxes.append((x0, x1, y - 2, y + 1))
@@ -80,7 +80,7 @@ class PlannedRow(Row):
     def __init__(self, plan: DrawingPlan, wall: float = -FAR_OUT) -> None:
         super().__init__(wall)
         self.plan = plan
-        self.exits: list[Exit] = []
+        self.exits: list[BranchStart] = []
         self.brackets: list[tuple[float, float, str]] = []
 
     @property
@@ -88,26 +88,26 @@ class PlannedRow(Row):
         """Values of the drivetrain's parameters, by name."""
         return self.plan.drivetrain.exact_values
 
-    def beside(self, node: str, link: Link | None, *, alone: bool = True) -> list[Mark]:
+    def link_marks(self, node: str, link: Link | None, *, alone: bool = True) -> list[Mark]:
         """Marks of the sensors of torque and twist on the elements of a link at a node."""
         return marks_beside(self.plan.taps.get(node, ()), link, alone=alone) if link is not None else []
 
-    def marks_on_shaft(self, marks: Sequence[Mark]) -> None:
+    def draw_marks_on_shaft(self, marks: Sequence[Mark]) -> None:
         """Draw marks with the piece of shaft they stand on."""
         start = self.x
-        self.marks(marks)
+        self.draw_marks(marks)
         if marks:
             self.block.line((start, 0), (self.x, 0))
 
-    def marks(self, marks: Iterable[Mark]) -> None:
+    def draw_marks(self, marks: Iterable[Mark]) -> None:
         """Draw marks on the shaft with their names above; of many, every other name stands higher."""
         ordered = list(marks)
         for place, mark in enumerate(ordered):
             lift = MARK_LIFT if len(ordered) >= MANY_MARKS and place % 2 else 0.0
-            piece = mark.drawn(lift)
+            piece = mark.piece(lift)
             self.put(piece, 9, 9)
 
-    def loose(self, number: int, end: Vertex) -> None:
+    def add_loose_end(self, number: int, end: Vertex) -> None:
         """Add a loose end that closes loop ``number`` at the vertex ``end``, with room for a tag with its name."""
         width = text_width(end.name, "node") + 10
         tag = (self.x, self.x + width, -8.0, 8.0)

@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 
 from torsionnet.core.errors import UsageError
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Label, Piece, text_width
-from torsionnet.plot.schematic.canvas import POINTS_PER_INCH, painted
+from torsionnet.plot.schematic.canvas import POINTS_PER_INCH, figure_of_drawing
 from torsionnet.plot.schematic.drawing_plan import MOST_NAMED_NODES
-from torsionnet.plot.schematic.layout import blocks
-from torsionnet.plot.schematic.part_boxes import boxed
-from torsionnet.plot.schematic.texts import wrapped
-from torsionnet.plot.schematic.wiring import connect
+from torsionnet.plot.schematic.layout import layout_bands
+from torsionnet.plot.schematic.part_boxes import with_part_boxes
+from torsionnet.plot.schematic.texts import wrap_text
+from torsionnet.plot.schematic.wiring import draw_loops
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -70,15 +70,15 @@ def schematic(
     ['$k_{\\mathrm{1}}$ = 460 N·m/rad']
     """
     page = _page(width)
-    whole = _arranged(boxed(drivetrain) if boxes else drivetrain, page)
+    whole = _arranged(with_part_boxes(drivetrain) if boxes else drivetrain, page)
     x0, x1, y0, y1 = whole.extent
     shown = drivetrain.title if title is None else title
-    for line in reversed(wrapped(shown, "title", page)):
+    for line in reversed(wrap_text(shown, "title", page)):
         whole.labels.append(Label(x0, y1 + 16, line, "title", left=True))
         y1 += LEADING * ROLES["title"].size
         x1 = max(x1, x0 + text_width(line, "title"))
     y1 += 16 if shown else 0
-    return painted(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
+    return figure_of_drawing(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
 
 
 def _page(width: float) -> float:
@@ -92,9 +92,9 @@ def _page(width: float) -> float:
 def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
     """Drawing of all connected parts, with the wires that close loops."""
     parts = []
-    for bands in blocks(drivetrain, page):
+    for bands in layout_bands(drivetrain, page):
         part = _packed(bands, page)
-        connect(part)
+        draw_loops(part)
         parts.append(part)
     whole = _packed(parts, page)
     if len(drivetrain.nodes) > MOST_NAMED_NODES:

@@ -7,10 +7,10 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeAlias
 
 from torsionnet.plot.drawing.labels import symbol
-from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Piece, Texts, widest
-from torsionnet.plot.schematic.bodies import body, ending
-from torsionnet.plot.schematic.boxes import box
-from torsionnet.plot.schematic.branch_lines import ELBOW, Drop, Exit, Stage, attach, ratio_of
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Piece, Texts, label_width
+from torsionnet.plot.schematic.bodies import draw_body, draw_line_end
+from torsionnet.plot.schematic.boxes import draw_box
+from torsionnet.plot.schematic.branch_lines import ELBOW, Branch, BranchStart, GearPair, place_branches, wheel_ratio
 from torsionnet.plot.schematic.glyphs import inline_glyph
 from torsionnet.plot.schematic.marks import Mark
 from torsionnet.plot.schematic.outlines import Glyph
@@ -27,14 +27,14 @@ GAP = 9.0
 
 
 Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
-Thing: TypeAlias = "Mark | tuple[Element | None, Element | None]"
+NodeSymbol: TypeAlias = "Mark | tuple[Element | None, Element | None]"
 """Mark on the shaft, or disc with the element that hangs below it."""
 
-Settle: TypeAlias = Callable[[Exit], Drop]
+DrawBranch: TypeAlias = Callable[[BranchStart], Branch]
 """Function that returns the drawing of a branch."""
 
 
-class Line(PlannedRow):
+class ShaftLine(PlannedRow):
     """Builder of a shaft line along y = 0 from left to right; ``x`` is where the line ends so far."""
 
     def begin(self, incoming: Link, parent: Vertex | None) -> None:
@@ -46,23 +46,23 @@ class Line(PlannedRow):
             self.block.line((ELBOW, 0), (self.x, 0))
             return
         self.wall = 6.0
-        self.arrive(incoming, parent)
+        self.draw_incoming(incoming, parent)
         if not incoming.elements:
             self.block.line((self.x, 0), (self.x + 10, 0))
             self.x += 10
 
-    def arrive(self, incoming: Link, parent: Vertex | None) -> None:
+    def draw_incoming(self, incoming: Link, parent: Vertex | None) -> None:
         """Draw the elements between a node of the parent line and this line, with the torque marks at that node."""
         if parent is not None and not parent.is_box:
-            self.marks_on_shaft(self.beside(parent.name, incoming))
+            self.draw_marks_on_shaft(self.link_marks(parent.name, incoming))
         if incoming.elements:
-            self.gap(incoming)
+            self.draw_link(incoming)
 
     def gear_widths(self, link: Link) -> list[float]:
         """Widths in points of the gears of a link with their texts."""
-        return [max(26.0, widest(self.plan.texts(element)) + GAP) for element in link.elements]
+        return [max(26.0, label_width(self.plan.texts(element)) + GAP) for element in link.elements]
 
-    def vertex(
+    def draw_vertex(
         self,
         vertex: Vertex,
         before: Link | None,
@@ -72,22 +72,22 @@ class Line(PlannedRow):
     ) -> None:
         """Draw a vertex: a box, a node, or a part of a node that has too many symbols for one line."""
         if vertex.is_box:
-            box(self, vertex, before, after, leaving)
+            draw_box(self, vertex, before, after, leaving)
         elif share[0] == share[1] - 1:
-            self.station(vertex, before, after, leaving, share)
+            self.draw_node(vertex, before, after, leaving, share)
         else:
-            self.crowd(vertex, before, share)
+            self.draw_part_of_node(vertex, before, share)
 
-    def crowd(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
+    def draw_part_of_node(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
         """Draw a part of the symbols of a node that has too many for one line."""
         start = self.x
-        self.marks(self.beside(vertex.name, before))
-        self.things(self.present(vertex.name, at_end=False)[0], share)
+        self.draw_marks(self.link_marks(vertex.name, before))
+        self.draw_symbols(self.node_symbols(vertex.name, at_end=False)[0], share)
         named = self.name(start, self.plan.node_texts(vertex.name))
         self.block.line((start, 0), (self.x, 0))
         self.brackets.append((start, named, vertex.name))
 
-    def present(self, node: str, *, at_end: bool) -> tuple[list[Thing], Element | None]:
+    def node_symbols(self, node: str, *, at_end: bool) -> tuple[list[NodeSymbol], Element | None]:
         """Symbols at a node in their order on the shaft, and the element that ends the line.
 
         Torques of elements that lead on from the node or down to ground are left out: they stand beside the element.
@@ -97,82 +97,82 @@ class Line(PlannedRow):
         others = [
             tap.mark(alone=False)
             for tap in self.plan.taps.get(node, ())
-            if tap.element not in placed and not self.plan.leads_on(tap, node)
+            if tap.element not in placed and not self.plan.is_drawn_beside(tap, node)
         ]
-        return [*self.inputs_and_motion(node), *bodies, *others], held
+        return [*self.input_and_motion_marks(node), *bodies, *others], held
 
-    def things(self, things: Sequence[Thing], share: tuple[int, int]) -> None:
+    def draw_symbols(self, things: Sequence[NodeSymbol], share: tuple[int, int]) -> None:
         """Draw one part of the symbols at a node; many marks beside each other stand in two rows."""
         part, parts = share
         size = -(-len(things) // parts)
         for _, group in groupby(things[part * size : (part + 1) * size], lambda thing: isinstance(thing, Mark)):
             alike = list(group)
-            self.marks([thing for thing in alike if isinstance(thing, Mark)])
+            self.draw_marks([thing for thing in alike if isinstance(thing, Mark)])
             for pair in (thing for thing in alike if not isinstance(thing, Mark)):
-                body(self, *pair)
+                draw_body(self, *pair)
 
-    def station(
+    def draw_node(
         self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving, share: tuple[int, int]
     ) -> None:
         """Draw a node with its symbols, branches and loops."""
         start, node = self.x, vertex.name
         loops, targets = self.plan.loops.get(vertex, ()), self.plan.targets.get(node, ())
         branches = bool(leaving or loops or targets)
-        things, held = self.present(node, at_end=not (after or branches))
-        self.marks(self.beside(node, before))
-        self.things(things, share)
-        late = self.beside(node, after)
+        things, held = self.node_symbols(node, at_end=not (after or branches))
+        self.draw_marks(self.link_marks(node, before))
+        self.draw_symbols(things, share)
+        late = self.link_marks(node, after)
         if held is not None:
-            late = [tap.mark(alone=True) for tap in self.plan.taps_of(held)]
+            late = [tap.mark(alone=True) for tap in self.plan.sensors_on(held)]
         if not branches:
-            self.marks(late)
+            self.draw_marks(late)
         named = self.name(start, self.plan.node_texts(node)) if held is None else self.x
         for place, (link, child) in enumerate(leaving, 1):
-            self.leave(link, child, vertex, alone=place == len(leaving) and not (after or loops or targets))
+            self.add_branch(link, child, vertex, alone=place == len(leaving) and not (after or loops or targets))
         for number, link, target in loops:
-            self.close(number, link, target)
+            self.add_loop(number, link, target)
         for number in targets:
-            self.block.anchors[number] = (self.keep(14), 0)
+            self.block.anchors[number] = (self.keep_free(14), 0)
         if branches:
-            self.marks(late)
+            self.draw_marks(late)
         end = self.x
         if held is not None:
-            end = ending(self, held)
+            end = draw_line_end(self, held)
             named = self.name(start, self.plan.node_texts(node))
         elif leaving and leaving[-1][0].is_gear and not (after or loops or targets):
             end = self.exits[-1].last
         self.block.line((start, 0), (end, 0))
         self.brackets.append((start, named, node))
 
-    def inputs_and_motion(self, node: str) -> list[Mark]:
+    def input_and_motion_marks(self, node: str) -> list[Mark]:
         """Marks of the inputs, reactions and motion sensors at a node."""
         inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
         inputs += [Mark("reaction", f"\u2212{symbol(name)}", what) for name, what in self.plan.reactions.get(node, ())]
         return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
 
-    def leave(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
+    def add_branch(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
         """Add a branch from this line to a child vertex; ``alone`` if nothing else goes on from the node."""
         if not link.is_gear:
-            self.exits.append(Exit(self.keep(16), 0, child))
+            self.exits.append(BranchStart(self.keep_free(16), 0, child))
             return
-        self.marks(self.beside(parent.name, link, alone=alone))
+        self.draw_marks(self.link_marks(parent.name, link, alone=alone))
         widths, stages = self.gear_widths(link), []
-        places = [self.keep(width) for width in widths]
+        places = [self.keep_free(width) for width in widths]
         first = places[0]
         for element, offset in zip(link.elements, (place - first for place in places), strict=True):
-            ratio = ratio_of(element, parent.name, self.values)
-            stages.append(Stage(element, offset, self.plan.texts(element), ratio))
-        self.exits.append(Exit(first, 0, child, tuple(stages)))
+            ratio = wheel_ratio(element, parent.name, self.values)
+            stages.append(GearPair(element, offset, self.plan.texts(element), ratio))
+        self.exits.append(BranchStart(first, 0, child, tuple(stages)))
 
-    def close(self, number: int, link: Link, end: Vertex) -> None:
+    def add_loop(self, number: int, link: Link, end: Vertex) -> None:
         """Draw the elements that close a loop, on a line of their own with a loose end."""
-        line = Line(self.plan, wall=6.0)
-        line.arrive(link, link.other(end))
-        line.marks_on_shaft(line.beside(end.name, link))
-        line.loose(number, end)
-        self.exits.append(Exit(self.keep(16), 0, line.block))
+        line = ShaftLine(self.plan, wall=6.0)
+        line.draw_incoming(link, link.other(end))
+        line.draw_marks_on_shaft(line.link_marks(end.name, link))
+        line.add_loose_end(number, end)
+        self.exits.append(BranchStart(self.keep_free(16), 0, line.block))
 
-    def gap(self, link: Link) -> None:
+    def draw_link(self, link: Link) -> None:
         """Draw the elements of a link in parallel; a port of a box is a short piece of shaft."""
         if not link.elements:
             self.block.line((self.x, 0), (self.x + 12, 0))
@@ -184,13 +184,13 @@ class Line(PlannedRow):
         self.block.line((start, 0), (middle + left, 0))
         self.block.line((middle + right, 0), (self.x, 0))
 
-    def finish(self, settle: Settle, *, may_rise: bool) -> Piece:
+    def finish(self, settle: DrawBranch, *, may_rise: bool) -> Piece:
         """Write the names of the nodes above the line, add its branches, and return the drawing."""
-        top = max((box[3] for box in self.block.boxes), default=0.0) + 5
+        top = max((draw_box[3] for draw_box in self.block.boxes), default=0.0) + 5
         for x0, x1, node in self.brackets:
-            self.bracket(x0 + 3, x1 - 3, top)
+            self.draw_bracket(x0 + 3, x1 - 3, top)
             self.block.write((x0 + x1) / 2, top + 1, self.plan.node_texts(node))
-        attach(self.block, [settle(each) for each in self.exits], may_rise=may_rise)
+        place_branches(self.block, [settle(each) for each in self.exits], may_rise=may_rise)
         self.block.anchors[-1] = (self.x, 0)
         return self.block
 
@@ -200,26 +200,33 @@ def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
     drawn = [inline_glyph(element, plan.drivetrain.exact_values).scaled(plan.scale) for element in link.elements]
     texts = [plan.texts(element) for element in link.elements]
     rails = 12.0 if len(drawn) > 1 else 0.0
-    # The texts of all but the first strand stand between the rails.
-    span = max(*(glyph.length for glyph in drawn), *(widest(lines) for lines in texts[1:]), 0.0) + rails
+    # The texts of all but the first element stand between the rails.
+    span = max(*(glyph.length for glyph in drawn), *(label_width(lines) for lines in texts[1:]), 0.0) + rails
     piece = Piece()
     left, right, y = -span / 2, span / 2, 0.0
     for place, (glyph, lines) in enumerate(zip(drawn, texts, strict=True)):
         if place:
-            y -= drawn[place - 1].reach + 8 + sum(LEADING * ROLES[role].size for _, role in lines) + glyph.reach
-        _strand(piece, glyph, lines, (left, right), y, below=not rails)
+            y -= (
+                drawn[place - 1].half_width
+                + 8
+                + sum(LEADING * ROLES[role].size for _, role in lines)
+                + glyph.half_width
+            )
+        _parallel_element(piece, glyph, lines, (left, right), y, below=not rails)
     for x in (left, right) if rails else ():
         piece.line((x, 0), (x, y))
     return piece, span, [(left, right, y, 0)] if rails else []
 
 
-def _strand(block: Piece, glyph: Glyph, texts: Texts, ends: tuple[float, float], y: float, *, below: bool) -> None:
+def _parallel_element(
+    block: Piece, glyph: Glyph, texts: Texts, ends: tuple[float, float], y: float, *, below: bool
+) -> None:
     """Draw an element between two ends, with its texts below if it is alone on its shaft, else above."""
     middle = (ends[0] + ends[1]) / 2
     begin = middle - glyph.length / 2
     block.strokes += glyph.along(begin, y)
-    block.boxes.append((*ends, y - glyph.reach, y + glyph.reach))
-    block.write(middle, y - glyph.reach - 2 if below else y + glyph.reach + 2, texts, upward=not below)
+    block.boxes.append((*ends, y - glyph.half_width, y + glyph.half_width))
+    block.write(middle, y - glyph.half_width - 2 if below else y + glyph.half_width + 2, texts, upward=not below)
     if begin > ends[0]:
         block.line((ends[0], y), (begin, y))
         block.line((begin + glyph.length, y), (ends[1], y))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import GROUND, Gear
 from torsionnet.model.speeds import speeds_with
-from torsionnet.plot.schematic.line_routes import Course, courses
+from torsionnet.plot.schematic.line_routes import LineRoute, line_routes
 from torsionnet.plot.schematic.topology import Connections, Link, Vertex, connections, trees
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def plain_axis(nodes: Iterable[str]) -> Axis:
     return Axis([Station(float(place), node) for place, node in enumerate(nodes)])
 
 
-def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
+def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     """Axis of a drivetrain's nodes: main line, branches in the order of the schematic, nodes hidden in boxes last."""
     found = connections(drivetrain)
     found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
@@ -85,8 +85,8 @@ def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     grown, _ = trees(found, [node for node in drivetrain.nodes if node not in hidden])
     axis = Axis()
     for tree in grown:
-        for course in _in_depth(courses(tree)):
-            _line(axis, course, drivetrain)
+        for route in _in_depth(line_routes(tree)):
+            _line(axis, route, drivetrain)
     left = [node for node in drivetrain.nodes if node not in {*without, *(station.node for station in axis.stations)}]
     for place, node in enumerate(left):
         if place == 0:
@@ -95,16 +95,16 @@ def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     return axis
 
 
-def _in_depth(found: Mapping[Vertex, Course]) -> Iterator[Course]:
+def _in_depth(found: Mapping[Vertex, LineRoute]) -> Iterator[LineRoute]:
     """Routes of lines, each followed by its branches, those at its end first."""
-    leaving: dict[Vertex | None, list[Course]] = {}
-    for course in found.values():
-        leaving.setdefault(course.parent, []).append(course)
+    leaving: dict[Vertex | None, list[LineRoute]] = {}
+    for route in found.values():
+        leaving.setdefault(route.parent, []).append(route)
     stack = leaving.get(None, [])[::-1]
     while stack:
-        course = stack.pop()
-        yield course
-        following = [other for vertex in reversed(course.vertices) for other in leaving.get(vertex, ())]
+        route = stack.pop()
+        yield route
+        following = [other for vertex in reversed(route.vertices) for other in leaving.get(vertex, ())]
         stack += following[::-1]
 
 
@@ -113,21 +113,21 @@ def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
     return {node for element in drawn for node in element.internal_nodes}
 
 
-def _line(axis: Axis, course: Course, drivetrain: Drivetrain) -> None:
+def _line(axis: Axis, route: LineRoute, drivetrain: Drivetrain) -> None:
     """Add the nodes of one line to the axis; boxes are passed through."""
     kind, label = "", ""
-    if course.incoming is None or course.parent is None:
+    if route.incoming is None or route.parent is None:
         axis.border()
     else:
         # A gear at the end of a line is no branch: the line goes on behind it.
-        if not axis.stations or course.parent.name != axis.stations[-1].node:
+        if not axis.stations or route.parent.name != axis.stations[-1].node:
             axis.border()
-            if not course.parent.is_box:
-                axis.add(course.parent.name, again=True)
-        if not course.parent.is_box:
-            label = _ratio_label(course.incoming, drivetrain)
-            kind = _through(axis, course.incoming, course.vertices[0])
-    for vertex, onward in zip_longest(course.vertices, course.links):
+            if not route.parent.is_box:
+                axis.add(route.parent.name, again=True)
+        if not route.parent.is_box:
+            label = _ratio_label(route.incoming, drivetrain)
+            kind = _through(axis, route.incoming, route.vertices[0])
+    for vertex, onward in zip_longest(route.vertices, route.links):
         if not vertex.is_box:
             axis.add(vertex.name, kind, label)
         if onward is not None:

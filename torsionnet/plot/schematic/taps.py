@@ -29,7 +29,7 @@ class Tap:
         return Mark("torque", symbol(self.name), what)
 
 
-def belongs(tap: Tap, link: Link) -> bool:
+def is_on_link(tap: Tap, link: Link) -> bool:
     """Whether a sensor is on one of the elements of a link, or on the port of a box that the link is."""
     if link.elements:
         return any(element.name == tap.element for element in link.elements)
@@ -39,4 +39,4 @@ def belongs(tap: Tap, link: Link) -> bool:
 
 def marks_beside(taps: Iterable[Tap], link: Link, *, alone: bool = True) -> list[Mark]:
     """Marks of the sensors that belong to a link, to stand right beside it."""
-    return [tap.mark(alone=alone and len(link.elements) == 1) for tap in taps if belongs(tap, link)]
+    return [tap.mark(alone=alone and len(link.elements) == 1) for tap in taps if is_on_link(tap, link)]

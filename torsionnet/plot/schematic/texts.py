@@ -16,16 +16,16 @@ WIDEST = {"input": 64.0, "sensor": 64.0, "what": 70.0}
 WIDEST_OTHER, WIDEST_SET = 104.0, 150.0  # points, of other roles and of planetary sets
 
 
-def broken(lines: Iterable[tuple[str, str]]) -> Texts:
+def break_lines(lines: Iterable[tuple[str, str]]) -> Texts:
     """Lines of a label, those too wide broken behind underscores, commas and spaces.
 
-    >>> broken([("speed", "sensor"), ("angular_velocity_of_the_rotor", "sensor")])
+    >>> break_lines([("speed", "sensor"), ("angular_velocity_of_the_rotor", "sensor")])
     [('speed', 'sensor'), ('angular_', 'sensor'), ('velocity_of_', 'sensor'), ('the_rotor', 'sensor')]
     """
     return [(piece, role) for text, role in lines for piece in _pieces(text, role, WIDEST.get(role, WIDEST_OTHER))]
 
 
-def wrapped(text: str, role: str, limit: float) -> list[str]:
+def wrap_text(text: str, role: str, limit: float) -> list[str]:
     """Lines of a text broken to a width in points at spaces, or at underscores of long words; none if it is empty."""
     pieces = [""]
     for word in _parts(text, " "):
@@ -42,7 +42,7 @@ def _pieces(text: str, role: str, limit: float) -> list[str]:
     if is_math(text, role):
         head, equals, tail = text.partition(" = ")
         return [f"{head} =", tail] if equals else [text]
-    return wrapped(text, role, limit)
+    return wrap_text(text, role, limit)
 
 
 def _parts(text: str, mark: str) -> list[str]:
@@ -52,7 +52,7 @@ def _parts(text: str, mark: str) -> list[str]:
     return whole if whole and not last else [*whole, last]
 
 
-def set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
+def planetary_set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
     """Label of a planetary set: names and values of its meshes, equal ones together, and its planets."""
     lines = [*_alike(drawn.sun_meshes, values), *_alike(drawn.ring_meshes, values), *_alike(drawn.bodies, values)]
     planets = f"{'planets' if len(drawn.planets) > 1 else 'planet'}: {', '.join(drawn.planets)}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import networkx as nx
 
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot.schematic.epicyclic import Boxed, epicyclic_sets
+from torsionnet.plot.schematic.epicyclic import BoxElement, epicyclic_sets
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -55,7 +55,7 @@ class Connections:
 
     links: list[Link] = field(default_factory=list)
     attached: dict[str, list[Element]] = field(default_factory=dict)
-    boxes: dict[str, Boxed] = field(default_factory=dict)
+    boxes: dict[str, BoxElement] = field(default_factory=dict)
 
 
 @dataclass

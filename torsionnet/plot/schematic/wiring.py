@@ -42,7 +42,7 @@ class Grid:
         return self.left + CELL * cell[0], self.bottom + CELL * cell[1]
 
 
-def connect(block: Piece) -> None:
+def draw_loops(block: Piece) -> None:
     """Draw a wire from every loose end to its node, or a tag with the node's name."""
     ends, block.ends = block.ends, []
     for end in ends:

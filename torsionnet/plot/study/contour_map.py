@@ -91,7 +91,7 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
         axes.tick_params(labelbottom=True)
     if len(every):
         _bar(figure, found, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -157,7 +157,7 @@ def _panel(
             by_factors(axes, side, points[0], points[-1], width)
         else:
             (axes.xaxis if side == "x" else axes.yaxis).set_major_formatter(
-                FuncFormatter(lambda at, _: style.plain(at))
+                FuncFormatter(lambda at, _: style.tick_text(at))
             )
     # Rounding of the levels must not leave out the ends.
     filled = axes.contourf(*at, np.clip(values, levels[0], levels[-1]), levels=levels, norm=norm, cmap="viridis")
@@ -167,9 +167,9 @@ def _panel(
         say(axes, "no point has a value")
     elif np.ptp(here) > ALIKE * np.abs(here).max():
         lines = axes.contour(*at, values, levels=_lines(here), colors=style.PAPER, linewidths=0.8)
-        axes.clabel(lines, fontsize=style.SMALL, fmt=style.plain)
+        axes.clabel(lines, fontsize=style.SMALL, fmt=style.tick_text)
     axes.set(xlim=(at[0][0], at[0][-1]), ylim=(at[1][0], at[1][-1]))
-    style.dress(axes)
+    style.style_axes(axes)
     axes.grid(visible=False)
 
 

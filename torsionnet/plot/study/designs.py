@@ -46,7 +46,7 @@ def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: st
     figure = style.new_figure(style.WIDTH, 1.6 + max(1.4, 0.4 * len(found.parameters)))
     places, course = figure.subplots(1, 2, width_ratios=(1.6, 1))
     _draw_places(places, found.parameters, units)
-    style.dress(course)
+    style.style_axes(course)
     calculated, merits = found.history.T
     scale, label = (1.0, "squared deviations [-]") if found.goals.targets else _shown(found.goals.objectives[0], units)
     sign = 1.0 if found.goals.targets else found.goals.objectives[0].sign
@@ -55,13 +55,13 @@ def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: st
     course.set_ylabel(label)
     if found.goals.targets and is_wide(merits[np.isfinite(merits)]):
         by_factors(course, "y", merits.min(), merits.max())
-    style.heading(figure, f"{found.title}: optimum".removeprefix(": ") if title is None else title)
+    style.set_title(figure, f"{found.title}: optimum".removeprefix(": ") if title is None else title)
     return figure
 
 
 def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
     """Each parameter on a line from its lower to its upper bound."""
-    style.dress(axes)
+    style.style_axes(axes)
     for row, one in enumerate(parameters):
         axes.plot([0, 1], [row, row], color=style.FAINT, linewidth=5, solid_capstyle="round", zorder=1)
         given, best = ("as given", "found") if row == 0 else ("", "")
@@ -79,7 +79,7 @@ def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: Sho
 
 def _value(one: DesignParameter, units: ShownUnits) -> str:
     value, unit = one.value * units.scale(one.name, one.unit), units.unit(one.name, one.unit)
-    return f"{style.plain(float(f'{value:.4g}'))} {typeset_unit(unit)}".strip()
+    return f"{style.tick_text(float(f'{value:.4g}'))} {typeset_unit(unit)}".strip()
 
 
 def _shown(objective: DesignObjective, units: ShownUnits) -> tuple[float, str]:
@@ -114,7 +114,7 @@ def damper_over_conditions(
     """
     figure = style.new_figure(style.WIDTH, 1.4 + 0.45 * len(found.conditions))
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     rows = np.arange(len(found.conditions))
     marks = (("as given", "before", "s"), ("best for all", "after", "o"), ("best alone", "alone", "|"))
     scale, unit = (
@@ -129,7 +129,7 @@ def damper_over_conditions(
     axes.set_xlabel(f"largest {axis_label(found.channel.name, unit)}")
     key_below(figure, *axes.get_legend_handles_labels())
     best = ", ".join(f"{one.name} = {_value(one, units)}" for one in found.parameters)
-    style.heading(figure, f"{found.title}: {best}" if title is None else title)
+    style.set_title(figure, f"{found.title}: {best}" if title is None else title)
     return figure
 
 
@@ -151,7 +151,7 @@ def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | 
     count = len(found.objectives) - 1
     figure = style.new_figure(style.WIDTH, 3.6)
     for number, axes in enumerate(np.atleast_1d(figure.subplots(1, count)).tolist()):
-        style.dress(axes)
+        style.style_axes(axes)
         (x, across_label), (y, up_label) = (_shown(one, units) for one in found.objectives[number : number + 2])
         across, up = found.values[:, number] * x, found.values[:, number + 1] * y
         axes.plot(across, up, "o", markersize=4, color=style.PALETTE[0], label="best compromises")
@@ -163,7 +163,7 @@ def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | 
         axes.set_xlabel(f"{across_label}, {found.objectives[number].sense}d")
         axes.set_ylabel(f"{up_label}, {found.objectives[number + 1].sense}d")
     key_below(figure, *figure.axes[0].get_legend_handles_labels())
-    style.heading(figure, f"{found.title}: best compromises".removeprefix(": ") if title is None else title)
+    style.set_title(figure, f"{found.title}: best compromises".removeprefix(": ") if title is None else title)
     return figure
 
 
@@ -201,8 +201,8 @@ def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: st
         every[-1].errorbar(range(len(labels)), shares[:, 0], ends, fmt="o", capsize=5, color=style.PALETTE[2])
         every[-1].set_ylabel("keep all limits [%]\n95 % confidence")
     for axes in every:
-        style.dress(axes)
+        style.style_axes(axes)
         axes.set_xticks(range(len(labels)), labels)
         axes.set_xlim(-0.5, len(labels) - 0.5)
-    style.heading(figure, f"{found.title}: robust optimum".removeprefix(": ") if title is None else title)
+    style.set_title(figure, f"{found.title}: robust optimum".removeprefix(": ") if title is None else title)
     return figure

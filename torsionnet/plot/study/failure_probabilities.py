@@ -44,7 +44,7 @@ def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, tit
     ]
     figure = style.new_figure(style.WIDTH, 1.3 + 0.34 * len(events))
     axes = figure.subplots()
-    style.dress(axes)
+    style.style_axes(axes)
     for place, (_, one) in enumerate(events):
         _drawn(axes, place, one)
     if ends:
@@ -57,7 +57,7 @@ def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, tit
     told_rows(axes, [case for case, _ in events], style.WIDTH)
     words = textwrap.fill(f"probability of {typeset_unit(found.beyond)} [-]", style.WIDEST_TITLE)
     axes.set_xlabel(f"{words}\n{100 * found.confidence:g} % interval")
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 

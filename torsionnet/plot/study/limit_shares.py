@@ -46,7 +46,7 @@ def limit_shares(found: YieldFound, *, units: ShownUnits = IN_SI, title: str | N
     panels = figure.subplots(len(names), 1, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
         _panel(axes, found, [one for one in found.distributions if one.quantity == name], units)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -55,7 +55,7 @@ def _panel(axes: Axes, found: YieldFound, distributions: list[LimitedValues], un
     scale = units.scale(first.curve or first.quantity, first.unit)
     for number, one in enumerate(distributions):
         _drawn(axes, one, scale, number, _label(found, one))
-    style.dress(axes)
+    style.style_axes(axes)
     with_values = [one for one in distributions if one.counts.any()]
     if with_values:
         _ends(axes, first, scale, with_values, units)

@@ -63,7 +63,7 @@ def parallel_coordinates(found: ParallelFound, *, units: ShownUnits = IN_SI, tit
     if any(outside.any() for outside in found.beyond.values()):
         handles = [Line2D([], [], color=color) for color in (WITHIN, BEYOND)]
         key_below(figure, handles, ["within limits", "beyond a limit"])
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 

@@ -72,7 +72,7 @@ def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str
         axes.tick_params(labelbottom=True)
     handles, labels = panels[0].get_legend_handles_labels()
     key_below(figure, handles, labels)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -88,4 +88,4 @@ def _bands(axes: Axes, points: FloatArray, lines: FloatArray, shares: tuple[floa
         axes.plot(points, lines[pairs], color=style.PALETTE[0], linewidth=1.6, label=f"{shares[pairs]:g} % are below")
     if not len(known([lines])):
         say(axes, "no variant has a value")
-    style.dress(axes)
+    style.style_axes(axes)

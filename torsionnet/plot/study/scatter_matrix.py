@@ -66,7 +66,7 @@ def scatter_matrix(
         for axes, parameter in zip(row, shown, strict=True):
             _points(axes, columns[parameter], columns[quantity])
             _coefficient(axes, found, cases, parameter, quantity)
-            style.dress(axes)
+            style.style_axes(axes)
         _scaled(row[0], "y", columns[quantity])
         row[0].set_ylabel(axis_label(quantity, units.unit(quantity, si[quantity]), PANEL[1]))
     for axes, parameter in zip(panels[-1], shown, strict=True):
@@ -75,7 +75,7 @@ def scatter_matrix(
     handles, labels = panels[0][0].get_legend_handles_labels()
     if len(labels) > 1:
         key_below(figure, handles, labels, larger=3)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.plot.drawing.bars import Bars, draw_bars, takes_a_page
+from torsionnet.plot.drawing.bars import Bars, draw_bars, fills_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
 from torsionnet.plot.study.study_axes import bar_key, named_rows, say, study_bars, titled
 from torsionnet.study.shown_units import IN_SI, ShownUnits
@@ -41,9 +41,9 @@ def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | 
     del units
     cases = list(dict.fromkeys(case for case, _ in found.indices))
     rows = min(MOST_PARAMETERS, len(found.parameters))
-    if takes_a_page(len(found.indices), rows):
+    if fills_a_page(len(found.indices), rows):
         figure = _matrix(found, cases)
-        style.heading(figure, found.title if title is None else title)
+        style.set_title(figure, found.title if title is None else title)
         return figure
     figure, panels, width = study_bars(len(found.indices), rows, found.parameters)
     for axes, ((case, quantity), one) in zip(panels, _by_quantity(found), strict=True):
@@ -53,7 +53,7 @@ def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | 
     for axes in panels[-columns:]:
         axes.set_xlabel("share of the variance [-]")
     bar_key(figure, panels, f", {100 * found.confidence:g} % interval")
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -72,7 +72,7 @@ def _by_quantity(found: SobolFound) -> list[tuple[tuple[str, str], SobolEstimate
 
 def _bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:
     order = np.argsort(-np.nan_to_num(one.total, nan=-np.inf), kind="stable")[:MOST_PARAMETERS].tolist()
-    style.dress(axes)
+    style.style_axes(axes)
     named_rows(axes, [parameters[place] for place in order], width)
     axes.set_xlim(WITHIN)
     if not np.isfinite(one.total).any():

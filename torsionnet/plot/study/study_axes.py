@@ -17,7 +17,7 @@ from torsionnet.core.number_text import bracketed, typeset_unit
 from torsionnet.plot.drawing.bars import bar_panels, name_rows
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
-from torsionnet.plot.schematic.texts import wrapped
+from torsionnet.plot.schematic.texts import wrap_text
 
 LIMIT_COLOR = "#B00020"
 WITHIN, BEYOND = style.PALETTE[0], LIMIT_COLOR
@@ -89,7 +89,7 @@ def broken(text: str, inches: float) -> str:
         if lines and _width(f"{lines[-1]} {word}") <= inches:
             lines[-1] += f" {word}"
         else:
-            lines += [part for piece in wrapped(word, ROLE, inches * INCH) for part in _cut(piece, inches)]
+            lines += [part for piece in wrap_text(word, ROLE, inches * INCH) for part in _cut(piece, inches)]
     return _without_math("\n".join(lines))
 
 
@@ -182,8 +182,8 @@ def by_factors(axes: Axes, side: str, low: float, high: float, inches: float = m
     (axes.set_xscale if side == "x" else axes.set_yscale)("log")
     style.log_ticks(axis, low, high)
     decades = math.log10(high / low) if 0 < low < high else 0.0
-    if side == "x" and decades > 1 and _width(style.plain(high)) > math.log10(2) / decades * inches:
-        axis.set_major_locator(LogLocator(numticks=max(2, int(inches / _width(style.plain(high))))))
+    if side == "x" and decades > 1 and _width(style.tick_text(high)) > math.log10(2) / decades * inches:
+        axis.set_major_locator(LogLocator(numticks=max(2, int(inches / _width(style.tick_text(high))))))
 
 
 def study_bars(count: int, rows: int, names: Sequence[str]) -> tuple[Figure, list[Axes], float]:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import bracketed, on_screen, typeset_unit
-from torsionnet.plot.drawing.bars import Bars, draw_bars, takes_a_page
+from torsionnet.plot.drawing.bars import Bars, draw_bars, fills_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
 from torsionnet.plot.study.study_axes import (
     ALIKE,
@@ -47,9 +47,9 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
     quantities, cases = list(found.units), list(found.spans)
     names = list(found.parameter_units)
     pairs = [(case, quantity) for quantity in quantities for case in cases]
-    if takes_a_page(len(pairs), min(MOST_PARAMETERS, len(names))):
+    if fills_a_page(len(pairs), min(MOST_PARAMETERS, len(names))):
         figure = _matrix(found, units)
-        style.heading(figure, found.title if title is None else title)
+        style.set_title(figure, found.title if title is None else title)
         return figure
     figure, panels, width = study_bars(len(pairs), min(MOST_PARAMETERS, len(names)), names)
     for axes, (case, quantity) in zip(panels, pairs, strict=True):
@@ -61,7 +61,7 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
         titled(axes, ": ".join(told), width - 0.4)
     bar_key(figure, panels)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -80,7 +80,7 @@ def _matrix(found: TornadoFound, units: ShownUnits) -> Figure:
 
 def _bars(axes: Axes, one: Swings, names: list[str], scale: float, width: float) -> None:
     shown = one.order[:MOST_PARAMETERS]
-    style.dress(axes)
+    style.style_axes(axes)
     named_rows(axes, [names[place] for place in shown], width)
     ends = np.array([one.at_low[shown], one.at_high[shown]])
     if not (np.abs(ends - one.middle) > ALIKE * abs(one.middle)).any():

@@ -51,7 +51,7 @@ def worst_variants(found: WorstCaseFound, *, units: ShownUnits = IN_SI, title: s
         marks += [Line2D([], [], marker=mark, color=style.MUTED, linestyle="none") for mark in PLACES]
         texts += PLACES.values()
     key_below(figure, marks, texts)
-    style.heading(figure, found.title if title is None else title)
+    style.set_title(figure, found.title if title is None else title)
     return figure
 
 
@@ -90,7 +90,7 @@ def _table(found: WorstCaseFound, cases: list[str], names: list[str], units: Sho
     lines = [axis_label(name, "", max(width, 1.2)) for name in names]
     places.set_xticks(range(len(names)), lines, rotation=90 if max(map(len, names)) > FEW else 0)
     places.set_xlim(-0.6, len(names) - 0.4)
-    style.dress(places)
+    style.style_axes(places)
     places.set_xlabel("within the tolerance")
     return figure
 
@@ -106,7 +106,7 @@ EDGE = 1e-3
 
 
 def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, texts: bool = True) -> None:
-    style.dress(axes)
+    style.style_axes(axes)
     if all(np.isnan(one.value) for one in here):
         say(axes, "no value")
         return
@@ -132,7 +132,7 @@ def _shares(one: WorstVariant, names: list[str]) -> list[float]:
 
 
 def _places(axes: Axes, here: list[WorstVariant], names: list[str]) -> None:
-    style.dress(axes)
+    style.style_axes(axes)
     for one in here:
         axes.plot(_shares(one, names), range(len(names)), "^" if one.direction == "largest" else "v",
                   color=COLORS[one.direction], markersize=7, clip_on=False)  # fmt: skip

@@ -35,12 +35,12 @@ def _file(image: str) -> str:
 
 def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path, ...]:
     """Write a text, every figure as SVG or PDF, and the images of the template that it names; gives their paths."""
-    from torsionnet.plot.drawing.rendering import rendered
+    from torsionnet.plot.drawing.rendering import figure_bytes
 
     folder = figure_folder(path)
     images = report.template.images if report.template else {}
     files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
-    files |= {f"{picture.name}.{form}": rendered(picture.drawn, form) for picture in report.pictures}
+    files |= {f"{picture.name}.{form}": figure_bytes(picture.drawn, form) for picture in report.pictures}
     with _all_or_none(folder, files):
         for name, data in files.items():
             folder.mkdir(exist_ok=True)

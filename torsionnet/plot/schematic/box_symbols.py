@@ -10,7 +10,7 @@ from torsionnet.plot.drawing.pieces import Stroke, arc
 from torsionnet.plot.schematic.outlines import BODY, WHEEL, rectangle
 
 if TYPE_CHECKING:
-    from torsionnet.plot.schematic.epicyclic import Boxed
+    from torsionnet.plot.schematic.epicyclic import BoxElement
 
 HALF_SIZE = 24.0
 """Half the width and height of a symbol in points."""
@@ -19,19 +19,21 @@ RING, ROOT, SUN, MOST_PLANETS = 23.5, 20.5, 8.0, 6  # radii in points: rim and t
 PLANET = (ROOT - SUN) / 2  # radius in points that fills the gap between sun and ring
 
 
-def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
+def box_symbol(element: BoxElement, x: float, y: float) -> list[Stroke]:
     """Strokes of the symbol of an element in a box, around (x, y); none for elements without a symbol."""
     if element.glyph == "planetary":
         given: Any = getattr(element, "planets", 3)
-        return planetary(x, y, len(given) if isinstance(given, tuple) else given if isinstance(given, int) else 3)
+        return planetary_symbol(
+            x, y, len(given) if isinstance(given, tuple) else given if isinstance(given, int) else 3
+        )
     if element.glyph == "differential":
         locked = bool(getattr(element, "locked", False)) or getattr(element, "differential", "") == "locked"
-        return differential(x, y, locked=locked)
-    drawn = SMALL.get(element.glyph)
+        return differential_symbol(x, y, locked=locked)
+    drawn = SHARED_SYMBOLS.get(element.glyph)
     return [stroke.shifted(x, y) for stroke in drawn()] if drawn else []
 
 
-def gearbox() -> list[Stroke]:
+def gearbox_symbol() -> list[Stroke]:
     """Symbol of a gearbox: two shafts with three pairs of wheels."""
     shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
     pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
@@ -44,7 +46,7 @@ def gearbox() -> list[Stroke]:
     return [*shafts, *wheels]
 
 
-def belt() -> list[Stroke]:
+def belt_symbol() -> list[Stroke]:
     """Symbol of a belt: two pulleys with the belt around them, seen along their axes."""
     (left, big), (right, small) = (-11.0, 11.0), (14.0, 7.0)
     tilt = math.degrees(math.asin((big - small) / (right - left)))
@@ -57,7 +59,7 @@ def belt() -> list[Stroke]:
     return [Stroke(around, "part", closed=True, fill="#ffffff"), *wheels, *hubs]
 
 
-def hydrodynamic() -> list[Stroke]:
+def hydrodynamic_symbol() -> list[Stroke]:
     """Symbol of a fluid coupling or torque converter: two half shells face to face, with blades."""
     found: list[Stroke] = []
     for sign in (-1, 1):
@@ -67,11 +69,15 @@ def hydrodynamic() -> list[Stroke]:
     return found
 
 
-SMALL: dict[str, Callable[[], list[Stroke]]] = {"gearbox": gearbox, "belt": belt, "hydrodynamic": hydrodynamic}
+SHARED_SYMBOLS: dict[str, Callable[[], list[Stroke]]] = {
+    "gearbox": gearbox_symbol,
+    "belt": belt_symbol,
+    "hydrodynamic": hydrodynamic_symbol,
+}
 """Symbols that are used in boxes and in elements between two ends, by the element's ``glyph``."""
 
 
-def planetary(x: float, y: float, planets: int = 3) -> list[Stroke]:
+def planetary_symbol(x: float, y: float, planets: int = 3) -> list[Stroke]:
     """Symbol of a planetary set seen along the axis; the carrier is the star that joins the planets' axles."""
     count = max(1, min(planets, MOST_PLANETS))
     orbit = (ROOT + SUN) / 2
@@ -86,7 +92,7 @@ def planetary(x: float, y: float, planets: int = 3) -> list[Stroke]:
     return [*outer, *wheels, _circle(x, y, SUN, WHEEL), *carrier, *hubs]
 
 
-def differential(x: float, y: float, *, locked: bool = False) -> list[Stroke]:
+def differential_symbol(x: float, y: float, *, locked: bool = False) -> list[Stroke]:
     """Symbol of a differential: side gears and pinions in a cage, with a bar between the side gears if locked."""
     cage = Stroke(_rectangle(x, y, 23, 21), "part", closed=True, fill="#ffffff")
     sides = [_bevel(x, y, sign, level=True) for sign in (-1, 1)]

@@ -17,11 +17,11 @@ RAIL, BETWEEN = 6.0, 20.0
 
 HALF = {"spring": 9.0, "damper": 6.0}
 
-Strand = tuple[str, ...]
+SeriesChain = tuple[str, ...]
 """Springs and dashpots in series from one end to the other, as the words ``spring`` and ``damper``."""
 
 
-def strands(element: Element, values: Mapping[str, Any]) -> list[Strand]:
+def parallel_chains(element: Element, values: Mapping[str, Any]) -> list[SeriesChain]:
     """Parallel chains of springs and dashpots of an element, springs first; none if its laws form no chains."""
     edges = _edges(element, values)
     first, second = _ends(element, values)
@@ -30,7 +30,7 @@ def strands(element: Element, values: Mapping[str, Any]) -> list[Strand]:
     chains = [_chain(node, first, second, edges) for node in inner]
     if not all(chains):
         return []
-    return sorted(dict.fromkeys([*direct, *chains]), key=lambda strand: (strand[0] != "spring", len(strand)))
+    return sorted(dict.fromkeys([*direct, *chains]), key=lambda chain: (chain[0] != "spring", len(chain)))
 
 
 def _ends(element: Element, values: Mapping[str, Any]) -> tuple[str, str]:
@@ -71,7 +71,7 @@ def _with_ground(row: Mapping[str, Any]) -> dict[str, Any]:
     return dict(row) if len(row) > 1 else dict(row) | {GROUND: -next(iter(row.values()))}
 
 
-def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]) -> Strand:
+def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]) -> SeriesChain:
     """Chain of two elements in series through an inner node; empty if more than two meet there."""
     ways = [[what for ends, what in edges if ends == {node, end}] for end in (first, second)]
     if any(len(way) != 1 for way in ways) or sum(node in ends for ends, _ in edges) != len(ways):
@@ -79,38 +79,40 @@ def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]
     return ways[0][0], ways[1][0]
 
 
-def network(element: Element, values: Mapping[str, Any], plain: str) -> Glyph:
+def chain_symbol(element: Element, values: Mapping[str, Any], plain: str) -> Glyph:
     """Symbol of an element's chains between two rails, at least with a chain of the kind ``plain``."""
-    found = strands(element, values)
-    if not any(plain in strand for strand in found):
+    found = parallel_chains(element, values)
+    if not any(plain in chain for chain in found):
         found = [(plain,), *found]
-    length = LENGTH if any("spring" in strand for strand in found) else DASHPOT_LENGTH
-    if any(len(strand) > 1 for strand in found):
+    length = LENGTH if any("spring" in chain for chain in found) else DASHPOT_LENGTH
+    if any(len(chain) > 1 for chain in found):
         length = 2 * LENGTH - 8
     if len(found) == 1:
-        reach = 13.0 if "spring" in found[0] else 9.0
+        half_width = 13.0 if "spring" in found[0] else 9.0
         half = 8.0 if found[0] == ("damper",) else HALF["damper"]
-        return Glyph(tuple(_strand(found[0], element, 0, length, 0, half)), length, reach)
+        return Glyph(tuple(_chain_strokes(found[0], element, 0, length, 0, half)), length, half_width)
     return _railed(found, element, length + 2 * RAIL if length > LENGTH else length)
 
 
-def _railed(found: list[Strand], element: Element, length: float) -> Glyph:
+def _railed(found: list[SeriesChain], element: Element, length: float) -> Glyph:
     top = BETWEEN / 2 * (len(found) - 1)
     heights = [top - BETWEEN * place for place in range(len(found))]
     rails = [Stroke(((x, heights[-1]), (x, top))) for x in (RAIL, length - RAIL)]
     leads = [Stroke(((0, 0), (RAIL, 0))), Stroke(((length - RAIL, 0), (length, 0)))]
     drawn = [
         stroke
-        for strand, y in zip(found, heights, strict=True)
-        for stroke in _strand(strand, element, RAIL, length - RAIL, y, HALF["damper"])
+        for chain, y in zip(found, heights, strict=True)
+        for stroke in _chain_strokes(chain, element, RAIL, length - RAIL, y, HALF["damper"])
     ]
     return Glyph((*leads, *rails, *drawn), length, top + 12)
 
 
-def _strand(strand: Strand, element: Element, start: float, end: float, y: float, half: float) -> list[Stroke]:
-    step = (end - start) / len(strand)
+def _chain_strokes(
+    chain: SeriesChain, element: Element, start: float, end: float, y: float, half: float
+) -> list[Stroke]:
+    step = (end - start) / len(chain)
     strokes: list[Stroke] = []
-    for place, what in enumerate(strand):
+    for place, what in enumerate(chain):
         x = start + place * step
         strokes += _spring(element, x, x + step, y) if what == "spring" else dashpot(x, x + step, y, half)
     return strokes
