@@ -189,7 +189,7 @@ class TestPlans:
 
     def test_operating_point_of_another_speed(self):
         rig = following_rig()
-        fast = rig.operated({"k_f": 777.0})
+        fast = rig.with_operating_values({"k_f": 777.0})
         batch = batch_of(fast, {"J": [0.1, 0.2]})
         assert batch.stiffness[0].tolist() == fast.assembly.system.stiffness.tolist()
         assert require_like_single_models(batch)["together"] == 2

@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.model.checks import check_definition
 from torsionnet.model.configurations import DEFAULT_AXIS
-from torsionnet.model.defining import put_together
+from torsionnet.model.defining import flatten_definition
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, flat_text
@@ -46,7 +46,7 @@ def loaded_in_the_whole(definition):
 
 
 def dotted(model):
-    flat, faults = put_together(in_a_part(model.definition))
+    flat, faults = flatten_definition(in_a_part(model.definition))
     assert faults == []
     return tn.Drivetrain.from_definition(flat)
 

@@ -1,6 +1,6 @@
 from fractions import Fraction
 
-from torsionnet.model.elimination import reduce_rows, smallest_culprits, substitute
+from torsionnet.model.elimination import reduce_rows, smallest_failing_rows, substitute
 
 ORDER = {name: index for index, name in enumerate("abcdef")}
 
@@ -45,4 +45,4 @@ def test_substitute_drops_what_cancels():
 
 def test_smallest_culprits_leaves_out_bystanders():
     rows = [{"a": 1}, {"b": 1}, {"a": 1, "c": 1}, {"c": 1}]
-    assert smallest_culprits(rows, range(4), lambda some: {"a": 1} in some and {"c": 1} in some) == [0, 3]
+    assert smallest_failing_rows(rows, range(4), lambda some: {"a": 1} in some and {"c": 1} in some) == [0, 3]

@@ -131,7 +131,7 @@ class TestFiles:
             (np.arange(720), None, "angle;pressure [bar]", 1, "the column angle has no unit; write its heading as angle"),
             (np.arange(720), None, "angle [deg];pressure [Nm]", 1, '"Nm" is no unit of pressure'),
             (np.arange(720), None, "time [s];pressure [bar]", 1, '"s" is no unit of angle'),
-            (np.arange(720), None, "angle [deg];p [Pa]", 1, r"a peak of 100 Pa \(0.001 bar\) is no pressure"),
+            (np.arange(720), None, "angle [deg];p [Pa]", 1, r"a peak of 100 Pa \(0.001 bar\) is too low"),
             (np.r_[0:5, 3, 6:720], None, None, 7, "the angle 3 deg follows 4 deg; angles increase"),
             (np.arange(720), lambda at: np.where(at == 7, np.nan, bar(at)), None, 9, "a number is missing"),
             (np.arange(0, 720, 36), None, None, 21, "20 pressures are too few"),
@@ -348,7 +348,7 @@ class TestMeanIndicatedPressure:
             rig = tn.load(in_file(tmp_path, f"{{traces: {{{said:.4g} bar: p100.csv}}}}"))
             found = [fault.message for fault in rig.check() if "indicated" in fault.message]
             assert len(found) == count
-        assert f"p100.csv: its mean indicated pressure is {true:.4g} bar, it stands under" in found[0]
+        assert f"p100.csv: its mean indicated pressure is {true:.4g} bar, but it is given under" in found[0]
 
     @pytest.mark.parametrize(("ratio", "polytropic"), [(8, 1.3), (12, 1.35), (16, 1.3), (22, 1.38)])
     @pytest.mark.parametrize("count", [72, 361, 720])
@@ -369,7 +369,7 @@ class TestMeanIndicatedPressure:
         rig = tn.load(in_file(tmp_path, "{fired: p100.csv, zero: 360 deg}"))
         (found,) = [fault for fault in rig.check() if "highest" in fault.message]
         assert found.severity == "warning"
-        assert "-352 deg after firing top dead centre; is zero: right?" in found.message
+        assert "-352 deg after firing top dead centre; check zero:, the angle of the traces" in found.message
 
 
 class TestHarmonics:

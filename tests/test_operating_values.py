@@ -84,7 +84,7 @@ class TestOrderResponse:
     def test_only_what_follows_the_speed_is_made_again(self):
         """A speed costs the elements that follow it; a float that equals a fraction is another value."""
         rig = ship(K, C_TABLE)
-        first, other = (rig.operated({"c_prop": value}).assembly.kinematics for value in (2e4, 3e4))
+        first, other = (rig.with_operating_values({"c_prop": value}).assembly.kinematics for value in (2e4, 3e4))
         same = {one: first.made[one] is other.made[one] for one in first.made}
         assert [name for name, kept in same.items() if not kept] == ["prop_damp"]
         assert [one.part.damping for one in other.parts if one.element == "prop_damp"] == [3e4]

@@ -237,11 +237,11 @@ class Drivetrain(RunningMachinery):
         >>> tn.load("dmf_rig").modes().natural_frequencies.round(5).tolist()
         [7.10526, 80.98336]
         """
-        from torsionnet.model.operating_values import at_which_speed
+        from torsionnet.model.operating_values import operating_speed_notes
         from torsionnet.solve.modes.modes import modes
 
         found = modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
-        return replace(found, notes=(*found.notes, *at_which_speed(self.external_torques)))
+        return replace(found, notes=(*found.notes, *operating_speed_notes(self.external_torques)))
 
     def loop_margins(self, controller: str | None = None) -> LoopMargins:
         """Stability margins of the loop opened at a controller, and the loop itself for Nyquist's plot.

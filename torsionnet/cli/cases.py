@@ -60,9 +60,9 @@ class ModelCommand(Command):
 
     def require_one(self, why: str) -> None:
         """Refuse several configurations with the message given."""
-        from torsionnet.model.configurations import EVERY
+        from torsionnet.model.configurations import ALL_CONFIGURATIONS
 
-        if len(self.configurations) > 1 or EVERY in self.configurations:
+        if len(self.configurations) > 1 or ALL_CONFIGURATIONS in self.configurations:
             raise click.UsageError(why)
 
     def joined(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
@@ -94,7 +94,7 @@ def _of(fault: Fault, changed: Drivetrain) -> Fault:
 
 
 def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
-    from torsionnet.model.configurations import EVERY
+    from torsionnet.model.configurations import ALL_CONFIGURATIONS
 
     available = rig.configurations
     if not configurations:
@@ -102,7 +102,7 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
             names = comma_list(available, CONFIGURATIONS_NAMED, ", ...")
             message("note", f"parameters as written; configurations: {names} (-c NAME, or -c all)")
         return [""]
-    if EVERY in configurations and EVERY not in available:
+    if ALL_CONFIGURATIONS in configurations and ALL_CONFIGURATIONS not in available:
         if not available:
             message("note", "the model has no configurations")
         return list(available) or [""]

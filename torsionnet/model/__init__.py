@@ -1,1 +1,1 @@
-"""What an author wrote, as data: elements, parameters, sensors, configurations, checks, model files."""
+"""Model of a drivetrain as data: elements, parameters, sensors, configurations, checks, model files."""

@@ -1,4 +1,4 @@
-"""Sensors and inputs: what is measured or driven, and where."""
+"""Sensors and inputs of a model: measured and imposed quantities at nodes and elements."""
 
 from __future__ import annotations
 
@@ -14,15 +14,17 @@ from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")
-"""angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports, and the
-nominal shear stress it makes there in a round shaft."""
+"""Quantities of sensors.
+
+Angle, velocity and acceleration of a node; twist of an element; torque through an element at one of its ports, and the
+nominal shear stress that this torque makes in a round shaft."""
 
 MOTIONS = ("angle", "velocity", "acceleration")
-"""Of a node, or of one node relative to another."""
+"""Quantities measured at a node, or at a node relative to another node."""
 ELEMENT_QUANTITIES = ("twist", "torque", "stress")
 PORT_QUANTITIES = ("torque", "stress")
 INPUT_QUANTITIES = ("torque", "angle")
-"""Of the inputs of a model; a solver may also be asked for the response to an imposed twist."""
+"""Quantities of the inputs of a model; solvers also take an imposed twist."""
 
 UNITS = {
     "angle": "rad",
@@ -36,7 +38,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Sensor:
-    """A measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
+    """Measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
 
     ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign. A
     motion is relative to that of the node ``against``, if there is one. With ``referred_to``, a node of another shaft,
@@ -66,7 +68,7 @@ class Sensor:
                 raise UsageError(f"the {self.quantity} of an element is not relative to a node: leave out against=")
             _settle_pair(self)
         if self.referred_to is not None and self.quantity == "stress":
-            raise UsageError(STRESS_AT_HOME)
+            raise UsageError(STRESS_OF_OWN_SHAFT)
 
     @property
     def is_on_element(self) -> bool:
@@ -75,13 +77,13 @@ class Sensor:
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """The nodes whose motion it measures."""
+        """Nodes whose motion is measured; empty for a sensor on an element."""
         return () if self.is_on_element else nodes_of(self)
 
     @property
     def row(self) -> dict[str, int]:
-        """What of the nodes' angles is measured: 1 of the first, -1 of the second."""
-        return dict(zip(self.nodes, SHARES, strict=False))
+        """Row of the measured motion over nodes: 1 at the first node, -1 at the second."""
+        return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
 
     def __str__(self) -> str:
         second = self.at or self.against
@@ -103,7 +105,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """An excitation: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
+    """Input of a model: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
 
     With ``against``, a second node, +T acts on the first node and -T on the second, or the angle of the first relative
     to the second is imposed. Against the ground that is the same as on the node alone. An imposed twist e is what the
@@ -137,13 +139,13 @@ class Input:
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """The nodes it acts on."""
+        """Nodes on which the input acts; empty for a twist in an element."""
         return () if self.is_on_element else nodes_of(self)
 
     @property
     def row(self) -> dict[str, int]:
-        """Torques on the nodes per unit, or what of their angles is imposed: 1 of the first, -1 of the second."""
-        return dict(zip(self.nodes, SHARES, strict=False))
+        """Row of the input over nodes, per unit of torque or imposed angle: 1 at the first node, -1 at the second."""
+        return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
 
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
@@ -163,26 +165,26 @@ def _renamed(node: str | None, names: Renaming) -> str | None:
 
 
 REFERRED = " referred to "
-"""Between what is read and the shaft it is referred to, as in ``torque(shaft) referred to crank``."""
+"""Text between a reading and the shaft it is referred to, as in ``torque(shaft) referred to crank``."""
 
-STRESS_AT_HOME = "a stress is that of its own shaft; refer the torque to another one"
+STRESS_OF_OWN_SHAFT = "a stress is that of its own shaft; refer the torque to another one"
 
-SHARES = (1, -1)
-"""Of the first node and of the one it is taken against."""
+PAIR_COEFFICIENTS = (1, -1)
+"""Coefficients of the first node and of the node that it is taken against."""
 
 
 def nodes_of(channel: Sensor | Input) -> tuple[str, ...]:
-    """The node of a channel, and the one it is taken against."""
+    """Node of a channel, and the node that it is taken against, if any."""
     return (channel.of,) if channel.against is None else (channel.of, channel.against)
 
 
 def named_nodes(channel: Sensor | Input) -> str:
-    """The nodes of a channel in a sentence: ``"pulley" against "block"``."""
+    """Text that names the nodes of a channel: ``"pulley" against "block"``."""
     return " against ".join(f'"{node}"' for node in nodes_of(channel))
 
 
-def still_words(channel: Sensor | Input) -> str:
-    """Why its nodes do not move, as the end of a sentence."""
+def immobility_text(channel: Sensor | Input) -> str:
+    """Text that says why the nodes of a channel do not move, as the end of a sentence."""
     return "it is locked" if channel.against is None else f"{named_nodes(channel)} is held rigidly"
 
 
@@ -191,7 +193,7 @@ def _plain(channel: Sensor | Input) -> str | list[str]:
 
 
 def _settle_pair(channel: Sensor | Input) -> None:
-    """Refuse what is no pair of nodes; what is taken against the ground is on its node alone."""
+    """Refuse a second name that is no node; drop the ground as second node."""
     fault = pair_fault(channel.of, channel.against, channel.quantity)
     if fault:
         raise UsageError(fault)
@@ -200,7 +202,7 @@ def _settle_pair(channel: Sensor | Input) -> None:
 
 
 def pair_fault(first: str, second: Any, quantity: str) -> str | None:
-    """Why two names are no nodes that a ``quantity`` can be between, or None."""
+    """Message if a ``quantity`` cannot be taken between two nodes of these names, else None."""
     if not isinstance(second, str) or not second:
         return f"expected the name of a node, got {second!r}"
     if first == second:
@@ -235,7 +237,7 @@ _PAIR = re.compile(r"\s*([A-Za-z][\w.]*)\s*-\s*([A-Za-z][\w.]*)\s*")
 
 
 def parse_pair(text: str) -> tuple[str, str] | None:
-    """The two nodes of a text such as ``pulley-block``: a torque between them; or None if it has another form.
+    """Two nodes of a text such as ``pulley-block``: a torque between them; or None if it has another form.
 
     >>> parse_pair("pulley-block"), parse_pair("pulley")
     (('pulley', 'block'), None)
@@ -245,7 +247,7 @@ def parse_pair(text: str) -> tuple[str, str] | None:
 
 
 def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor | None:
-    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``; referred to a shaft or not.
+    """Sensor given by an object, a declared name, or a text such as ``torque(gearbox)``; None for another text.
 
     >>> print(named_sensor("torque(gearbox) referred to crank", {}))
     torque(gearbox) referred to crank
@@ -263,14 +265,14 @@ def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor 
     return found and replace(found, referred_to=shaft.strip())
 
 
-EXTRA = {
+OPTIONAL_SENSOR_KEYS = {
     "at": "the port, or its node, where a torque is taken",
     "referred_to": "a node of the shaft that an angle or torque is referred to",
 }
 
 
 class ChannelName(Text):
-    """A sensor or an input by name or as a text, or a node."""
+    """Entry for the name of a sensor, input or node, or for the text of a sensor."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         if value in names.channels:
@@ -284,12 +286,12 @@ Made_co = TypeVar("Made_co", bound=Input | Sensor, covariant=True)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ChannelEntry(Spec[Made_co]):
-    """What is driven or measured, by the name of its quantity: ``{angle: node}``."""
+    """Entry for an input or a sensor by its quantity: ``{angle: node}``."""
 
     made: type[Made_co]
     quantities: tuple[str, ...]
     name: str
-    """Of its definition in the schema."""
+    """Name of the definition in the JSON Schema."""
 
     def coerce(self, raw: object) -> Made_co:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
@@ -312,16 +314,16 @@ class ChannelEntry(Spec[Made_co]):
         if not isinstance(shaft, str | None):
             raise EntryError(f"expected the name of a node, got {shaft!r}", ("referred_to",))
         if shaft is not None and quantity == "stress":
-            raise EntryError(STRESS_AT_HOME, ("referred_to",))
+            raise EntryError(STRESS_OF_OWN_SHAFT, ("referred_to",))
         return Sensor(quantity, of, at, against, shaft)
 
     @property
     def _extra(self) -> tuple[str, ...]:
-        return tuple(EXTRA) if self.made is Sensor else ()
+        return tuple(OPTIONAL_SENSOR_KEYS) if self.made is Sensor else ()
 
     @property
     def _of_pairs(self) -> tuple[str, ...]:
-        """Quantities that may be between two nodes."""
+        """Quantities that can be taken between two nodes."""
         return self.quantities if self.made is Input else MOTIONS
 
     def _one_quantity(self, raw: Mapping[Any, Any]) -> tuple[str, str, str | None]:
@@ -335,7 +337,7 @@ class ChannelEntry(Spec[Made_co]):
         return given[0], *self._names(given[0], raw[given[0]])
 
     def _names(self, quantity: str, given: Any) -> tuple[str, str | None]:
-        """The name of a node or element, and of a second node."""
+        """Names of the node or element and of the second node, if any."""
         if isinstance(given, str) and given:
             return given, None
         if quantity not in self._of_pairs or not isinstance(given, list | tuple):
@@ -356,7 +358,7 @@ class ChannelEntry(Spec[Made_co]):
 
     def definitions(self) -> Schema:
         texts = {quantity: f"where the {quantity} acts or is measured" for quantity in self.quantities}
-        texts |= {key: EXTRA[key] for key in self._extra}
+        texts |= {key: OPTIONAL_SENSOR_KEYS[key] for key in self._extra}
         pair: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
         forms: dict[str, Schema] = {
             key: {"anyOf": [{"type": "string"}, pair]} if key in self._of_pairs else {"type": "string"} for key in texts
@@ -383,7 +385,7 @@ SENSOR = ChannelEntry("{angle: node} or {torque: element, at: node}", Sensor, SE
 
 
 def port_fault(element: Element, at: str) -> str | None:
-    """Why ``at`` names no port of the element, neither by the port's own name nor by its node; or None.
+    """Message if ``at`` names no port of the element, by the name of the port or of its node; else None.
 
     A name that is a port and also the node of another port is refused: either could be meant.
     """

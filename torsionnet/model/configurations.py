@@ -1,4 +1,4 @@
-"""Named configurations: alternatives on one or several axes, each a small overlay of the base model."""
+"""Configurations: alternatives on one or several axes, each with changes to the base model."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
 DEFAULT_AXIS = "configuration"
-EVERY = "all"
-"""What stands for all configurations where one is asked for."""
+ALL_CONFIGURATIONS = "all"
+"""Name that stands for all configurations in options and entries."""
 
 Axes = Mapping[str, Mapping[str, "Overlay"]]
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """What one alternative changes: parameter values, elements switched on or off, the operating point, entries."""
+    """Changes of an alternative: parameter values, elements on or off, operating point, entries."""
 
     parameters: Mapping[str, Expression] = field(default_factory=dict)
     on: tuple[str, ...] = ()
@@ -36,7 +36,7 @@ class Overlay:
     """Entries of elements, excitations and the load as they are written, by ``element.entry`` and so on."""
 
     def renamed(self, names: Renaming) -> Overlay:
-        """The same of a part, with the names it has in the whole; ``entries`` are as they were written."""
+        """Copy of the changes in a part, with its names in the whole model; ``entries`` are not renamed."""
         point = self.operating_point
         return Overlay(
             {names.own(name): names.expression(value) for name, value in self.parameters.items()},
@@ -54,7 +54,7 @@ class Overlay:
 
 
 class AlternativeEntry(Plural[Overlay]):
-    """``{parameter: value, on: [element], off: [element], operating_point: {...}, box.engaged: II}``."""
+    """Entry for an alternative: ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``."""
 
     @property
     def absent(self) -> Overlay:
@@ -116,13 +116,13 @@ ALTERNATIVES = Named("the alternatives on this axis, by name", ALTERNATIVE)
 def _name_fault(name: str) -> str | None:
     if any(mark in name for mark in ",= \t"):
         return f'"{name}" is no name for a configuration: no spaces, commas or ='
-    if name == EVERY:
-        return f'"{EVERY}" means every configuration; give this one another name'
+    if name == ALL_CONFIGURATIONS:
+        return f'"{ALL_CONFIGURATIONS}" means every configuration; give this one another name'
     return None
 
 
 class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
-    """``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
+    """Entry for axes of alternatives: ``{gear: {II: {tau: 7.96}}}``, or ``{II: {tau: 7.96}}`` for a single axis."""
 
     @property
     def absent(self) -> dict[str, dict[str, Overlay]]:
@@ -174,7 +174,7 @@ def _is_axis(entry: Any) -> bool:
 
 
 def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], list[Fault]]:
-    """The alternatives on one axis; of those with faults, what could be read."""
+    """Alternatives on an axis, as far as they can be read, and their faults."""
     overlays: dict[str, Overlay] = {}
     faults: list[Fault] = []
     for name, raw in alternatives.items():
@@ -188,19 +188,19 @@ def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], lis
 
 
 def combinations(axes: Axes) -> Iterator[dict[str, str]]:
-    """Every choice of one alternative on each axis."""
+    """Choices (axis -> alternative) in all combinations of the axes."""
     named = [[(axis, name) for name in alternatives] for axis, alternatives in axes.items()]
     return (dict(choice) for choice in itertools.product(*named))
 
 
 def label(choice: Mapping[str, str], axes: Axes) -> str:
-    """``V`` when there is one axis, ``gear=V,clutch=open`` when there are several."""
+    """Name of a configuration: ``V`` with one axis, ``gear=V,clutch=open`` with several."""
     if len(axes) == 1:
         return next(iter(choice.values()), "")
     return ",".join(f"{axis}={name}" for axis, name in choice.items())
 
 
-def left_out(choice: Mapping[str, str], axes: Axes) -> tuple[str, ...]:
+def other_configurations(choice: Mapping[str, str], axes: Axes) -> tuple[str, ...]:
     """Names of the configurations that are not the one chosen.
 
     On an axis without a choice the model is as written; an alternative that changes nothing is the same.
@@ -215,14 +215,20 @@ def left_out(choice: Mapping[str, str], axes: Axes) -> tuple[str, ...]:
 
 
 def parse_choice(text: str, axes: Axes) -> dict[str, str]:
-    """The choice meant by ``V``, ``gear=V`` or ``gear=V,clutch=open``; UsageError lists what there is."""
+    """Choice (axis -> alternative) of a text as ``V``, ``gear=V`` or ``gear=V,clutch=open``.
+
+    Raises
+    ------
+    UsageError
+        No such axis or alternative; the message lists the existing ones.
+    """
     choice: dict[str, str] = {}
     if not isinstance(text, str):
         raise UsageError(f"a configuration is named by a text such as gear=V, got {text!r}")
     for part in (piece.strip() for piece in text.split(",")):
         axis, name = _parse_part(part, axes)
         if axis in choice:
-            raise UsageError(f'"{text}" chooses twice on axis "{axis}"')
+            raise UsageError(f'"{text}" chooses twice on axis "{axis}"; give one alternative')
         choice[axis] = name
     return choice
 
@@ -252,7 +258,7 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
 def read_overrides(
     overrides: Mapping[str, Any], parameters: Mapping[str, Any], axes: Mapping[str, Any]
 ) -> dict[str, Expression]:
-    """Values given by hand for some of the ``parameters``.
+    """Expressions of parameter values that override some of the ``parameters``.
 
     Raises
     ------
@@ -274,7 +280,7 @@ def read_overrides(
 
 
 def known_elements(names: Iterable[str] | str, elements: Mapping[str, Any]) -> list[str]:
-    """One name or several as a list.
+    """List of element names from one name or several, all of which exist.
 
     Raises
     ------

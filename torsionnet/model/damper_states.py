@@ -1,6 +1,6 @@
-"""The drivetrain with the rings of its viscous dampers free, locked to the hub, or counted by half.
+"""Drivetrain with the rings of its viscous dampers free, locked to the hub, or counted by half.
 
-A film of oil is neither a spring nor nothing. Where natural frequencies are quoted without damping, the ring of an
+Where natural frequencies are quoted without damping, the ring of an
 untuned damper is left out (free), joined to the hub (locked), or half of its inertia is put on the hub, which is where
 the film of best damping brings the resonance near.
 """
@@ -20,15 +20,15 @@ from torsionnet.model.elements.rigid import RigidCoupling
 from torsionnet.model.elements.viscous_damper import ViscousDamper
 
 AS_MODELLED = "as_modelled"
-SHARES = {"free": 0.0, "locked": 1.0, "half": 0.5}
+RING_SHARES = {"free": 0.0, "locked": 1.0, "half": 0.5}
 """State -> share of the ring's inertia that turns with the hub."""
-STATES = (AS_MODELLED, *SHARES)
+STATES = (AS_MODELLED, *RING_SHARES)
 
 
 def with_dampers(
     definition: Definition, values: Mapping[str, Any], state: str, names: Iterable[str] | None = None
 ) -> Definition:
-    """The definition with dampers in a state.
+    """Definition with the viscous dampers in a given state.
 
     Parameters
     ----------
@@ -58,20 +58,20 @@ def with_dampers(
     for name in chosen:
         found = active[name]
         if isinstance(found, ViscousDamper):
-            elements[name] = _of_damper(found, Values(values), SHARES[state])
+            elements[name] = _of_damper(found, Values(values), RING_SHARES[state])
         else:
-            elements |= _of_film(found, active, Values(values), SHARES[state])
+            elements |= _of_film(found, active, Values(values), RING_SHARES[state])
     return replace(definition, elements=elements)
 
 
 def _of_damper(damper: ViscousDamper, value: Values, share: float) -> Element:
-    """Hub and share of the ring as one inertia."""
+    """Inertia of the hub and of a share of the ring."""
     inertia = float(value(damper.hub_inertia)) + share * float(value(damper.ring_inertia))
     return Inertia.from_entries(damper.name, node=damper.node, inertia=inertia, enabled=inertia > 0)
 
 
 def _of_film(film: Element, active: Mapping[str, Element], value: Values, share: float) -> dict[str, Element]:
-    """The film as a rigid coupling or switched off, and what is left of the ring."""
+    """Elements in place of film and ring, by name: a rigid coupling or nothing, and the share of the ring."""
     hub, ring = _hub_and_ring(film, active)
     found: dict[str, Element] = {}
     for element in active.values():
@@ -90,14 +90,14 @@ def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, st
     rings = [node for node in ends if len(ends) == 2 and _is_ring(node, set(ends), active)]
     if len(rings) != 1:
         raise UsageError(
-            f'"{film.name}" is no film of a damper: that lies between a hub and a ring on which nothing else acts'
+            f'"{film.name}" is no film of a damper: a film lies between a hub and a ring on which nothing else acts'
         )
     (ring,) = rings
     return next(node for node in ends if node != ring), ring
 
 
 def _is_ring(node: str, ends: set[str], active: Mapping[str, Element]) -> bool:
-    """Whether only inertias and the film are on a node."""
+    """Whether a node carries only inertias and the film."""
     there = [element for element in active.values() if node in element.ports.values()]
     only = all(isinstance(one, Inertia) or set(one.ports.values()) == ends for one in there)
     return only and any(isinstance(one, Inertia) for one in there)

@@ -1,4 +1,4 @@
-"""Definitions from the plain content of model files, or from the arguments of a call."""
+"""Model definitions from the plain content of model files, or from the arguments of a call."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
 
 
 def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
-    """The definition holds what could be read of the entries, the faults say what could not."""
+    """Definition from the entries that can be read, and the faults of the others."""
     values, faults = Definition.read_entries(entries)
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
         faults.append(Fault("files are included by model files only", ("include",), on_key=True))
-    flat, found = put_together(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
+    flat, found = flatten_definition(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
     return flat, [*faults, *found]
 
 
-def put_together(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
-    """The flat definition of a model with parts, which knows how it was written.
+def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
+    """Definition with all parts put in, linked to the definition as written, and its faults.
 
-    Without ``whole`` something of the parts could not be read: that they lack what is named is no fault of its own.
+    Without ``whole`` some part could not be read; names that parts lack are then no faults of their own.
     """
     authored = _with_files_read(_with_dotted_parameters(authored))
     if authored.is_flat:
@@ -62,18 +62,18 @@ def put_together(authored: Definition, *, whole: bool = True) -> tuple[Definitio
 
 
 def _with_dotted_parameters(definition: Definition) -> Definition:
-    """In an alternative ``left.k`` is the parameter of that name, if there is one; else an entry of ``left``."""
+    """Definition in which ``left.k`` of an alternative is the parameter of that name, or else an entry of ``left``."""
     known = definition.parameters
     axes = {
-        axis: {label: replace(one, **_told_apart(one, known)) for label, one in names.items()}
+        axis: {label: replace(one, **_split_changes(one, known)) for label, one in names.items()}
         for axis, names in definition.configurations.items()
         if any(key in known for one in names.values() for key in one.entries)
     }
     return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
 
 
-def _told_apart(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
-    """What cannot be read stays an entry; checks say why."""
+def _split_changes(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
+    """Fields of an overlay with parameters moved out of its entries; unreadable values stay for the checks."""
     parameters, entries = dict(overlay.parameters), {}
     for key, raw in overlay.entries.items():
         value, faults = VALUE.read(raw) if key in known else (None, [])
@@ -85,17 +85,19 @@ def _told_apart(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
 
 
 def _with_files_read(definition: Definition) -> Definition:
-    """Alternatives that name files for entries of excitations get their content: they are laid over later."""
+    """Definition whose alternatives hold the content of the files that they name for excitations."""
     axes = {
-        axis: {label: replace(one, entries=_settled(definition, one.entries)) for label, one in names.items()}
+        axis: {
+            label: replace(one, entries=_with_file_contents(definition, one.entries)) for label, one in names.items()
+        }
         for axis, names in definition.configurations.items()
         if any(names_a_file(value) for one in names.values() for value in one.entries.values())
     }
     return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
 
 
-def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """What cannot be read stays as it is; checks say why."""
+def _with_file_contents(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Changed entries of excitations with their files read; unreadable values stay for the checks."""
     found = dict(changes)
     for key, raw in changes.items():
         section, field = section_of(definition, key), key.rpartition(".")[2]

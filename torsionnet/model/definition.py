@@ -1,4 +1,4 @@
-"""The content of a model, read and typed but not yet checked against itself."""
+"""Definition of a model: typed content of a model file, before its sections are checked against each other."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ if TYPE_CHECKING:
     from torsionnet.model.report import ReportPlan
 
 LOAD = "load"
-"""What ``load.entry`` in a configuration means; no excitation can have this name."""
+"""Prefix of ``load.entry`` in a configuration; no excitation can have this name."""
 EXCITATIONS = "excitations"
 ELEMENTS = "elements"
 
 
 class Authored(Protocol):
-    """What an author wrote, with parts, of which a definition was made."""
+    """Interface of a model as written, with parts, from which a flat definition was made."""
 
     @property
     def authored(self) -> Definition:
-        """It as a definition that has not put its parts in."""
+        """Definition as written, before its parts are put in."""
 
     def data(self, flat: Definition) -> dict[str, Any]:
-        """The entries of a model file that makes ``flat``, with its parts as far as that can be said with them."""
+        """Entries of a model file for ``flat``, written with parts as far as possible."""
 
 
 @dataclass(frozen=True)
@@ -76,10 +76,10 @@ class Definition(Declared):
     bench: Plan | None = entry(sections.BENCH, None)
     report: ReportPlan | None = entry(sections.REPORT, None)
     authored: Authored | None = field(default=None, compare=False, repr=False)
-    """What was written, where this is the model with all its parts put in."""
+    """Model as written, if this is the definition with all parts put in."""
 
     def __post_init__(self) -> None:
-        """The values are typed already; reading them once more would cost as much as the file."""
+        """Accept the typed values as they are; reading them again would cost as much as reading the file."""
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
@@ -89,14 +89,14 @@ class Definition(Declared):
 
     @property
     def is_flat(self) -> bool:
-        """Whether it has no parts, and no element that stands for several."""
+        """Whether the definition has no parts, and no element that stands for several elements."""
         if self.use or self.parts:
             return False
         return all(element.expanded() == (element,) for element in self.elements.values())
 
     @cached_property
     def active(self) -> tuple[Element, ...]:
-        """The elements that are switched on, with the values of their own shafts where they are quoted at another."""
+        """Elements that are switched on, with values quoted at another shaft converted to their own."""
         on = tuple(element for element in self.elements.values() if element.enabled)
         if all(element.referred_to is None for element in on):
             return on
@@ -106,11 +106,11 @@ class Definition(Declared):
 
     @property
     def following(self) -> dict[str, Parameter]:
-        """The parameters that follow the operating point."""
+        """Parameters that follow the operating point, by name."""
         return {name: parameter for name, parameter in self.parameters.items() if parameter.by is not None}
 
-    def overlaid(self, overlay: Overlay) -> Definition:
-        """The definition with one alternative laid over it."""
+    def with_overlay(self, overlay: Overlay) -> Definition:
+        """Definition with the changes of an alternative."""
         parameters = dict(self.parameters)
         for name, value in overlay.parameters.items():
             parameters[name] = parameters[name].given(value)
@@ -119,7 +119,7 @@ class Definition(Declared):
             name: replace(element, enabled=switched[name]) if name in switched else element
             for name, element in self.elements.items()
         }
-        point = self.operating_point.overlaid(overlay.operating_point)
+        point = self.operating_point.with_overlay(overlay.operating_point)
         return replace(
             self,
             parameters=parameters,
@@ -128,7 +128,7 @@ class Definition(Declared):
         )
 
     def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
-        """The sections with ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
+        """Changed sections by key for changes as ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW``."""
         found: dict[str, Any] = {EXCITATIONS: dict(self.excitations), ELEMENTS: dict(elements), LOAD: self.load}
         # All entries of one section at once: each alone may contradict what the others change.
         for (table, name), fields in by_section(self, changes).items():
@@ -140,7 +140,7 @@ class Definition(Declared):
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
-        """A model has elements, or uses parts that have some."""
+        """Faults of missing or unknown keys; a model needs elements, or parts with elements."""
         lacks = [] if "elements" in raw or "use" in raw else [cls.missing("elements", name)]
         return [*super().key_faults(raw, name), *lacks]
 
@@ -153,12 +153,12 @@ class Definition(Declared):
         return self.flat_data() if self.authored is None else self.authored.data(self)
 
     def flat_data(self) -> dict[str, Json]:
-        """The same without parts: the entries of a model file with dots in its names."""
+        """Entries of a model file without parts, with dots in the names of what parts contain."""
         return {KEY: FORMAT_VERSION, "name": self.name, **self.written_entries()}
 
 
 def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:
-    """Table, name and section that ``box.engaged`` and the like are about; None if nothing has that name.
+    """Table, name and section to which a key as ``box.engaged`` belongs; None if no section has that name.
 
     Of an excitation and an element of one name it is the excitation, unless only the element has such an entry.
     """
@@ -172,9 +172,9 @@ def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | 
 
 
 def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
-    """``engine.misfire: [3]`` and the like as entries by the table and the name of the section they belong to.
+    """Changes as ``engine.misfire: [3]``, grouped as entries by table and name of their section.
 
-    What belongs to none is left out.
+    Changes of unknown sections are left out.
     """
     found: dict[tuple[str, str], dict[str, Any]] = {}
     for key, value in changes.items():

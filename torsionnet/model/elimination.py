@@ -1,7 +1,7 @@
 """Exact elimination in sparse homogeneous equations between named unknowns.
 
-Rows are maps from name to coefficient; the arithmetic is whatever the coefficients bring along (exact rationals decide
-pivots and rank, twins of rational and symbol carry the symbols along). Knows nothing of drivetrains.
+Rows are maps from name to coefficient in any arithmetic: exact rationals decide pivots and rank, and pairs of rational
+and symbol carry the symbols along.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _UNITS = {1: Fraction(1), -1: Fraction(-1)}
 
 
 def exact(number: Any) -> Fraction:
-    """The rational a number was written as: 0.1 becomes 1/10, not its binary neighbour."""
+    """Exact rational of a number as written: 0.1 becomes 1/10, not its binary neighbour."""
     if type(number) is int and number in _UNITS:
         return _UNITS[number]
     return (
@@ -31,14 +31,14 @@ def exact(number: Any) -> Fraction:
 
 
 class Reduction:
-    """Solution of rows: every eliminated name in terms of the free ones.
+    """Solution of homogeneous rows: every eliminated name as a row over free names.
 
     Attributes
     ----------
     rank : int
-        How many rows were solved for an unknown.
+        Number of rows that were solved for an unknown.
     redundant : tuple of int
-        Rows that followed from earlier ones.
+        Rows that follow from earlier rows.
     blocked : tuple of int
         Rows that only involve names to be kept; these stay unsatisfied.
     """
@@ -55,31 +55,31 @@ class Reduction:
 
     @property
     def solved(self) -> Mapping[Any, dict[Any, Any]]:
-        """Eliminated name -> row over the free names; an empty row means the name is held at zero."""
+        """Row over the free names by eliminated name; an empty row holds the name at zero."""
         return _Solved(self)
 
     def followed_by(self, rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int]) -> Reduction:
-        """The solution with more rows, and without names to be kept."""
+        """Solution with further rows, and without names to be kept."""
         elimination = self._rows.copy(order)
         for row in rows:
             elimination.add(row)
         return Reduction(elimination)
 
     def eliminated(self) -> Iterator[Any]:
-        """The names that have a solution."""
+        """Names that have a solution."""
         return (name for name in self._proportions.names() if not self.is_free(name))
 
     def is_free(self, name: Any) -> bool:
-        """Whether the name is among those that solutions are made of, or in no row at all."""
+        """Whether the name is free: solutions are made of it, or no row contains it."""
         group = self._proportions.group(name)
         return group.solution is None and group.lead == name
 
     def free_names(self, row: Mapping[Any, Any]) -> list[Any]:
-        """The free names in the reduced row."""
+        """Free names in the reduced row."""
         return [self._proportions.group(name).lead for name in self._rows.condensed(row)[0]]
 
     def reduced(self, row: Mapping[Any, Any]) -> dict[Any, Any]:
-        """The row over the free names; exact zeros drop out."""
+        """Row expressed in the free names; exact zeros drop out."""
         current, _ = self._rows.condensed(row)
         return {
             self._proportions.group(name).lead: self._proportions.to_root(name, self._ratios) * value
@@ -87,7 +87,7 @@ class Reduction:
         }
 
     def in_floats(self, row: Mapping[Any, Any]) -> dict[Any, float]:
-        """The row over the free names in floats; what cancels still does so exactly, however long the ratios are."""
+        """Row expressed in the free names in floats; terms that cancel still do so exactly."""
         current, _ = self._rows.condensed(row)
         return {
             self._proportions.group(name).lead: float(
@@ -97,12 +97,12 @@ class Reduction:
         }
 
     def held(self) -> list[Any]:
-        """A name of each group that is held at zero: one in the row that did it."""
+        """Names held at zero, one from each group of names in proportion."""
         solutions = [group.solution for group in self._proportions.groups()]
         return [found.anchor for found in solutions if found and not found.row]
 
     def origin(self, name: Any) -> frozenset[int]:
-        """Numbers of the rows on which the solution for a name rests."""
+        """Numbers of the rows from which the solution for a name follows."""
         group = self._proportions.group(name)
         if group.solution is None:
             return self._closed(Grounds(pairs=[(name, group.lead)]))
@@ -111,7 +111,7 @@ class Reduction:
         return self._closed(Grounds([index], [(name, anchor), *ends]))
 
     def origin_of_row(self, index: int) -> frozenset[int]:
-        """Numbers of the earlier rows on which the conclusion from a row rests."""
+        """Numbers of the earlier rows from which the conclusion on a row follows."""
         return self._closed(self._rows.grounds.get(index, Grounds()))
 
     def _closed(self, grounds: Grounds) -> frozenset[int]:
@@ -126,7 +126,7 @@ class Reduction:
 
 
 class _Solved(Mapping[Any, dict[Any, Any]]):
-    """Rows of the eliminated names, worked out one by one."""
+    """Mapping of eliminated names to their rows, calculated when accessed."""
 
     def __init__(self, reduction: Reduction) -> None:
         self._reduction = reduction
@@ -155,7 +155,7 @@ def reduce_rows(rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int], kee
 
 
 def substitute(row: Mapping[Any, Any], solved: Mapping[Any, Mapping[Any, Any]]) -> dict[Any, Any]:
-    """The row with every solved name replaced by its solution; exact zeros drop out."""
+    """Row with every solved name replaced by its solution; exact zeros drop out."""
     result: dict[Any, Any] = {}
     for name, coefficient in row.items():
         if name in solved:
@@ -170,8 +170,8 @@ def _add(row: dict[Any, Any], name: Any, value: Any) -> None:
     row[name] = row[name] + value if name in row else value
 
 
-def holding(rows: Sequence[Mapping[Any, Any]], name: Any) -> list[int]:
-    """Which of the independent ``rows`` it takes to hold ``name`` at zero: all that share in the sum that leaves it."""
+def rows_holding(rows: Sequence[Mapping[Any, Any]], name: Any) -> list[int]:
+    """Numbers of the independent ``rows`` that together hold ``name`` at zero."""
     shares: dict[Any, dict[Any, Any]] = {name: {_UNIT: Fraction(-1)}}
     for index, row in enumerate(rows):
         for other, coefficient in row.items():
@@ -180,8 +180,8 @@ def holding(rows: Sequence[Mapping[Any, Any]], name: Any) -> list[int]:
     return [index for index in range(len(rows)) if found.free_names({index: 1})]
 
 
-def smallest_culprits(rows: Sequence[Mapping[Any, Any]], suspects: Collection[int], fails: Any) -> list[int]:
-    """A smallest set among ``suspects`` for which ``fails(rows of the set)`` still holds: drop one after the other."""
+def smallest_failing_rows(rows: Sequence[Mapping[Any, Any]], suspects: Collection[int], fails: Any) -> list[int]:
+    """Smallest set of ``suspects`` for which ``fails(rows of the set)`` is still true, by dropping row after row."""
     kept = sorted(suspects)
     for index in sorted(suspects):
         without = [other for other in kept if other != index]

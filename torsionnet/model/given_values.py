@@ -1,4 +1,4 @@
-"""What was given of an element: every value by itself, those of nested entries too, whatever their kinds."""
+"""Values that an element gives, one by one, with those of nested entries."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
 REMARKS = ("description", "enabled")
-"""Entries that stand in the remarks."""
+"""Entries that tables show in their column of remarks."""
 
 
 def given(element: Element) -> Iterator[tuple[str, Spec[object], Any]]:
-    """Name, specification and value of everything but nodes and remarks; of nested entries ``silicone.moduli``."""
+    """(name, specification, value) of given entries but nodes and remarks; nested names as ``silicone.moduli``."""
     for name, (spec, value) in element.scalars().items():
-        if not is_elsewhere(name, spec):
+        if not has_own_column(name, spec):
             yield from _leaves(name, spec, value)
 
 
-def is_elsewhere(name: str, spec: Spec[object]) -> bool:
-    """Whether columns of their own show it."""
+def has_own_column(name: str, spec: Spec[object]) -> bool:
+    """Whether a table shows the entry in a column of its own: nodes, and remarks."""
     nodes = isinstance(spec, NodeName | NodePair) and not isinstance(spec, ReferenceNode)
     return nodes or name in REMARKS
 
@@ -47,7 +47,7 @@ def _leaves(name: str, spec: Spec[object], value: Any) -> Iterator[tuple[str, Sp
 
 
 def in_words(spec: Spec[object], value: Any) -> str:
-    """A value that is no number: yes or no, a word, a list of these."""
+    """Text of a value that is no number: yes or no, a word, or a list of words."""
     if isinstance(spec, Flag):
         return "yes" if value else "no"
     if isinstance(spec, NumberTable):

@@ -1,4 +1,4 @@
-"""The drivetrain as a graph, for drawings and for questions about how it hangs together."""
+"""Graph of a drivetrain with nodes and connections, for drawings and connectivity."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def build_graph(drivetrain: Model) -> nx.MultiGraph[str]:
-    """Nodes in the order of the drivetrain, and an edge for each pair of ports an element connects.
+    """Multigraph of a drivetrain: its nodes, and an edge for each pair of ports that an element connects.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""In which elements a twist can be imposed: an error of teeth, an uneven joint, a tooth form."""
+"""Check whether a twist, as an error of teeth or of a joint, can be imposed in an element."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from torsionnet.model.elements import Element, Law, Part
 
 
 def twist_fault(element: Element, parts: Sequence[Part]) -> str | None:
-    """Why no twist can be imposed in an element that is made of ``parts``; or None.
+    """Message if no twist can be imposed in an element with these ``parts``, else None.
 
     >>> from torsionnet.model.elements.gears import Gear
     >>> from torsionnet.model.element_base.laws import Values

@@ -1,4 +1,4 @@
-"""From elements to coordinates: all parts of a definition, and the constraints solved for theta = T q."""
+"""Kinematics of a definition: parts of all elements, and constraints solved for coordinates, theta = T q."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Action, Constraint, Element, Law, Part, Row, Values
-from torsionnet.model.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
+from torsionnet.model.elimination import Reduction, exact, reduce_rows, rows_holding, smallest_failing_rows
 
 
 @dataclass(frozen=True)
 class OwnedPart:
-    """A law or constraint together with the name of its element."""
+    """Law, constraint or action with the name of its element."""
 
     element: str
     part: Part
@@ -24,7 +24,7 @@ class OwnedPart:
 
 @dataclass(frozen=True, eq=False)
 class MadeParts:
-    """The parts of an element, and the values of its parameters that they were made of."""
+    """Parts of an element with the parameter values from which they were made, for reuse."""
 
     of: Element
     names: tuple[str, ...]
@@ -42,18 +42,18 @@ class Kinematics:
     nodes : tuple of str
         All nodes in the order of their first mention.
     parts : tuple of OwnedPart
-        In the order of the elements.
+        Laws, constraints and actions in the order of the elements.
     imposed : tuple of str
-        Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``. One on a node
-        that elements lock is not among them.
+        Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``. Inputs on
+        locked nodes are left out.
     driven : tuple of dict
-        The rows over nodes that they impose: of one node, or of one relative to another.
+        Rows over nodes of the imposed angles: of one node, or of one node relative to another.
     reduction : Reduction
         Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
     coordinates : tuple of str
         The nodes kept as coordinates q.
     made : mapping
-        The parts by element, with what they were made of: models that differ in some parameters share the others.
+        Parts by element, with the values they were made from: models that differ in some parameters share the others.
     """
 
     nodes: tuple[str, ...]
@@ -65,14 +65,14 @@ class Kinematics:
     made: Mapping[str, MadeParts] = field(default_factory=dict, compare=False, repr=False)
 
     def reduced(self, row: Mapping[str, Any]) -> Row:
-        """A row over nodes as a row over coordinates and imposed angles."""
+        """Row over nodes expressed in coordinates and imposed angles."""
         return self.reduction.reduced(row)
 
     def holds(self, node: str) -> bool:
         """Whether rigid connections to ground keep the node at zero."""
         return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})
 
-    def stills(self, row: Mapping[str, Any]) -> bool:
+    def holds_row(self, row: Mapping[str, Any]) -> bool:
         """Whether rigid connections keep a row over nodes at zero: a locked node, or two that turn as one."""
         return not self.reduction.reduced(row)
 
@@ -90,21 +90,21 @@ class Kinematics:
 
 
 def pseudo_node(input_name: str) -> str:
-    """The unknown that stands for an imposed angle; no node can have this name."""
+    """Name of the unknown for an imposed angle, which no node can have."""
     return f"input:{input_name}"
 
 
 UNIT = pseudo_node("")
-"""The unknown that stands for one, in rows that are not homogeneous."""
+"""Name of the unknown with the value 1, for inhomogeneous rows."""
 
 
 def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
-    """Laws and constraints of all elements that are switched on."""
+    """Laws, constraints and actions of all elements that are switched on."""
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
 def _made(definition: Definition, value: Values, known: Mapping[str, MadeParts]) -> dict[str, MadeParts]:
-    """The parts of every element that is switched on; of one whose parameters have the values they had, those known."""
+    """Parts by element that is switched on; ``known`` parts are reused where no parameter changed."""
     return {element.name: _made_once(element, value, known.get(element.name)) for element in definition.active}
 
 
@@ -120,21 +120,22 @@ def _made_once(element: Element, value: Values, known: MadeParts | None) -> Made
 
 
 def _names(element: Element) -> tuple[str, ...]:
-    """The parameters that the expressions of an element name."""
+    """Names of the parameters in the expressions of an element."""
     return tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
 
 
 def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
+    """(element, row) of every constraint among the parts."""
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
 
 
 def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
-    """The row on exact rational values, on which pivots and rank are decided."""
+    """Row with exact rational coefficients, on which pivots and rank are decided."""
     return {node: exact(coefficient) for node, coefficient in row.items()}
 
 
 def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Row]:
-    """Row node - imposed angle = 0 of every input that imposes an angle on ``nodes``, alone or relative to another."""
+    """Rows node - imposed angle = 0 by input that imposes an angle on ``nodes``, alone or relative to another."""
     return {
         name: {**exact_row(channel.row), pseudo_node(name): Fraction(-1)}
         for name, channel in definition.inputs.items()
@@ -145,7 +146,7 @@ def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Ro
 def solve_kinematics(
     definition: Definition, value: Values, referred_to: Collection[str] = (), like: Kinematics | None = None
 ) -> Kinematics:
-    """Solve all constraints exactly; ``referred_to`` names nodes to be kept as coordinates, in this order.
+    """Kinematics with all constraints solved exactly; ``referred_to`` are nodes to keep as coordinates, in this order.
 
     Where ``like``, of another configuration, has the same nodes and constraints, its solution is taken over.
 
@@ -184,7 +185,7 @@ def solve_kinematics(
 def kinematics_on(
     value: Values, plain: Kinematics, definition: Definition, referred_to: Sequence[str] = (), loose: Sequence[int] = ()
 ) -> Kinematics:
-    """The constraints solved again on the numbers of ``value``; those with a number in ``loose`` are left out."""
+    """Kinematics solved again with the numbers of ``value``, without the constraints numbered in ``loose``."""
     parts, number = owned_parts(definition, value), value.algebra.number
     rows = [
         {} if index in loose else {node: number(coefficient) for node, coefficient in row.items()}
@@ -197,7 +198,7 @@ def kinematics_on(
 
 
 def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:
-    """The coordinates in the order of the nodes, those of ``referred_to`` among themselves in the order given.
+    """Coordinates in the order of the nodes, with those of ``referred_to`` in the order given.
 
     >>> in_order_given(["a", "b", "c"], ["c", "a"])
     ('c', 'b', 'a')
@@ -225,12 +226,12 @@ def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
 
 
-FEW = 100
-"""Elements in a contradicting loop up to which it is tried whether fewer of them hold another node."""
+SMALL_LOOP = 100
+"""Elements in a contradicting loop up to which a smaller loop is searched, which solves the rows once for each element."""
 
 
 def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list[str]:
-    """Elements whose rigid ratios contradict each other, so that a node is held at zero without a clamp; or nothing.
+    """Names of elements in a rigid loop of contradicting ratios, which holds a node at zero without a clamp; or empty.
 
     Constraints on a single node are clamps and left out. Where the ratios of a rigid loop do not agree, the only motion
     left to its nodes is none.
@@ -246,16 +247,17 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
         return bool(reduce_rows(some, order).held())
 
     origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
-    loop = [origin[place] for place in holding([rows[index] for index in origin], node)]
-    if len(loop) <= FEW:
-        loop = smallest_culprits(rows, loop, contradicts)
+    loop = [origin[place] for place in rows_holding([rows[index] for index in origin], node)]
+    if len(loop) <= SMALL_LOOP:
+        loop = smallest_failing_rows(rows, loop, contradicts)
     return list(dict.fromkeys(loose[index][0] for index in loop))
 
 
 def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
-    """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
+    """Virtual motion z by node that violates constraint number ``index`` by one and no other.
 
-    Imposed angles stand still in it: what drives them does no work on z. ``number`` makes the numbers to work with.
+    The torque of the constraint is the work of all other torques on z. Imposed angles stand still in z.
+    ``number`` converts coefficients to the arithmetic to work in.
 
     Raises
     ------
@@ -280,7 +282,7 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
 
 
 def torques_are_determinate(kinematics: Kinematics) -> bool:
-    """Whether no constraint follows from others, so that equilibrium tells the torque of each."""
+    """Whether no constraint follows from others, so that equilibrium gives the torque of each."""
     return not kinematics.reduction.redundant and not kinematics.reduction.blocked
 
 

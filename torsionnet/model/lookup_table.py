@@ -1,4 +1,4 @@
-"""Tables ``{key: value}`` of numbers: of parameters over the speed or torque that they depend on, and of elements."""
+"""Entry for tables ``{key: value}`` of numbers, as of parameters over speed or torque."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.core.units import Dimension
 
 
 class LookupTable(Plural[Rows]):
-    """``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
+    """Entry for a table ``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
 
     is_read_off: ClassVar[bool] = True
 
@@ -42,21 +42,21 @@ class LookupTable(Plural[Rows]):
         found.sort(key=lambda row: row[0].value)
         twice = [second for first, second in pairwise(found) if first[0].value == second[0].value]
         faults += [Fault(f"{key} stands twice in the table") for key, _ in twice]
-        faults += self.mixed(found)
+        faults += self.unit_faults(found)
         return ((), faults) if faults else (tuple(found), [])
 
     def key(self, raw: object) -> Number:
-        """What a row begins with."""
+        """First value of a row, as a number with its unit."""
         return _number(raw)
 
     def value(self, raw: object) -> Number:
-        """What a row says."""
+        """Second value of a row, as a number with its unit."""
         return _number(raw)
 
-    def mixed(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
-        """Rows that do not go together."""
+    def unit_faults(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
+        """Faults of rows with units of different kinds."""
         if len({value.unit_dimension for _, value in rows}) > 1:
-            return [Fault("the values of a table have one unit, or units of one kind")]
+            return [Fault("the values of a table must have units of one kind")]
         return []
 
     def plain(self, value: Any) -> Json:
@@ -83,5 +83,5 @@ def _number(raw: object) -> Number:
 
 
 def wrong_key(rows: Rows, wanted: Dimension) -> Number | None:
-    """The first key that has another dimension, or is below zero."""
+    """First key of another dimension or below zero, or None."""
     return next((key for key, _ in rows if key.unit_dimension not in (None, wanted) or key.value < 0), None)

@@ -1,4 +1,4 @@
-"""What an author wrote: elements between nodes, parameters, inputs, sensors, configurations. It never changes."""
+"""Immutable model of a drivetrain: elements between nodes, parameters, inputs, sensors, configurations."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from torsionnet.model.configurations import (
     combinations,
     known_elements,
     label,
-    left_out,
+    other_configurations,
     parse_choice,
     read_overrides,
 )
-from torsionnet.model.defining import collect_elements, define, put_together
+from torsionnet.model.defining import collect_elements, define, flatten_definition
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.named_entries import can_be_named, with_named_entries
 from torsionnet.model.operating_point import OperatingPoint
-from torsionnet.model.operating_values import at_operating_point, operated
+from torsionnet.model.operating_values import at_operating_point, with_operating_values
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.parts.using import part_of, with_use
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 
 class Model:
-    """A model in one of its configurations, as data; every method that changes something returns a changed copy."""
+    """Model of a drivetrain in one of its configurations; every method that changes something returns a copy."""
 
     def __init__(
         self,
@@ -83,7 +83,7 @@ class Model:
 
     @classmethod
     def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Self:
-        """The model of a definition that has been checked."""
+        """Model of a checked definition."""
         return cls._variant(at_operating_point(definition), definition, {}, Overlay(), findings)
 
     @classmethod
@@ -100,23 +100,23 @@ class Model:
         return new
 
     def with_definition(self, definition: Definition) -> Self:
-        """A model of another definition, in no configuration and with the values of its parameters as they stand."""
+        """Model of another definition, in no configuration and with the parameter values as written."""
         return self._variant(definition, definition, {}, Overlay(), ())
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
-        """The base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
+        """Model of the base with the chosen alternatives in the order of the axes, and then the other changes."""
         definition = self._base
         chosen = {axis: choice[axis] for axis in definition.configurations if axis in choice}
         for axis, alternative in chosen.items():
-            definition = definition.overlaid(self._base.configurations[axis][alternative])
-        definition = definition.overlaid(changes)
+            definition = definition.with_overlay(self._base.configurations[axis][alternative])
+        definition = definition.with_overlay(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.configurations) or self.name)
         return self._variant(at_operating_point(definition), self._base, chosen, changes, faults)
 
     @property
     def definition(self) -> Definition:
-        """The typed content of the model."""
+        """Typed content of the model."""
         return self._definition
 
     @property
@@ -125,7 +125,7 @@ class Model:
 
     @property
     def source(self) -> str:
-        """Where the numbers come from."""
+        """Source of the numbers, as the model file states it."""
         return self._definition.source
 
     @property
@@ -180,12 +180,12 @@ class Model:
 
     @property
     def configuration(self) -> str:
-        """The configuration chosen with :meth:`configured`, or an empty string."""
+        """Name of the configuration chosen with :meth:`configured`, or an empty string."""
         return label(self._choice, self._definition.configurations) if self._choice else ""
 
     @property
     def other_configurations(self) -> tuple[str, ...]:
-        """Configurations that this is not; an alternative that changes nothing is the model as written.
+        """Names of all configurations but the present one; an alternative without changes is the model as written.
 
         Examples
         --------
@@ -194,11 +194,11 @@ class Model:
         >>> rig.configurations, rig.configured("V").other_configurations
         (('II', 'III', 'IV', 'V', 'V_c_O_360'), ('II', 'III', 'IV', 'V_c_O_360'))
         """
-        return left_out(self._choice, self._definition.configurations)
+        return other_configurations(self._choice, self._definition.configurations)
 
     @property
     def title(self) -> str:
-        """Name and configuration."""
+        """Title of the model: its name and configuration."""
         return f"{self.name} ({self.configuration})" if self._choice else self.name
 
     def configured(self, name: str = "", /, **overrides: Any) -> Self:
@@ -302,14 +302,14 @@ class Model:
         use["part"] = part if isinstance(part, str) else ""
         given = None if isinstance(part, str) else part.definition
         authored, faults = with_use(self._base, name, use, given)
-        definition, found = put_together(authored)
+        definition, found = flatten_definition(authored)
         _refuse(faults := [*faults, *found], self.name)
         _refuse(faults := [*faults, *check_definition(definition)], self.name)
         whole = self._variant(at_operating_point(definition), definition, {}, Overlay(), faults)
         return self._as_chosen(whole)
 
     def _as_chosen(self, whole: Self) -> Self:
-        """Another model in the configuration of this one, and with the changes that were made to it."""
+        """Model ``whole`` in the configuration of this model, with the changes that were made to this model."""
         if not self._choice and self._changes == Overlay():
             return whole
         choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())
@@ -323,10 +323,10 @@ class Model:
         lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
         return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
 
-    def operated(self, values: Mapping[str, float]) -> Self:
+    def with_operating_values(self, values: Mapping[str, float]) -> Self:
         """A copy at another operating point, where the parameters that follow it have these values in SI."""
         new = type(self).__new__(type(self))
-        definition = operated(self._definition, values)
+        definition = with_operating_values(self._definition, values)
         new.__setstate__(_state(definition, self._base, self._choice, self._changes, self._findings))
         return new
 
@@ -335,7 +335,7 @@ class Model:
         return self._findings
 
     def ratio_between(self, first: str, second: str) -> float:
-        """Total ratio: mean speed of node ``first`` over that of node ``second``.
+        """Ratio of the mean speed of node ``first`` to the mean speed of node ``second``.
 
         Examples
         --------
@@ -347,7 +347,7 @@ class Model:
 
     @cached_property
     def external_torques(self) -> ExternalTorques:
-        """Mean torques from outside over speed, and the ratios of speeds that they need."""
+        """Mean external torques over speed, with the speed ratios that they need."""
         return ExternalTorques(self._definition, self.exact_values)
 
     @cached_property
@@ -367,7 +367,7 @@ class Model:
     _findings: tuple[Fault, ...]
 
     def __getstate__(self) -> dict[str, Any]:
-        """What makes the drivetrain, without what was calculated from it."""
+        """State for pickling: the definition and changes, without calculated results."""
         return _state(self._definition, self._base, self._choice, self._changes, self._findings)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -394,7 +394,7 @@ def _state(
 
 
 def as_part(model: Any) -> Any:
-    """A model with ports as a part; anything else as it is."""
+    """Part of a model with ports; other objects are returned unchanged."""
     return part_of(model.definition)[0] if isinstance(model, Model) else model
 
 

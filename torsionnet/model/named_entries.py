@@ -1,4 +1,4 @@
-"""Values that a model gives to its elements as numbers, made parameters so that they can vary."""
+"""Parameters made from values of elements, as ``dmf.stiffness``, so that these can vary."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.model.parameters import Parameter
 
 
 def value_of_entry(definition: Definition, name: str) -> Expression | None:
-    """What ``dmf.stiffness`` is in the model; None if no element has such an entry, or it is no physical quantity."""
+    """Expression of an entry as ``dmf.stiffness``; None if no element has such a physical quantity."""
     element, _, entry = name.rpartition(".")
     if element not in definition.elements:
         return None
@@ -24,13 +24,13 @@ def value_of_entry(definition: Definition, name: str) -> Expression | None:
 
 
 def can_be_named(definition: Definition, name: str) -> bool:
-    """Whether ``dmf.stiffness`` is a value by itself: no expression of parameters, and no parameter's name."""
+    """Whether an entry as ``dmf.stiffness`` is a plain value, and its name is not that of a parameter."""
     value = value_of_entry(definition, name)
     return name not in definition.parameters and value is not None and not value.names
 
 
 def with_named_entries(definition: Definition, names: Iterable[str]) -> Definition:
-    """The same model with parameters called ``dmf.stiffness`` that have the values of these entries.
+    """Definition with a parameter for each of the entries ``names``, as ``dmf.stiffness``.
 
     An alternative that gives the entry another value gives it to the parameter.
     """
@@ -54,7 +54,7 @@ def _with_parameters(definition: Definition, named: Mapping[str, None]) -> Axes:
 
 
 def _moved(definition: Definition, overlay: Overlay, named: Mapping[str, None]) -> Overlay:
-    """The alternative with its changes of entries that are parameters now among those of parameters."""
+    """Overlay with its changes of named entries moved to the changes of parameters."""
     entries = dict(overlay.entries)
     parameters = dict(overlay.parameters)
     for name in named:

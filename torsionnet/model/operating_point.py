@@ -1,4 +1,4 @@
-"""Mean speeds and torques about which a linear model holds."""
+"""Operating point: mean speeds and torques about which a linear model holds."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class OperatingPoint(Declared):
 
     @property
     def loaded_nodes(self) -> tuple[str, ...]:
-        """The nodes on which torques act."""
+        """Nodes on which mean torques act."""
         return tuple(dict.fromkeys(node for place in self.torque for node in torque_place(place).nodes))
 
     def __bool__(self) -> bool:
@@ -49,21 +49,21 @@ class OperatingPoint(Declared):
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
-        """As for any entry, but with what could be read where something could not."""
+        """Operating point from the entries that can be read, and the faults of the others."""
         found, faults = super().read(raw)
         if found is None and isinstance(raw, Mapping):
             found = cls(**cls.read_entries(raw)[0])
         return found, faults
 
     def renamed(self, names: Renaming) -> OperatingPoint:
-        """The same of a part, with the names it has in the whole."""
+        """Copy of the operating point of a part, with its names in the whole model."""
         return OperatingPoint(
             {names.node(node): names.expression(one) for node, one in self.speed.items()},
             {renamed_place(place, names): names.expression(one) for place, one in self.torque.items()},
         )
 
-    def overlaid(self, other: OperatingPoint | None) -> OperatingPoint:
-        """A point with the entries of ``other`` replacing its own."""
+    def with_overlay(self, other: OperatingPoint | None) -> OperatingPoint:
+        """Operating point with the entries of ``other`` replacing its own."""
         if other is None:
             return self
         return OperatingPoint({**self.speed, **other.speed}, {**self.torque, **other.torque})

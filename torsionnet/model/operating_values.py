@@ -1,4 +1,4 @@
-"""Parameters that follow the operating point: their values at a speed."""
+"""Values of the parameters that follow the operating point, over speed."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from torsionnet.model.parameters import AMPLITUDE, Parameter, resolve
 from torsionnet.model.readings import port_of
 
 
-def unfit_parameters(external: ExternalTorques) -> list[Fault]:
-    """Parameters for which nothing says the operating point, or whose table ends within the range of speeds."""
+def operating_parameter_faults(external: ExternalTorques) -> list[Fault]:
+    """Faults of parameters without an operating point, or whose table ends within the range of speeds."""
     definition = external.definition
     if not definition.following:
         return []
@@ -44,7 +44,7 @@ def unfit_parameters(external: ExternalTorques) -> list[Fault]:
 
 @dataclass(frozen=True, eq=False)
 class OperatingPoints:
-    """The parameters of a drivetrain that follow the operating point, over the speed of the reference node.
+    """Parameters of a drivetrain that follow the operating point, over the speed of the reference node.
 
     ``external`` has the values of all parameters at any point: ratios and shares of torque do not depend on it.
     """
@@ -52,12 +52,12 @@ class OperatingPoints:
     external: ExternalTorques
 
     def at(self, speed: float) -> dict[str, float]:
-        """Values in SI by name at a speed in rad/s; of those that follow a vibration that of the smallest one.
+        """Values in SI by parameter at a speed in rad/s; parameters over a vibration are taken at the smallest.
 
         Raises
         ------
         UsageError
-            Nothing says the torques, a torque is statically indeterminate, or a table ends before.
+            The torques are unknown, a torque is statically indeterminate, or a table ends before.
         """
         found = {}
         for name, parameter in self.external.definition.following.items():
@@ -68,7 +68,7 @@ class OperatingPoints:
         return found
 
     def value(self, parameter: Parameter, speed: float) -> float:
-        """As :meth:`at`, of one parameter."""
+        """Value in SI of a parameter at a speed in rad/s."""
         if parameter.by == AMPLITUDE:
             return float(parameter.table[0][1].value)
         size = abs(self._followed(parameter, speed))
@@ -94,7 +94,7 @@ class OperatingPoints:
                 raise UsageError(f"{parameter.of} neither drives nor absorbs; the load acts on {', '.join(torques)}")
             return torques[parameter.of]
         if parameter.of not in self._motions:
-            self._motions[parameter.of] = opening(self.external.definition, self.external.values, parameter.of)
+            self._motions[parameter.of] = torque_per_node(self.external.definition, self.external.values, parameter.of)
         return sum(torque * self._motions[parameter.of].get(node, 0.0) for node, torque in torques.items())
 
     @cached_property
@@ -102,27 +102,27 @@ class OperatingPoints:
         return {}
 
 
-def operated(definition: Definition, values: Mapping[str, float]) -> Definition:
-    """The definition with values of parameters that follow the operating point."""
+def with_operating_values(definition: Definition, values: Mapping[str, float]) -> Definition:
+    """Definition with given values of the parameters that follow the operating point."""
     if not values:
         return definition
-    parameters = {name: definition.parameters[name].operated(value) for name, value in values.items()}
+    parameters = {name: definition.parameters[name].with_operating_values(value) for name, value in values.items()}
     return replace(definition, parameters={**definition.parameters, **parameters})
 
 
 def at_operating_point(definition: Definition) -> Definition:
-    """The definition with the values at its own operating point; as it is where nothing says that."""
+    """Definition with the parameter values at its own operating point; unchanged without one."""
     if not definition.following:
         return definition
     points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
     try:
-        return operated(definition, points.at(points.external.operating_speed))
+        return with_operating_values(definition, points.at(points.external.operating_speed))
     except UsageError:
         return definition
 
 
-def at_which_speed(external: ExternalTorques) -> tuple[str, ...]:
-    """At which speed numbers hold that are worked out once, in words; nothing where no parameter follows it."""
+def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
+    """Note on the speed at which natural frequencies hold; empty if no parameter follows the operating point."""
     following = external.definition.following
     if not following:
         return ()
@@ -131,11 +131,11 @@ def at_which_speed(external: ExternalTorques) -> tuple[str, ...]:
     return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point",)
 
 
-def opening(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:
-    """Torque through an element at its first port per torque from outside on each node, by equilibrium alone.
+def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:
+    """Torque through an element at its first port per external torque on each node, by equilibrium alone.
 
-    It is the virtual motion of the nodes that opens the element by one and leaves all other springs and constraints at
-    rest. Torques from outside are in balance, so it does not matter what else moves; nor does the sign.
+    This is the virtual motion of the nodes that opens the element by one and leaves all other springs and constraints
+    at rest. External torques are in balance, so it does not matter what else moves; nor does the sign.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def opening(definition: Definition, values: Mapping[str, Any], name: str) -> dic
     ]
     own = [number for number, (owner, row) in enumerate(rows) if owner == name and node in row]
     if len(own) != 1:
-        raise UsageError(f"{name} hands on no mean torque")
+        raise UsageError(f"{name} transmits no mean torque, so nothing can follow it")
     opened = {**exact_row(rows[own[0]][1]), UNIT: Fraction(-1)}
     order = {one: index for index, one in enumerate(all_nodes(definition.active))}
     others = [exact_row(row) for number, (_, row) in enumerate(rows) if number != own[0]]

@@ -145,7 +145,7 @@ class Parameter(Declared):
             return replace(self, value=names.expression(self.value)) if self.value.names else self
         return replace(self, of=names.node(self.of) if BY[self.by][0] != "an element" else names.own(self.of))
 
-    def operated(self, value: float) -> Parameter:
+    def with_operating_values(self, value: float) -> Parameter:
         """The parameter with its value at an operating point."""
         return replace(self, value=OperatingValue(value, getattr(self.value, "unit_dimension", None)))
 

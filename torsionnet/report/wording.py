@@ -28,7 +28,7 @@ from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.files.located import compose
-from torsionnet.model.given_values import is_elsewhere
+from torsionnet.model.given_values import has_own_column
 
 PLACE = re.compile(r"\{(\w+)\}")
 """Where something is inserted."""
@@ -52,7 +52,7 @@ def replaceable() -> Mapping[str, tuple[str, ...]]:
 
 def _properties(name: str, spec: Spec[object]) -> Iterator[str]:
     """What a report calls the values of an entry."""
-    if is_elsewhere(name, spec):
+    if has_own_column(name, spec):
         return
     if isinstance(spec, Nested):
         yield from _nested(name, spec.of())

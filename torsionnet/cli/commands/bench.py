@@ -74,9 +74,13 @@ class BenchCommand(Command):
 
 
 def _benches(bench: Bench, configurations: tuple[str, ...], settings: dict[str, Any]) -> list[tuple[str, Bench]]:
-    from torsionnet.model.configurations import EVERY
+    from torsionnet.model.configurations import ALL_CONFIGURATIONS
 
-    names = list(bench.drivetrain.configurations) if EVERY in configurations else list(dict.fromkeys(configurations))
+    names = (
+        list(bench.drivetrain.configurations)
+        if ALL_CONFIGURATIONS in configurations
+        else list(dict.fromkeys(configurations))
+    )
     if not names:
         return [("", bench.configured(**settings) if settings else bench)]
     return [(name.replace("=", "_").replace(",", "_"), bench.configured(name, **settings)) for name in names]

@@ -88,7 +88,7 @@ class ReportCommand(ModelCommand):
     )
 
     def answer(self) -> Answer:
-        from torsionnet.model.configurations import EVERY
+        from torsionnet.model.configurations import ALL_CONFIGURATIONS
         from torsionnet.report.report import make_report, writer_for
 
         piped = self.model == STANDARD_INPUT
@@ -100,7 +100,11 @@ class ReportCommand(ModelCommand):
             _band("--record-band", self.record_band) or _band("--band", self.band) or (plan.band if plan else None)
         )
         averaging = Averaging(preset=self.preset, seconds=self.seconds)
-        named = () if EVERY in self.configurations and EVERY not in rig.configurations else self.configurations
+        named = (
+            ()
+            if ALL_CONFIGURATIONS in self.configurations and ALL_CONFIGURATIONS not in rig.configurations
+            else self.configurations
+        )
         fits = [_fit(name) for name in self.fits]
         studies = _studies(self.studies, rig.configured(**dict(self.settings)) if self.settings else rig)
         tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]

@@ -69,7 +69,7 @@ def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
 
 def _chosen(definition: Definition, choice: Mapping[str, str]) -> Definition:
     for axis, name in choice.items():
-        definition = definition.overlaid(definition.configurations[axis][name])
+        definition = definition.with_overlay(definition.configurations[axis][name])
     return definition
 
 

@@ -16,7 +16,7 @@ from torsionnet.model.element_base.element import Element
 from torsionnet.model.elements.propeller import Propeller
 from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques, stated_torques
-from torsionnet.model.operating_values import OperatingPoints, operated, unfit_parameters
+from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
 from torsionnet.model.parameters import resolve
 
 SPEED_ENTRY, OF_SPEED = "speed", 0.005
@@ -31,7 +31,7 @@ def unfit_operation(
     faults = _inconsistent_speeds(external)
     if faults or not sound:
         return faults if definition.load else faults + unbalanced_torques(external, kinematics)
-    misfits = unfit_load(external) or unfit_parameters(external) or _beyond_curves(external)
+    misfits = unfit_load(external) or operating_parameter_faults(external) or _beyond_curves(external)
     if misfits:
         return misfits
     return [
@@ -103,7 +103,7 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
     if definition.speeds is not None and (definition.load or not definition.operating_point.torque):
         speeds += [definition.speeds.values[0], definition.speeds.values[-1]]
     for speed in speeds:
-        values = resolve(operated(definition, points.at(speed)).parameters)[0]
+        values = resolve(with_operating_values(definition, points.at(speed)).parameters)[0]
         yield f"with {external.reference} at {speed * RPM:.6g} rpm, ", values
 
 
@@ -154,7 +154,7 @@ def _values(external: ExternalTorques) -> Mapping[str, Any]:
     if not definition.following:
         return external.values
     at = OperatingPoints(external).at(external.operating_speed)
-    return resolve(operated(definition, at).parameters)[0]
+    return resolve(with_operating_values(definition, at).parameters)[0]
 
 
 def _turning(element: Element, speeds: dict[str, float]) -> float:

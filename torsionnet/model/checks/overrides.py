@@ -97,7 +97,9 @@ def _no_section(definition: Definition, name: str, path: Path) -> Fault:
 def _wrong_values(definition: Definition, table: str, name: str, changes: Mapping[str, Any]) -> tuple[Fault, ...]:
     """Faults of a section in which an alternative changes entries."""
     try:
-        changed = definition.overlaid(Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()}))
+        changed = definition.with_overlay(
+            Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()})
+        )
     except ModelError as error:
         return error.faults
     if table == EXCITATIONS:

@@ -11,7 +11,7 @@ from torsionnet.model.definition import LOAD
 from torsionnet.model.elements.propeller import Propeller
 from torsionnet.model.excitations.propeller_torque import PropellerTorque
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.operating_values import OperatingPoints, operated
+from torsionnet.model.operating_values import OperatingPoints, with_operating_values
 from torsionnet.model.parameters import resolve
 
 SMALL, SLIP = 0.5, 0.01
@@ -50,4 +50,4 @@ def _values(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
         found = OperatingPoints(external).at(speed)
     except UsageError:
         return {}
-    return resolve(operated(external.definition, found).parameters)[0]
+    return resolve(with_operating_values(external.definition, found).parameters)[0]

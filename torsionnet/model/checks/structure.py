@@ -8,7 +8,7 @@ from typing import Any
 from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.core.listing import comma_list
-from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
+from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
 from torsionnet.model.checks.motions import held_by_actions, left_free
 from torsionnet.model.checks.referred_sensors import unreachable_shafts
 from torsionnet.model.definition import Definition, all_nodes
@@ -94,13 +94,13 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
     """Warnings about inputs, excitations and sensors on a node that cannot move in this configuration."""
     faults, nodes = [], set(kinematics.nodes)
     for name, channel in definition.inputs.items():
-        if nodes.issuperset(channel.nodes) and kinematics.stills(channel.row):
+        if nodes.issuperset(channel.nodes) and kinematics.holds_row(channel.row):
             text = f"input {name} does nothing: {_still(channel)}"
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
     for name, excitation in definition.excitations.items():
         for path, node in excitation.node_entries if excitation.enabled else ():
             acting = excitation.channel(node)
-            if nodes.issuperset(acting.nodes) and kinematics.stills(acting.row):
+            if nodes.issuperset(acting.nodes) and kinematics.holds_row(acting.row):
                 held = (
                     f'"{node}", which is locked' if acting.against is None else f"{named_nodes(acting)}, held rigidly"
                 )
@@ -108,14 +108,14 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
                 faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)
-        if moves and kinematics.stills(sensor.row):
+        if moves and kinematics.holds_row(sensor.row):
             text = f"sensor {name} reads zero: {_still(sensor)}"
             faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
     return faults
 
 
 def _still(channel: Input | Sensor) -> str:
-    return f'"{channel.of}" is locked' if channel.against is None else still_words(channel)
+    return f'"{channel.of}" is locked' if channel.against is None else immobility_text(channel)
 
 
 def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:

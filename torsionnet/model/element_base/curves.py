@@ -60,7 +60,7 @@ class LookupCurve(LookupTable):
             raise EntryError(f"must {'be greater than' if self.exclusive else 'not be less than'} 0, got {raw}")
         return value
 
-    def mixed(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
+    def unit_faults(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
         if len({is_share(key) for key, _ in rows}) > 1:
             return [Fault("rows are torques, as 5 kN*m, or shares of T_KN, as 0.5; here are both")]
         return []

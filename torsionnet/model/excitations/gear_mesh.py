@@ -138,7 +138,7 @@ class GearMesh(TwistExcitation):
             count = getattr(self, name)
             needed = self.mate_run_out or (name == "teeth" and self.transmission_error)
             if count is None and needed:
-                faults.append(Fault(f"{self.mesh} is given by its ratio; give {name}, as {name}: 23, too", on_key=True))
+                faults.append(Fault(f"{self.mesh} is given by its ratio; give {name}: 23 too", on_key=True))
             elif count is not None and given is not None and count != abs(given[place]):
                 faults.append(Fault(f"{self.mesh} has {abs(given[place])} teeth there, not {count}", (name,)))
         return faults

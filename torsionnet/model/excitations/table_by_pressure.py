@@ -85,7 +85,7 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
     low, high = known[0], known[-1]
     outside = wanted[(wanted < low * (1 - PRESSURE_RTOL)) | (wanted > high * (1 + PRESSURE_RTOL))]
     if len(outside):
-        text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is needed"
+        text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is asked for"
         there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
         raise UsageError(f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated")
     if len(known) == 1:

@@ -68,7 +68,11 @@ class Batch:
         changes = {name: float(column[index]) for name, column in self.values.items()}
         single = self.drivetrain.configured(**changes)
         follow = single.definition.following
-        return single.operated({name: self.drivetrain.parameters[name] for name in follow}) if follow else single
+        return (
+            single.with_operating_values({name: self.drivetrain.parameters[name] for name in follow})
+            if follow
+            else single
+        )
 
     def part(self, which: Any) -> Batch:
         """Some variants, by their places, a slice or a mask."""

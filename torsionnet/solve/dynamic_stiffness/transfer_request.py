@@ -11,7 +11,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.model.channels import UNITS, Input, Sensor, named_nodes, named_sensor, parse_pair, still_words
+from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, named_nodes, named_sensor, parse_pair
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.imposed_twist import twist_fault
@@ -218,7 +218,7 @@ def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
         raise UsageError(f"the angle of {where} is imposed by {driven}; name that input, or another node")
     moved = kinematics.reduced(channel.row)
     if moved.keys().isdisjoint(kinematics.coordinates):
-        held = "its motion is imposed" if moved else still_words(channel)
+        held = "its motion is imposed" if moved else immobility_text(channel)
         raise UsageError(f"a torque on {where} moves nothing: {held}")
     return channel
 
@@ -241,8 +241,8 @@ def _present(drivetrain: AssembledModel, name: str) -> Input:
     missing = next((node for node in channel.nodes if node not in drivetrain.nodes), None)
     if missing is not None:
         raise UsageError(f'input {name} acts on node "{missing}", which is not there in this configuration')
-    if drivetrain.assembly.kinematics.stills(channel.row):
-        which = f'"{channel.of}" is locked' if channel.against is None else still_words(channel)
+    if drivetrain.assembly.kinematics.holds_row(channel.row):
+        which = f'"{channel.of}" is locked' if channel.against is None else immobility_text(channel)
         raise UsageError(f"input {name} does nothing: {which} in this configuration")
     return channel
 
@@ -338,8 +338,8 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
 def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
     """Functional of a sensor; a declared sensor on a locked node is refused, a node given by name reads zero there."""
     of_node = name in drivetrain.sensors and not sensor.is_on_element
-    if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.stills(sensor.row):
-        which = f'"{sensor.of}" is locked' if sensor.against is None else still_words(sensor)
+    if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.holds_row(sensor.row):
+        which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)
         raise UsageError(f"{name} reads zero: {which} in this configuration")
     return functional(drivetrain, sensor, name)
 

@@ -15,7 +15,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
-from torsionnet.model.operating_values import at_which_speed
+from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.model.speeds import speeds_with
 from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
@@ -172,7 +172,7 @@ class _CrossingSearch:
         return low, high
 
     def notes(self) -> Iterator[str]:
-        for where in at_which_speed(self.drivetrain.external_torques):
+        for where in operating_speed_notes(self.drivetrain.external_torques):
             yield f"{where}; each critical speed is that of the mode with the values of this speed"
         for name, known in self.known.items():
             if known != self.limits:

@@ -59,7 +59,7 @@ def at_speeds(
     values = values_at_speeds(drivetrain, reference, speeds, settled)
     for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
         some = np.array(list(places))
-        yield drivetrain.operated(values[some[0]]), some
+        yield drivetrain.with_operating_values(values[some[0]]), some
 
 
 def values_at_speeds(

@@ -375,7 +375,7 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
         missing = next((one for one in channel.nodes if one not in drivetrain.nodes), None)
         if missing is not None:
             raise UsageError(f'{name} acts on "{missing}", to which nothing is attached in this configuration')
-        if drivetrain.assembly.kinematics.stills(channel.row):
+        if drivetrain.assembly.kinematics.holds_row(channel.row):
             held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
             raise UsageError(f"{name} acts on {held} in this configuration; it would cause no vibration")
 
