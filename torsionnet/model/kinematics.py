@@ -227,7 +227,7 @@ def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
 
 
 SMALL_LOOP = 100
-"""Elements in a contradicting loop up to which a smaller loop is searched, which solves the rows once for each element."""
+"""Elements in a contradicting loop up to which a smaller one is searched, which solves the rows once per element."""
 
 
 def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list[str]:
