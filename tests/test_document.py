@@ -9,7 +9,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.cli.commands.report import command as report_command
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.model.report import SECTIONS
 from torsionnet.report import Measured, make_report
 from torsionnet.report.build import BUILDERS
@@ -401,8 +401,8 @@ class TestNumbers:
         assert (NumberText(9.99996e6).mantissa, NumberText(9.99996e6).exponent) == ("1", 7)
 
     def test_column(self):
-        assert [number.mantissa for number in aligned([3.6909, 40.535, 0.0])] == ["3.691", "40.535", "0"]
-        assert [number.exponent for number in aligned([2e-8, 3.0])] == [-8, None]
+        assert [number.mantissa for number in aligned_numbers([3.6909, 40.535, 0.0])] == ["3.691", "40.535", "0"]
+        assert [number.exponent for number in aligned_numbers([2e-8, 3.0])] == [-8, None]
 
     def test_no_raw_names(self, amt):
         """Names with underscores are for programs; configurations keep theirs, which are typed on the command line."""

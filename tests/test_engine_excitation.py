@@ -20,7 +20,7 @@ from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import inertia_harmonics
-from torsionnet.model.files.changing import Place, changed_text
+from torsionnet.model.files.changing import ValuePlace, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.solve.running import worst_combination
@@ -224,7 +224,7 @@ class TestModelFiles:
         path = in_file(tmp_path, "{fired: p100.csv}", "parameters: {J: 0.1}\n")
         text = path.read_text().replace("node: c2, inertia: 0.1", "node: c2, inertia: J")
         definition = tn.loads(text, folder=tmp_path).definition
-        changed = changed_text(text, definition, {Place("J"): scalar("0.2 kg*m^2")}, "plant.yaml", tmp_path)
+        changed = changed_text(text, definition, {ValuePlace("J"): scalar("0.2 kg*m^2")}, "plant.yaml", tmp_path)
         assert changed == text.replace("{J: 0.1}", "{J: 0.2 kg*m^2}")
 
     def test_a_folder_below(self, tmp_path):

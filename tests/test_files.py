@@ -45,7 +45,7 @@ from torsionnet.model.elements import (
 from torsionnet.model.files import dump, json_schema, library_entry, library_models, read_file
 from torsionnet.model.files.located import PythonParser, compose
 from torsionnet.model.files.model_schema import schema_text
-from torsionnet.model.files.quoting import written
+from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.yaml_scalars import plain_value
 
@@ -100,7 +100,7 @@ def test_words_of_yaml_1_2(word, value):
 
 @given(st.one_of(st.integers(), st.floats(allow_nan=False, allow_infinity=False)))
 def test_numbers_read_back_exactly(number):
-    back = plain_value(written(number))
+    back = plain_value(scalar_text(number))
     assert Fraction(str(back)) == Fraction(repr(number))
 
 
@@ -110,7 +110,7 @@ WORDS = st.sampled_from(["no", "3:1", "12", "1e3", "0x1F", "null", "~", "", " a"
 
 @given(TEXTS | WORDS)
 def test_texts_read_back_under_both_versions_of_yaml(text):
-    line = f"{{{written(text)}: [{written(text)}]}}"
+    line = f"{{{scalar_text(text)}: [{scalar_text(text)}]}}"
     for parser in (None, PythonParser):
         assert compose(line, "f", parser).data == {text: [text]}
     assert yaml.safe_load(line) == {text: [text]}

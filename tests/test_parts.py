@@ -7,7 +7,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.files.changing import Place, changed_text
+from torsionnet.model.files.changing import ValuePlace, changed_text
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, flat_text
 
@@ -106,7 +106,7 @@ def test_pickled_and_equal():
 )
 def test_a_fitted_value_stands_where_the_part_is_used(name, old, new):
     definition = model().definition
-    found = changed_text(MODEL, definition, {Place(name): scalar(7000)})
+    found = changed_text(MODEL, definition, {ValuePlace(name): scalar(7000)})
     assert found == MODEL.replace(old, new)
 
 
@@ -115,16 +115,18 @@ def test_a_fitted_value_in_block_style():
         "  right: {part: half, at: {inner: cage, road: road}}",
         "  right:\n    part: half\n    at: {inner: cage, road: road}",
     )
-    found = changed_text(text, model(text).definition, {Place("right.k"): scalar(7000)})
+    found = changed_text(text, model(text).definition, {ValuePlace("right.k"): scalar(7000)})
     assert found == text.replace("    part: half\n", "    parameters: {k: 7000}\n    part: half\n")
 
 
 def test_a_fitted_value_of_one_of_several_copies():
     text = MODEL.replace("road: road}}\ninputs", "road: road}, repeat: 2, parameters: {J: [1, 2]}}\ninputs")
     definition = model(text).definition
-    found = changed_text(text, definition, {Place("right2.J"): scalar(3)})
+    found = changed_text(text, definition, {ValuePlace("right2.J"): scalar(3)})
     assert found == text.replace("[1, 2]", "[1, 3]")
-    found = changed_text(text, definition, {Place("right2.k"): scalar(3)})  # one of two: not the author's text any more
+    found = changed_text(
+        text, definition, {ValuePlace("right2.k"): scalar(3)}
+    )  # one of two: not the author's text any more
     assert model(found).parameters["right2.k"] == 3
     assert model(found).parameters["right1.k"] == 9000
     assert "repeat: 2" in found
@@ -179,7 +181,7 @@ def test_parts_in_parts_and_values_through_both():
     assert engine.parameters["engine.cyl2.J"] == 14
     assert engine.parameters["engine.cyl2.k"] == 50
     assert engine.elements["engine.cyl1.shaft"].nodes == ("engine.nose", "engine.cyl2.front")
-    found = changed_text(text, engine.definition, {Place("engine.cyl2.k"): scalar(60)})
+    found = changed_text(text, engine.definition, {ValuePlace("engine.cyl2.k"): scalar(60)})
     assert found == text.replace("cyl2.k: 50", "cyl2.k: 60")
 
 

@@ -77,7 +77,7 @@ def test_a_pipe_that_nobody_reads(tmp_path, monkeypatch):
 
 
 def test_other_errors_keep_their_own_file(tmp_path):
-    with pytest.raises(FileNotFoundError) as caught, atomic.replacing(tmp_path / "out.csv"):
+    with pytest.raises(FileNotFoundError) as caught, atomic.atomic_replacement(tmp_path / "out.csv"):
         (tmp_path / "input.csv").read_text()
     assert caught.value.filename == str(tmp_path / "input.csv")
 

@@ -16,7 +16,7 @@ from fuzz import drawing, reuse, running, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import ExpressionError
-from torsionnet.core.number_text import finite
+from torsionnet.core.number_text import json_finite
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.io import read_frequency_response, read_tors
 from torsionnet.model.files import dump
@@ -200,10 +200,10 @@ def use_study(path: Path) -> None:
     if not 0 < study.count <= MOST_VARIANTS:
         return
     result = run_study(study)
-    json.dumps(finite(result.to_data()), allow_nan=False)
+    json.dumps(json_finite(result.to_data()), allow_nan=False)
     for answer in study.answers.values():
         if answer.of_variants:
-            json.dumps(finite(answer.found(study, result).to_data()), allow_nan=False)
+            json.dumps(json_finite(answer.found(study, result).to_data()), allow_nan=False)
 
 
 def use_report(path: Path) -> None:

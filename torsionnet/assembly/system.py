@@ -13,7 +13,7 @@ import numpy as np
 
 from torsionnet.assembly.action_law import action_laws
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
-from torsionnet.core.collecting import collector_paused
+from torsionnet.core.collecting import gc_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.elements import Law, Values
@@ -106,7 +106,7 @@ class Assembly:
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
 
-@collector_paused()
+@gc_paused()
 def assemble(
     definition: Definition,
     values: Mapping[str, Any],

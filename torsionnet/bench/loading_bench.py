@@ -18,7 +18,7 @@ from torsionnet.model.files import read_file
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.library import library_benches
 from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.files.placing import located_faults, presentable_faults
 from torsionnet.model.files.reader import find_model
 
 
@@ -72,7 +72,7 @@ def _document(path: Path) -> LocatedDocument:
     try:
         return compose(decode(path.read_bytes(), str(path)).removeprefix("\ufeff"), str(path))
     except ModelError as error:
-        raise ModelError(presentable(error.faults), path.name) from None
+        raise ModelError(presentable_faults(error.faults), path.name) from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
 
@@ -88,7 +88,7 @@ def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
         faults += check_plan(plan, drivetrain.definition)
     faults += document.faults
     if faults or plan is None or drivetrain is None:
-        raise ModelError(placed(faults, document), path.name)
+        raise ModelError(located_faults(faults, document), path.name)
     return Bench(drivetrain, plan)
 
 

@@ -19,7 +19,7 @@ from torsionnet.cli.declarations import Arguments, option, parameters
 from torsionnet.cli.options import OutputFile, plot_option
 from torsionnet.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.core.atomic import write_text
-from torsionnet.core.number_text import on_screen
+from torsionnet.core.number_text import screen_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -125,7 +125,7 @@ def write_answer(answer: Answer, output: Output) -> None:
 
 def _print(part: Table | str | tuple[Any, ...], output: Output) -> None:
     if isinstance(part, (str, tuple)):
-        print_line(on_screen(part, *([output.digits] if output.digits else [])))
+        print_line(screen_text(part, *([output.digits] if output.digits else [])))
     else:
         print_table(output.sized(part))
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.core.errors import printable_text
-from torsionnet.core.number_text import bracketed, finite
+from torsionnet.core.number_text import json_finite, unit_in_brackets
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
@@ -67,7 +67,7 @@ def print_json(data: Any) -> None:
     """Print data as JSON on stdout; inf and nan become null."""
     import json
 
-    click.echo(json.dumps(finite(data), indent=1))
+    click.echo(json.dumps(json_finite(data), indent=1))
 
 
 def print_table(table: Table) -> None:
@@ -160,7 +160,7 @@ def _line(row: list[str], widths: list[int], right: list[bool]) -> str:
 
 def _broken(name: str, unit: str, width: int) -> list[str]:
     lines = [""]
-    for word in [*name.split(" "), *filter(None, [bracketed(unit)])]:
+    for word in [*name.split(" "), *filter(None, [unit_in_brackets(unit)])]:
         if not lines[-1] or len(lines[-1]) + 1 + len(word) <= width:
             lines[-1] = f"{lines[-1]} {word}".strip()
         else:

@@ -27,12 +27,12 @@ def write_bytes(path: str | os.PathLike[str], data: bytes | memoryview) -> None:
 
     A file that is replaced keeps its permissions; a link is followed, not replaced.
     """
-    with replacing(path) as temporary:
+    with atomic_replacement(path) as temporary:
         temporary.write_bytes(data)
 
 
 @contextlib.contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Context manager that gives the path of an empty temporary file, which replaces ``path`` at the end.
 
     For libraries that write files themselves. It lies beside ``path`` and has its ending, and goes if the writing fails

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import Any
 
-SMALLEST, LARGEST = 1e-40, 1e40
+SMALLEST_SIZE, LARGEST_SIZE = 1e-40, 1e40
 """Bounds of the size of a value in SI units: beyond them its square, or its product with another value, leaves the
 range of floats."""
 
@@ -17,7 +17,7 @@ def is_beyond_range(value: Any) -> bool:
     >>> is_beyond_range(1e300), is_beyond_range(0.0)
     (True, False)
     """
-    return bool(value) and not SMALLEST < abs(value) < LARGEST
+    return bool(value) and not SMALLEST_SIZE < abs(value) < LARGEST_SIZE
 
 
 MOST_BITS = 4096

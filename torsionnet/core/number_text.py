@@ -11,17 +11,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-SMALLEST, LARGEST = 1e-4, 1e6
+SMALLEST_PLAIN, LARGEST_PLAIN = 1e-4, 1e6
 """Sizes between which a typeset number is written without a power of ten."""
 MISSING, MISSING_TYPESET = "-", "–"
 """Dash for a missing value, on a screen and in a document."""
 MOST_DECIMALS = 4
 """Most decimals of an aligned column, as long as its largest value then has all its digits."""
-LARGE, SMALL, SPREAD = 1e5, 1e-3, 1e4
+COLUMN_LARGEST, COLUMN_SMALLEST, COLUMN_SPREAD = 1e5, 1e-3, 1e4
 """Largest and smallest value of a column, and their ratio, beyond which each number has its own digits."""
-EXACT = 1e-6
+ZERO_ERROR_RATIO = 1e-6
 """Relative standard error below which an error is taken for zero: rounding of an exact fit leaves about as much."""
-USUAL, FEWEST, MOST = 5, 2, 9
+USUAL_DIGITS, FEWEST_DIGITS, MOST_DIGITS = 5, 2, 9
 """Significant digits of a value whose error is not known, and fewest and most digits that an error allows."""
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -31,38 +31,38 @@ def is_missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and math.isnan(value))
 
 
-def on_screen(value: Any, digits: int = 6) -> str:
+def screen_text(value: Any, digits: int = 6) -> str:
     """Text of a value in plain characters; the parts of a tuple are joined to one text.
 
-    >>> on_screen(1 / 3, 3), on_screen(None), on_screen(7, 2), on_screen(("k = ", 460.0, " N*m/rad"))
+    >>> screen_text(1 / 3, 3), screen_text(None), screen_text(7, 2), screen_text(("k = ", 460.0, " N*m/rad"))
     ('0.333', '-', '7', 'k = 460 N*m/rad')
     """
     if isinstance(value, tuple):
-        return "".join(on_screen(part, digits) for part in value)
+        return "".join(screen_text(part, digits) for part in value)
     if is_missing(value):
         return MISSING
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
-def exact(value: Any) -> Any:
+def csv_value(value: Any) -> Any:
     """Value for a cell of a CSV file: all digits, and an empty text where it is missing."""
     if isinstance(value, tuple):
-        return on_screen(value)
+        return screen_text(value)
     return "" if is_missing(value) else repr(value) if isinstance(value, float) else value
 
 
-def finite(data: Any) -> Any:
+def json_finite(data: Any) -> Any:
     """Data for JSON, with null for every number that is not finite."""
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     if isinstance(data, dict):
-        return {key: finite(value) for key, value in data.items()}
+        return {key: json_finite(value) for key, value in data.items()}
     if isinstance(data, (list, tuple)):
-        return [finite(value) for value in data]
+        return [json_finite(value) for value in data]
     return data
 
 
-def bracketed(unit: str) -> str:
+def unit_in_brackets(unit: str) -> str:
     """Unit in brackets, ``[Hz]``, for the heading of a column; empty where there is no unit."""
     return "" if unit in ("", MISSING_TYPESET) else f"[{unit}]"
 
@@ -95,7 +95,7 @@ class NumberText:
         """Power of ten of the typeset number, None where it is written without."""
         if self.value is None or not math.isfinite(self.value) or self.value == 0:
             return None
-        if SMALLEST <= abs(self.value) < LARGEST or self.decimals is not None:
+        if SMALLEST_PLAIN <= abs(self.value) < LARGEST_PLAIN or self.decimals is not None:
             return None
         return math.floor(math.log10(float(f"{abs(self.value):.{self.digits - 1}e}")))
 
@@ -138,14 +138,19 @@ def _positive_zero(text: str) -> str:
     return text.removeprefix("-") if not text.strip("-0.") else text
 
 
-def aligned(values: Sequence[float | None], digits: int = 4) -> list[NumberText]:
+def aligned_numbers(values: Sequence[float | None], digits: int = 4) -> list[NumberText]:
     """Numbers of one column with equally many decimals, so many that the smallest has three digits or more.
 
-    >>> [number.mantissa for number in aligned([3.6909, 40.535, None])]
+    >>> [number.mantissa for number in aligned_numbers([3.6909, 40.535, None])]
     ['3.691', '40.535', '–']
     """
     sizes = [abs(value) for value in values if value is not None and math.isfinite(value) and value != 0]
-    if not sizes or max(sizes) >= LARGE or min(sizes) < SMALL or max(sizes) / min(sizes) > SPREAD:
+    if (
+        not sizes
+        or max(sizes) >= COLUMN_LARGEST
+        or min(sizes) < COLUMN_SMALLEST
+        or max(sizes) / min(sizes) > COLUMN_SPREAD
+    ):
         return [NumberText(value, digits) for value in values]
     decimals = digits - 1 - math.floor(math.log10(min(sizes)))
     decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
@@ -159,17 +164,17 @@ def digits_to_error(value: float, error: float) -> int:
     (6, 5, 5)
     """
     if not (math.isfinite(error) and error > 0 and value):
-        return USUAL
-    return min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, FEWEST), MOST)
+        return USUAL_DIGITS
+    return min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, FEWEST_DIGITS), MOST_DIGITS)
 
 
-def with_error(value: float, error: float) -> str:
+def value_with_error(value: float, error: float) -> str:
     """Text of a value and its standard error, ``0.8031 ± 0.0098``, to the second digit of the error.
 
-    >>> with_error(0.80312, 0.0098), with_error(459.96, 1.73), with_error(4.0, 1e-12)
+    >>> value_with_error(0.80312, 0.0098), value_with_error(459.96, 1.73), value_with_error(4.0, 1e-12)
     ('0.8031 ± 0.0098', '460.0 ± 1.7', '4 ± 1e-12')
     """
-    if not EXACT * abs(value) < error < math.inf:
+    if not ZERO_ERROR_RATIO * abs(value) < error < math.inf:
         return f"{value:.6g} ± {error:.2g}"
     places = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{places}f} ± {error:.{places}f}"

@@ -14,7 +14,7 @@ Rows: TypeAlias = tuple[tuple[Number, ...], ...]
 """Rows of numbers, sorted by their first column."""
 
 
-def outside(rows: Rows, at: Any) -> str:
+def outside_message(rows: Rows, at: Any) -> str:
     """Message that a value lies outside a table, or an empty text."""
     if rows[0][0].value <= at <= rows[-1][0].value:
         return ""
@@ -48,7 +48,7 @@ def _place(keys: Sequence[Any], at: Any) -> int:
     return min(max(bisect_right(keys, at), 1), len(keys) - 1)
 
 
-def interpolated(rows: Rows, at: float) -> float:
+def interpolate_float(rows: Rows, at: float) -> float:
     """Interpolated value at ``at`` as a float; outside by no more than a rounding error is allowed.
 
     Raises
@@ -57,7 +57,7 @@ def interpolated(rows: Rows, at: float) -> float:
         It lies outside.
 
     >>> rows = ((Number(1), Number(10)), (Number(3), Number(30)))
-    >>> interpolated(rows, 2.5)
+    >>> interpolate_float(rows, 2.5)
     25.0
     """
     keys = [float(row[0].value) for row in rows]
@@ -70,7 +70,7 @@ def interpolated(rows: Rows, at: float) -> float:
     return lower + (upper - lower) * (at - before) / (after - before)
 
 
-def in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
+def interpolate_in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
     """Interpolated value at ``at``, a number of ``algebra``; beyond the ends that of the nearest row.
 
     A sum of ramps, (x - x_i + |x - x_i|)/2 times the change of slope at each row, needs no comparison and so works for
@@ -80,7 +80,7 @@ def in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
     --------
     >>> from torsionnet.core.expressions import RATIONAL
     >>> rows = ((Number(1), Number(10)), (Number(3), Number(30)), (Number(4), Number(0)))
-    >>> [int(in_algebra(rows, Fraction(x), RATIONAL)) for x in (0, 2, 3, 5)]
+    >>> [int(interpolate_in_algebra(rows, Fraction(x), RATIONAL)) for x in (0, 2, 3, 5)]
     [10, 20, 30, 0]
     """
     total, slope = algebra.number(rows[0][1].value), Fraction(0)

@@ -19,7 +19,7 @@ from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.files.placing import located_faults, presentable_faults
 from torsionnet.model.files.reader import is_file
 from torsionnet.model.fit import FitFile, FitMeasurement, FitParameter, FitSettings
 from torsionnet.response import FrequencyResponse
@@ -66,13 +66,13 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, 
     except OSError as error:
         raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
     except ModelError as error:
-        raise ModelError(presentable(error.faults), file.name) from None
+        raise ModelError(presentable_faults(error.faults), file.name) from None
     reader = _Reader(document, file, read_response)
     if not ranks_alone and "parameters" not in reader.data:
         reader.faults.append(Fault("a fit needs parameters: entries by name; fit --rank does without", on_key=True))
     plan = reader.plan()
     if reader.faults or plan is None:
-        raise ModelError(placed([*document.faults, *reader.faults], document), file.name)
+        raise ModelError(located_faults([*document.faults, *reader.faults], document), file.name)
     return plan
 
 

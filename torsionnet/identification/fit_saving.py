@@ -14,7 +14,7 @@ from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.identification.fit_result import Compared, FitResult
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.located import compose
-from torsionnet.model.files.quoting import written
+from torsionnet.model.files.quoting import scalar_text
 
 FIT_FORMAT_VERSION = 1
 """Version of the file format."""
@@ -22,19 +22,23 @@ FIT_FORMAT_VERSION = 1
 
 def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
     """YAML text of a fit with values, errors, correlation, verdicts and the curves of test and model."""
-    lines = [f"torsionnet_fit: {FIT_FORMAT_VERSION}", f"title: {written(fit.title)}", "parameters:"]
+    lines = [f"torsionnet_fit: {FIT_FORMAT_VERSION}", f"title: {scalar_text(fit.title)}", "parameters:"]
     for name, value in fit.values.items():
-        unit = f", unit: {written(fit.units.get(name, ''))}"
+        unit = f", unit: {scalar_text(fit.units.get(name, ''))}"
         error = fit.standard_errors[name]
         steps = "".join(f", steps: {_rows(found)}" for found in [fit.steps.get(name)] if found)
-        lines.append(f"  {written(name)}: {{value: {value!r}, standard_error: {_number(error)}{steps}{unit}}}")
+        lines.append(f"  {scalar_text(name)}: {{value: {value!r}, standard_error: {_number(error)}{steps}{unit}}}")
     lines += ["correlation:", *(f"  - [{', '.join(map(_number, row))}]" for row in fit.correlation.tolist())]
     lines += [f"chi_squared: {_number(fit.chi_squared)}", f"degrees_of_freedom: {fit.degrees_of_freedom}"]
     for key, texts in (("verdicts", fit.verdicts), ("notes", fit.notes)):
-        lines += [f"{key}:" if texts else f"{key}: []", *(f"  - {written(text)}" for text in texts)]
+        lines += [f"{key}:" if texts else f"{key}: []", *(f"  - {scalar_text(text)}" for text in texts)]
     lines.append("measurements:" if fit.comparisons else "measurements: []")
     for one in fit.comparisons:
-        lines += [f"  - name: {written(one.name)}", f"    unit: {written(one.unit)}", f"    misfit: {one.misfit!r}"]
+        lines += [
+            f"  - name: {scalar_text(one.name)}",
+            f"    unit: {scalar_text(one.unit)}",
+            f"    misfit: {one.misfit!r}",
+        ]
         lines += [] if one.has_phase else ["    has_phase: false"]
         columns = {
             "frequencies": one.frequencies,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.core.number_text import with_error
+from torsionnet.core.number_text import value_with_error
 from torsionnet.identification.lack_of_fit import Explanation, LackOfFit
 
 ADVICE_BY_CAUSE = {
@@ -68,7 +68,7 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None) -> st
 def _values(one: Explanation) -> str:
     """Text with the values of the other parameters under this explanation."""
     listed = [
-        f"{name} would be {with_error(value, one.standard_errors[name])}"
+        f"{name} would be {value_with_error(value, one.standard_errors[name])}"
         for name, value in one.values.items()
         if name.partition("[")[0] != one.unknown
     ]

@@ -54,9 +54,9 @@ def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Def
     if authored.is_flat:
         return authored, []
     from torsionnet.model.parts.authored import AuthoredModel
-    from torsionnet.model.parts.flattening import flattened
+    from torsionnet.model.parts.flattening import flatten_parts
 
-    flat, found = flattened(authored, whole=whole)
+    flat, found = flatten_parts(authored, whole=whole)
     flat = _with_files_read(_with_dotted_parameters(flat))
     return replace(flat, authored=AuthoredModel(authored, flat)), found
 

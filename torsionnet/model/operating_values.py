@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.core.piecewise_linear import interpolated
+from torsionnet.core.piecewise_linear import interpolate_float
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Constraint, Law, Values
@@ -75,7 +75,7 @@ class OperatingPoints:
         if not parameter.table:
             return size
         try:
-            return interpolated(parameter.table, size)
+            return interpolate_float(parameter.table, size)
         except UsageError as error:
             shown = f"{size * RPM:.6g} rpm" if parameter.by == "speed" else f"{size:.6g} N*m"
             where = f"{self.external.reference} at {speed * RPM:.6g} rpm"

@@ -11,7 +11,7 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.number_text import on_screen
+from torsionnet.core.number_text import screen_text
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
@@ -147,7 +147,7 @@ def resolved(value: Expression, unit: str, rig: Model) -> Written:
     if isinstance(value, Number) and value.unit_dimension is None:
         return number
     written = str(value)
-    return number if written == on_screen(number) else (f"{written} = ", *number)
+    return number if written == screen_text(number) else (f"{written} = ", *number)
 
 
 def parameters_table(rig: Model) -> Table:

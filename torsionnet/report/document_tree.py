@@ -106,7 +106,7 @@ class Heading:
     @property
     def bracket(self) -> str:
         """The unit as it stands behind the text, empty if there is none."""
-        return number_text.bracketed(self.unit)
+        return number_text.unit_in_brackets(self.unit)
 
 
 @dataclass(frozen=True)

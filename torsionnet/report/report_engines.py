@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.model.excitations.engine_phases import conditions_running_alone
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, TableBlock
 from torsionnet.report.report_data import ReportData
@@ -51,10 +51,10 @@ def by_angle(subject: ReportData, name: str) -> list[TableBlock]:
     least = [run.least_at(at, name) for (_, run, _, _), at in zip(found, worst, strict=True)]
     cells: list[list[Cell]] = [
         [configuration for configuration, _, _, _ in found],
-        list(aligned([float(run.rpm[at]) for (_, run, _, _), at in zip(found, worst, strict=True)])),
-        list(aligned([float(sizes[at]) * scale for (_, _, _, sizes), at in zip(found, worst, strict=True)])),
+        list(aligned_numbers([float(run.rpm[at]) for (_, run, _, _), at in zip(found, worst, strict=True)])),
+        list(aligned_numbers([float(sizes[at]) * scale for (_, _, _, sizes), at in zip(found, worst, strict=True)])),
         [_words(run.angles, at, place) for (_, run, place, _), at in zip(found, worst, strict=True)],
-        list(aligned([float(one.half_range[0, 0]) * scale for one in least])),
+        list(aligned_numbers([float(one.half_range[0, 0]) * scale for one in least])),
         [_words(one.angles, 0, 0) for one in least],
     ]
     return [table((named(name), ": by the angle between engines"), columns, list(zip(*cells, strict=True)))]

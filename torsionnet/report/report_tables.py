@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
 from torsionnet.report.report_words import capital, plain, unit
 from torsionnet.response.table import Table
@@ -98,7 +98,7 @@ def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
     return (
         ["" for _ in values]
         if not any(value is not None for value in known)
-        else list(aligned(known, min(digits, FEW_DIGITS)))
+        else list(aligned_numbers(known, min(digits, FEW_DIGITS)))
     )
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
 from torsionnet.model.files.decoding import MOST_BYTES, decode
 from torsionnet.model.files.located import compose
-from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.files.placing import located_faults, presentable_faults
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.wording import Wording, Words
 from torsionnet.report.writers.page_checks import page_faults
@@ -65,7 +65,7 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
     faults += [fault for name in ("page.html", STYLE) for fault in _from_elsewhere(read, name)]
     faults += [fault for name in PAGES if name in texts for fault in page_faults(read, name)]
     if faults:
-        raise TemplateFolderError(presentable(faults), str(folder))
+        raise TemplateFolderError(presentable_faults(faults), str(folder))
     return read
 
 
@@ -112,7 +112,7 @@ def _words(text: str, file: str) -> tuple[Words, list[Fault]]:
     except ModelError as error:
         return Words(), list(error.faults)
     words, faults = Words.read(document.data)
-    return words or Words(), placed([*document.faults, *faults], document)
+    return words or Words(), located_faults([*document.faults, *faults], document)
 
 
 def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:

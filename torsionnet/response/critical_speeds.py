@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import on_screen
+from torsionnet.core.number_text import screen_text
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
@@ -261,7 +261,7 @@ class CriticalSpeeds:
     def _notes(self) -> tuple[str, ...]:
         low, high = (speed * RPM for speed in self.speed_range)
         notes = [
-            f"speeds of {self.reference}; operating range {on_screen(low, 6)} to {on_screen(high, 6)} rpm",
+            f"speeds of {self.reference}; operating range {screen_text(low, 6)} to {screen_text(high, 6)} rpm",
             "margin: of the nearer of both natural frequencies from excitation frequencies in the range; 0 inside",
             "generalised force: torques of all cylinders summed on the shape with their phases, largest angle 1 rad",
         ]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import write_text
-from torsionnet.core.number_text import bracketed, exact, finite, on_screen
+from torsionnet.core.number_text import csv_value, json_finite, screen_text, unit_in_brackets
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,12 @@ class Column:
 
     @property
     def heading(self) -> str:
-        return f"{self.name} {bracketed(self.unit)}".rstrip()
+        return f"{self.name} {unit_in_brackets(self.unit)}".rstrip()
 
     def text(self, value: Any) -> str:
         """A cell of this column as text."""
         rounded = isinstance(value, float) and self.decimals is not None
-        return on_screen(round(value, self.decimals) if rounded else value, self.digits)
+        return screen_text(round(value, self.decimals) if rounded else value, self.digits)
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Table:
             buffer.write(f"# {note}\n")
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow([column.heading for column in self.columns])
-        writer.writerows([[exact(value) for value in row] for row in self.rows])
+        writer.writerows([[csv_value(value) for value in row] for row in self.rows])
         return _written(buffer.getvalue(), path)
 
     def to_json(self, path: str | Path | None = None) -> str:
@@ -85,7 +85,8 @@ class Table:
             "title": self.title,
             "columns": [{"name": column.name, "unit": column.unit} for column in self.columns],
             "rows": [
-                [on_screen(cell) if isinstance(cell, tuple) else finite(cell) for cell in row] for row in self.rows
+                [screen_text(cell) if isinstance(cell, tuple) else json_finite(cell) for cell in row]
+                for row in self.rows
             ],
             "notes": list(self.notes),
         }

@@ -13,7 +13,7 @@ from torsionnet.loading import load
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.library import library_models, library_studies
 from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.files.placing import located_faults, presentable_faults
 from torsionnet.study.study import Study, study_of
 from torsionnet.study.study_file import StudyEntries
 
@@ -42,10 +42,12 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     file = _find(path)
     document = _document(file)
     if not isinstance(document.data, dict):
-        raise ModelError(placed([*document.faults, Fault("the file describes no study")], document), file.name)
+        raise ModelError(located_faults([*document.faults, Fault("the file describes no study")], document), file.name)
     if "elements" in document.data and "vary" not in document.data:
         text = f"this is a model, no study; a study names it and what varies: model: {file.name}, vary: ..."
-        raise ModelError(placed([*document.faults, Fault(text, ("elements",), on_key=True)], document), file.name)
+        raise ModelError(
+            located_faults([*document.faults, Fault(text, ("elements",), on_key=True)], document), file.name
+        )
     faults = [*document.faults, *version_faults(document.data, "study")]
     name = document.data.get("model")
     model, found = _model(str(name), file.parent) if isinstance(name, str) else (None, [])
@@ -54,8 +56,8 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     faults += found
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors or study is None:
-        raise ModelError(placed(errors, document), file.name)
-    return replace(study, findings=tuple(placed(faults, document)))
+        raise ModelError(located_faults(errors, document), file.name)
+    return replace(study, findings=tuple(located_faults(faults, document)))
 
 
 def _find(study: str | os.PathLike[str]) -> Path:
@@ -75,7 +77,7 @@ def _document(file: Path) -> LocatedDocument:
     try:
         return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except ModelError as error:
-        raise ModelError(presentable(error.faults), file.name) from None
+        raise ModelError(presentable_faults(error.faults), file.name) from None
     except OSError as error:
         raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
 

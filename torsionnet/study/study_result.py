@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
 from torsionnet.core.version import __version__
@@ -227,7 +227,7 @@ class StudyResult:
         columns = self.columns()
         headings = tuple(Column(name, self._unit(name)) for name in columns)
         above = len(self.notes) + 2  # lines: the title, and the headings
-        with replacing(path) as file, file.open("w", encoding="utf-8", newline="") as stream:
+        with atomic_replacement(path) as file, file.open("w", encoding="utf-8", newline="") as stream:
             for start in range(0, len(next(iter(columns.values()))), CSV_BLOCK_LINES):
                 block = (column[start : start + CSV_BLOCK_LINES].tolist() for column in columns.values())
                 text = Table(self.study.title, headings, tuple(zip(*block, strict=True)), self.notes).to_csv()
@@ -243,7 +243,7 @@ class StudyResult:
         table = pa.table(self.columns()).replace_schema_metadata(
             {"torsionnet": json.dumps(self._about, ensure_ascii=False)}
         )
-        with replacing(path) as file:
+        with atomic_replacement(path) as file:
             pq.write_table(table, file)
 
     def to_xarray(self) -> Any:

@@ -12,14 +12,16 @@ _DECIMALS = re.compile(r"[+-]?\d*[.,](?P<decimals>\d+)(?P<exponent>[eEdD][+-]?\d
 _BEGUN = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d*)?(?:[eEdD][+-]?)?")
 
 
-def early_end(cells: Sequence[str], above: Sequence[Sequence[str]], names: Sequence[str], *, own: bool = False) -> str:
+def truncation_message(
+    cells: Sequence[str], above: Sequence[Sequence[str]], names: Sequence[str], *, own: bool = False
+) -> str:
     """Message that the last row of a file without a final line end is cut; empty where the row may be complete.
 
     ``above`` are rows before it; a file of this package's ``own`` ends with the end of a line.
 
-    >>> early_end(["0.2", "-1."], [["0.1", "-1.12"]] * 3, ["time", "T"])
+    >>> truncation_message(["0.2", "-1."], [["0.1", "-1.12"]] * 3, ["time", "T"])
     'the file ends early: the last number of T is cut'
-    >>> early_end(["0.2"], [["0.1", "-1.12", "3"]], ["time", "T", "phi"])
+    >>> truncation_message(["0.2"], [["0.1", "-1.12", "3"]], ["time", "T", "phi"])
     'the file ends early: the last row lacks T, phi, and its time may be cut'
     """
     if len(cells) < len(names):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.delimited.dialect import Dialect
-from torsionnet.core.delimited.early_end import COMPARED_ROWS, early_end
+from torsionnet.core.delimited.early_end import COMPARED_ROWS, truncation_message
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import Fault, ModelError, Position
 
@@ -121,7 +121,11 @@ class NumberRows:
         for number, line in enumerate(lines, self.line):
             if line.strip():
                 cells = self.dialect.cells(line)
-                short = "" if line.endswith("\n") else early_end(cells[: self._least], [], self.names[: self._least])
+                short = (
+                    ""
+                    if line.endswith("\n")
+                    else truncation_message(cells[: self._least], [], self.names[: self._least])
+                )
                 if short:
                     self._fault(short, number, line, 0, len(line))
                 else:
@@ -152,7 +156,7 @@ class NumberRows:
         """Add a fault where the last line of a file without a final line end is cut."""
         above = [self.dialect.cells(line)[: self._least] for line in [*self._above, *lines[-1 - COMPARED_ROWS : -1]]]
         last = self.dialect.cells(lines[-1])
-        text = early_end(
+        text = truncation_message(
             last if len(last) > self.width else last[: self._least], above, self.names[: self._least], own=self.own
         )
         if text:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of
 from torsionnet.io.records.recording_description import check_names, recording_json, with_description
@@ -40,7 +40,7 @@ def write(recording: Recording, path: Path) -> None:
         asammdf.Signal(samples=np.asarray(s.values), timestamps=recording.time, name=s.name, unit=s.unit)
         for s in recording
     ]
-    with replacing(path) as temporary, asammdf.MDF(version="4.10") as file:
+    with atomic_replacement(path) as temporary, asammdf.MDF(version="4.10") as file:
         file.append(signals, comment=recording.title)
         file.header.comment = recording_json(recording, with_time=True)
         file.save(temporary, overwrite=True)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.foreign import ForeignFileError, resource_limits
 from torsionnet.io.foreign.content import Slice, StoredArray, sliced_blocks
@@ -99,7 +99,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
 
 def _write(arrays: Mapping[str, Any], path: Path) -> None:
     # Not np.savez: it takes names as keyword arguments, of which "file" is one of its own.
-    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", allowZip64=True) as archive:
+    with atomic_replacement(path) as temporary, zipfile.ZipFile(temporary, "w", allowZip64=True) as archive:
         for name, values in arrays.items():
             with archive.open(f"{name}{ARRAY_ENDING}", "w", force_zip64=True) as member:  # dated 1980, not today
                 np.lib.format.write_array(member, np.asanyarray(values), allow_pickle=False)

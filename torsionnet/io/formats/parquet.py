@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.delimited.headings import split_heading
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.formats.extras import import_extra, open_foreign
@@ -52,7 +52,7 @@ def write(recording: Recording, path: Path) -> None:
 
     fields = [pa.field(column.name, pa.float64(), metadata=column.attributes) for column in columns]
     schema = pa.schema(fields, metadata={KEY: recording_json(recording)})
-    with replacing(path) as temporary, parquet.ParquetWriter(temporary, schema) as writer:
+    with atomic_replacement(path) as temporary, parquet.ParquetWriter(temporary, schema) as writer:
         for first in range(0, len(recording), ROWS_PER_GROUP):
             arrays = [
                 pa.array(np.asarray(column.values[first : first + ROWS_PER_GROUP], dtype=float)) for column in columns

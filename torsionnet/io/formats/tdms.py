@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import Plain
 from torsionnet.io.formats.extras import import_extra, open_foreign
@@ -59,7 +59,7 @@ def write(recording: Recording, path: Path) -> None:
     nptdms = import_extra("tdms")
     root = nptdms.RootObject({"name": recording.title or path.stem, KEY: recording_json(recording)})
     wave = {INCREMENT: 1 / recording.sampling_rate, OFFSET: recording.start}
-    with replacing(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
+    with atomic_replacement(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
         writer.write_segment([root, nptdms.GroupObject(GROUP)])
         for first in range(0, len(recording), PIECE):
             writer.write_segment([

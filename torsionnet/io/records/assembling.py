@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.number_range import LARGEST
+from torsionnet.core.number_range import LARGEST_SIZE
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
 from torsionnet.io.records.clock import (
@@ -143,7 +143,7 @@ def _recording(
 
 def _size_faults(signal: Signal) -> list[Fault]:
     sizes = np.abs(signal.values)
-    beyond = np.flatnonzero((sizes > LARGEST) & np.isfinite(sizes))
+    beyond = np.flatnonzero((sizes > LARGEST_SIZE) & np.isfinite(sizes))
     if not len(beyond):
         return []
     text = f"{signal.name} has the value {signal.values[beyond[0]]:g}, too large for a measurement; check its unit"

@@ -28,7 +28,7 @@ def shipped_catalogues() -> dict[str, Path]:
     return {path.stem: path for path in sorted((folder / "catalogues").glob("*.csv"))}
 
 
-def row_of(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]]:
+def chosen_row(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]]:
     """Row that the entries ``catalogue`` and ``size`` of an element name, None where they name none, and faults."""
     file, size = entries.get(CATALOGUE), entries.get(SIZE)
     if isinstance(file, CatalogueRow):
@@ -37,7 +37,7 @@ def row_of(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]
         lone = Fault("a size is looked up in a catalogue; add catalogue: couplings.csv", (SIZE,), on_key=True)
         return None, [lone] if SIZE in entries else []
     if isinstance(file, Catalogue):
-        return row_of({**entries, CATALOGUE: file.path})
+        return chosen_row({**entries, CATALOGUE: file.path})
     if not isinstance(file, str | Path):
         return None, [Fault(f"expected the name of a catalogue, as couplings.csv, got {file!r}", (CATALOGUE,))]
     if size is None:
@@ -70,7 +70,7 @@ def _path(file: str) -> Path:
     return nearby_file(file)
 
 
-def entries_of(
+def row_entries(
     row: CatalogueRow, specs: Mapping[str, Spec[object]], given: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
     """Entries that a row gives and the model does not, by name, and faults; ``loss_factor.psi`` is part of an entry."""
@@ -83,11 +83,11 @@ def entries_of(
         if part:
             found.setdefault(name, {})[part] = cell.raw
         else:
-            found[name] = value_of(cell, specs[name], faults)
+            found[name] = cell_value(cell, specs[name], faults)
     return found, [*([_useless(row.file, len(faults))] if faults else []), *faults]
 
 
-def resized(
+def entries_of_other_size(
     row: CatalogueRow, size: str, specs: Mapping[str, Spec[object]], stored: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
     """Entries that change with another size: the row itself, and entries that still have the values of the old row."""
@@ -97,15 +97,15 @@ def resized(
         new = catalogue_row(row.path, row.file, size)
     except ModelError as error:
         return {}, list(error.faults)
-    before, _ = entries_of(row, specs, {})
-    after, faults = entries_of(new, specs, {})
+    before, _ = row_entries(row, specs, {})
+    after, faults = row_entries(new, specs, {})
     kept = {name for name, raw in before.items() if specs[name].coerce(raw) != stored[name]}
     lacking = [name for name in before if name not in after and name not in kept]
     faults += [Fault(f"{row.file} has no {name} of size {size}, but of {row.size}", (SIZE,)) for name in lacking]
     return {CATALOGUE: new, **{name: raw for name, raw in after.items() if name not in kept}}, faults
 
 
-def value_of(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> Any:
+def cell_value(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> Any:
     """Value of a cell as an entry takes it; a value that does not fit is added to ``faults``."""
     dimension = getattr(spec, "dimension", "1")
     if dimension != "1" and cell.is_number and not cell.has_unit:

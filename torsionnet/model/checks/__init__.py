@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from torsionnet.core.collecting import collector_paused
+from torsionnet.core.collecting import gc_paused
 from torsionnet.core.errors import USELESS, Fault
 from torsionnet.model.checks import names, values
 from torsionnet.model.checks.overrides import at_override
 from torsionnet.model.checks.plausible import unusual_sizes
-from torsionnet.model.checks.structure import structure, unconnected_parts
+from torsionnet.model.checks.structure import check_structure, unconnected_parts
 from torsionnet.model.configurations import combinations, label
 from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import resolve
@@ -24,7 +24,7 @@ MOST_COMBINATIONS = 64
 the checks grows with the product of the numbers of alternatives."""
 
 
-@collector_paused()
+@gc_paused()
 def check_definition(definition: Definition) -> list[Fault]:
     """Faults, warnings and notes of a model with all its configurations."""
     faults = [fault for check in names.CHECKS for fault in check(definition)]
@@ -32,10 +32,10 @@ def check_definition(definition: Definition) -> list[Fault]:
     faults += values.bound_dimensions(definition) + values.passive_tables(definition)
     faults += unconnected_parts(definition)
     known, found = resolve(definition.parameters)
-    faults += found + values.sizes(definition, known) + unusual_sizes(definition, known)
+    faults += found + values.impossible_sizes(definition, known) + unusual_sizes(definition, known)
     if has_errors(faults):
         return _unique(faults)
-    base, axes = structure(definition, known), definition.configurations
+    base, axes = check_structure(definition, known), definition.configurations
     others = {label(choice, axes): _of_choice(definition, choice) for choice in choices(definition)}
     faults += _refused_everywhere(base, others.values())
     for name, found in others.items():
@@ -46,9 +46,9 @@ def check_definition(definition: Definition) -> list[Fault]:
 def check_variant(definition: Definition) -> list[Fault]:
     """Faults that depend on values: for a configuration or changed parameters of a sound model."""
     known, faults = resolve(definition.parameters)
-    faults += values.wrong_dimensions(definition) + values.sizes(definition, known)
+    faults += values.wrong_dimensions(definition) + values.impossible_sizes(definition, known)
     faults += unusual_sizes(definition, known)
-    return faults if has_errors(faults) else faults + structure(definition, known)
+    return faults if has_errors(faults) else faults + check_structure(definition, known)
 
 
 def choices(definition: Definition) -> list[dict[str, str]]:

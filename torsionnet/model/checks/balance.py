@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from torsionnet.core.errors import Fault
-from torsionnet.model.checks.motions import left_free
+from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques
 
-TOLERANCE = 0.05
+UNBALANCED_SHARE = 0.05
 """Share of the largest torque that may remain unbalanced: rounding of data sheets, and drag in bearings."""
 
 
@@ -26,7 +26,7 @@ def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> lis
     if len(given) < 2:
         return []
     fewest = 2 if definition.load is None else 1
-    left = left_free(kinematics, lambda law: law.is_elastic)
+    left = free_motions(kinematics, lambda law: law.is_elastic)
     work: dict[str, dict[str, float]] = {}
     for node, torque in given.items():
         for motion, ratio in left.in_floats({node: 1}).items():
@@ -40,12 +40,12 @@ def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> lis
 def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[Fault]:
     """Warning that the torques do net work on one rigid motion; ``done`` is the work of each torque."""
     rest, largest = sum(done.values()), max(map(abs, done.values()))
-    if abs(rest) <= TOLERANCE * largest:
+    if abs(rest) <= UNBALANCED_SHARE * largest:
         return []
     last = list(done)[-1]
     over = rest * given[last] / done[last]
     listed = ", ".join(f"{node} {given[node]:.6g} N*m" for node in done)
-    turned = [node for node in done if len(done) > 1 and abs(rest - 2 * done[node]) <= TOLERANCE * largest]
+    turned = [node for node in done if len(done) > 1 and abs(rest - 2 * done[node]) <= UNBALANCED_SHARE * largest]
     hint = f'; did you mean "{turned[-1]}: {-given[turned[-1]]:.6g} N*m"?' if turned else ""
     text = (
         f"the mean torques ({listed}) leave {over:.4g} N*m over at {last}, and a load acts against the rotation{hint}"

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from torsionnet.core.units import RPM
 from torsionnet.model.excitations.rating import Rating
 
-NEAR = 0.35
+SAME_POWER_SHARE = 0.35
 """Relative difference up to which two powers count as the same but for a slip of the unit: an indicated power is up to
 a third above that at the coupling."""
-NEAR_SPEED = 0.005
+SAME_SPEED_SHARE = 0.005
 """Relative difference up to which two speeds count as equal: data sheets round rated speeds to about half a percent."""
 _THOUSANDS = {
     1e-6: "a unit a million times larger",
@@ -46,12 +46,12 @@ def _short(value: float) -> str:
 def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> str:
     """Text that asks whether a speed in rad/s is that of another node, or in a wrong unit; empty if neither fits."""
     meant = f'; did you mean "{expected * RPM:.6g} rpm"?'
-    other = next((one for one, speed in known.items() if one != node and _is(stated, speed, NEAR_SPEED)), None)
+    other = next((one for one, speed in known.items() if one != node and _is(stated, speed, SAME_SPEED_SHARE)), None)
     if other is not None:
         return f": that is the speed of {other}{meant}"
-    if _is(stated * RPM, expected, NEAR_SPEED):
+    if _is(stated * RPM, expected, SAME_SPEED_SHARE):
         return f": rad/s for rpm?{meant[1:].replace('did', 'Did')}"
-    if _is(stated, expected * RPM, NEAR_SPEED):
+    if _is(stated, expected * RPM, SAME_SPEED_SHARE):
         return f": rpm for rad/s?{meant[1:].replace('did', 'Did')}"
     return ""
 
@@ -61,7 +61,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
     of_torque = rating.power is None and rating.shares == (1.0, 1.0)
     share = stated / expected
     slips = _OF_TORQUE if of_torque else _THOUSANDS
-    near = NEAR if rating.shares[0] < 1 else NEAR / 2
+    near = SAME_POWER_SHARE if rating.shares[0] < 1 else SAME_POWER_SHARE / 2
     found = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
     if found is not None:
         if rating.power is None and not of_torque:
@@ -81,7 +81,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
 def likely_load(power: float, share: float, torque: float | None) -> str:
     """Text that asks about the unit of a load in W, whose power is stated elsewhere as ``share`` times as much."""
     found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
-                  if _is(1 / share, factor, NEAR)), None)  # fmt: skip
+                  if _is(1 / share, factor, SAME_POWER_SHARE)), None)  # fmt: skip
     if found is None:
         return ""
     factor = 10.0 ** round(math.log10(share))

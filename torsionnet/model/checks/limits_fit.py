@@ -10,7 +10,7 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.model.limits.unlike_kin import unlike_kin
+from torsionnet.model.limits.unlike_kin import unit_slips
 from torsionnet.model.parameters import resolve
 
 
@@ -25,7 +25,7 @@ def unfit_limits(definition: Definition) -> list[Fault]:
             unknown_name(kind, what, known[kind], path) for path, kind, what in limit.named if what not in known[kind]
         ]
         if not found and not wrong:
-            found = [*_unfit(limit, subject), *unlike_kin(limit)]
+            found = [*_unfit(limit, subject), *unit_slips(limit)]
         faults += [fault.under("limits", name) for fault in found]
     return faults
 

@@ -11,7 +11,7 @@ from torsionnet.model.load.load_section import Load
 from torsionnet.model.load.sides_of_load import unknown_driver
 from torsionnet.model.torque_places import torque_place
 
-AGREE = 0.01
+SAME_TORQUE_SHARE = 0.01
 """Relative difference up to which torques of the load and of the operating point agree, rounded as in data sheets."""
 
 
@@ -75,4 +75,4 @@ def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: f
 
 
 def _agree(first: float, second: float) -> bool:
-    return abs(first - second) <= AGREE * max(abs(first), abs(second))
+    return abs(first - second) <= SAME_TORQUE_SHARE * max(abs(first), abs(second))

@@ -10,7 +10,7 @@ from torsionnet.model.elimination import Reduction, exact, reduce_rows
 from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node
 
 
-def left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
+def free_motions(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
     """Reduction to the motions in which all laws chosen by ``answers`` stay at rest; imposed angles stand still."""
     imposed = [{pseudo_node(name): 1} for name in kinematics.imposed]
     rows = [exact_row(law.row) for _, law in kinematics.laws if answers(law)]
@@ -18,7 +18,7 @@ def left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reducti
     return kinematics.reduction.followed_by([*imposed, *rows], order)
 
 
-def held_by_actions(kinematics: Kinematics) -> int:
+def count_held_motions(kinematics: Kinematics) -> int:
     """Number of motions without a spring that a torque holds which follows a constant angle, as of a governor.
 
     As that of a governor does which integrates the speed. A torque that acts between parts turning as one holds none.
@@ -26,7 +26,7 @@ def held_by_actions(kinematics: Kinematics) -> int:
     acting = [action for _, action in kinematics.actions if action.acts_at_rest]
     if not acting:
         return 0
-    left = left_free(kinematics, lambda law: law.holds_at_rest)
+    left = free_motions(kinematics, lambda law: law.holds_at_rest)
     torques: dict[str, dict[str, Fraction]] = {}
     for action in acting:
         gain = next(exact(value) for value in action.numerator if value != 0)

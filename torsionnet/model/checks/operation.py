@@ -19,7 +19,7 @@ from torsionnet.model.load.external_torques import ExternalTorques, stated_torqu
 from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
 from torsionnet.model.parameters import resolve
 
-SPEED_ENTRY, OF_SPEED = "speed", 0.005
+SPEED_ENTRY, SAME_SPEED_SHARE = "speed", 0.005
 """Entry of an element for the speed of its first node, and the share by which it may differ from that speed."""
 
 
@@ -47,9 +47,9 @@ def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:
     if not external.rated_speed:
         return []
     from torsionnet.model.checks.propeller_conditions import archer_at_small_torque
-    from torsionnet.model.checks.unlike_ratings import unlike_ratings
+    from torsionnet.model.checks.unlike_ratings import rating_mismatches
 
-    return [*unlike_ratings(external), *archer_at_small_torque(external)]
+    return [*rating_mismatches(external), *archer_at_small_torque(external)]
 
 
 def _inconsistent_speeds(external: ExternalTorques) -> list[Fault]:
@@ -123,7 +123,7 @@ def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
     values = _values(external) if turning else {}
     for element, speed in stated if turning else ():
         own, expected = abs(float(speed.evaluate(values))), _turning(element, turning)
-        if expected and abs(own - expected) > OF_SPEED * expected:
+        if expected and abs(own - expected) > SAME_SPEED_SHARE * expected:
             reference = external.reference
             where = f" with {reference} at {abs(turning[reference]) * RPM:.6g} rpm" if reference in turning else ""
             text = f"{element.name} is calculated at {own * RPM:.6g} rpm, but turns at {expected * RPM:.6g} rpm{where}"

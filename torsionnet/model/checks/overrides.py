@@ -103,9 +103,9 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
     except ModelError as error:
         return error.faults
     if table == EXCITATIONS:
-        from torsionnet.model.checks.running import misplaced
+        from torsionnet.model.checks.running import excitation_faults
 
-        return () if any(misplaced(definition, name)) else tuple(misplaced(changed, name))
+        return () if any(excitation_faults(definition, name)) else tuple(excitation_faults(changed, name))
     if table == ELEMENTS:
         return tuple(_moved(definition.elements[name], changed.elements[name], changes))
     return ()

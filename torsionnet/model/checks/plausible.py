@@ -17,7 +17,7 @@ from torsionnet.model.elements import Element
 
 Numbers: TypeAlias = Mapping[str, Fraction | float]
 
-FORGOTTEN = {
+LIKELY_UNITS = {
     "length": ("mm", 1e-3),
     "shear modulus": ("GPa", 1e9),
     "pressure": ("GPa", 1e9),
@@ -25,9 +25,9 @@ FORGOTTEN = {
     "force": ("kN", 1e3),
 }
 """Unit that is likely meant where a number has none, by dimension, and its size in SI."""
-USUAL = {"length": (1e-4, 20.0), "shear modulus": (1e5, 1e12), "pressure": (1e5, 1e12)}
+USUAL_SIZES = {"length": (1e-4, 20.0), "shear modulus": (1e5, 1e12), "pressure": (1e5, 1e12)}
 """Usual sizes in machinery in SI units, by dimension, where an entry has no range of its own."""
-FRACTIONS = {"zeta": 1.0, "eta": 2.0}
+PERCENT_FROM = {"zeta": 1.0, "eta": 2.0}
 """Damping measures that some write in percent, and the value from which that is likely."""
 
 
@@ -51,14 +51,14 @@ def _of(element: Element, numbers: Numbers) -> Iterator[Fault]:
 
 
 def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) -> str | None:
-    usual = spec.usual or USUAL.get(spec.dimension)
+    usual = spec.usual or USUAL_SIZES.get(spec.dimension)
     size = _size(value, numbers) if usual else None
     if usual is None or size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:
         return None
     low, high = usual
     unit = expected_unit(spec.dimension)
     text = f"{spec.description.partition(',')[0]} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
-    meant, factor = FORGOTTEN.get(spec.dimension, ("", 1.0))
+    meant, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
     bare = isinstance(value, Number) and value.unit_dimension is None
     if meant and bare and low <= size * factor <= high:
         text += f'; a number without unit is in {unit}: did you mean "{size:g} {meant}"?'
@@ -66,7 +66,7 @@ def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) ->
 
 
 def _percent(value: DampingMeasure, numbers: Numbers) -> str | None:
-    size, limit = _size(value.value, numbers), FRACTIONS.get(value.measure)
+    size, limit = _size(value.value, numbers), PERCENT_FROM.get(value.measure)
     if size is None or limit is None or size < limit:
         return None
     return f"{value.measure} = {size:g} is {100 * size:g} %; did you mean {size / 100:g}?"

@@ -14,7 +14,7 @@ from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import OperatingPoints, with_operating_values
 from torsionnet.model.parameters import resolve
 
-SMALL, SLIP = 0.5, 0.01
+SMALL_TORQUE_SHARE, SLIP_TORQUE_SHARE = 0.5, 0.01
 """Torque over that of full ahead at the same speed: below the first, Archer's formula does not apply; below the second,
 it is a slip of a unit, about which other checks warn."""
 
@@ -34,7 +34,7 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
         if full is None or not ratio:
             continue
         taken, whole = float(torque.evaluate(values)), full.torque * (ratio * rated / full.rated) ** full.exponent
-        if SLIP * whole < taken < SMALL * whole:
+        if SLIP_TORQUE_SHARE * whole < taken < SMALL_TORQUE_SHARE * whole:
             text = f"Archer's damping with {taken / 1e3:.4g} kN*m, {taken / whole:.0%} of the torque of full ahead"
             text += " at that speed; the formula is for a propeller that works at its pitch:"
             yield Fault(

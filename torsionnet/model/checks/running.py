@@ -59,7 +59,7 @@ def _unfit_element(definition: Definition, name: str) -> Iterator[Fault]:
         yield from (fault.under("excitations", name) for fault in excitation.element_faults(definition.elements))
 
 
-def misplaced(definition: Definition, name: str) -> Iterator[Fault]:
+def excitation_faults(definition: Definition, name: str) -> Iterator[Fault]:
     """Faults of an excitation on nodes or in an element that do not exist or are of the wrong kind."""
     nodes = all_nodes(definition.elements.values())
     for node, path in _places(name, definition.excitations[name]):

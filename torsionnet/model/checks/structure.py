@@ -9,7 +9,7 @@ from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.core.listing import comma_list
 from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
-from torsionnet.model.checks.motions import held_by_actions, left_free
+from torsionnet.model.checks.motions import count_held_motions, free_motions
 from torsionnet.model.checks.referred_sensors import unreachable_shafts
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Values
@@ -70,7 +70,7 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
 
 def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Faults of motions that no inertia, spring or damper resists: the receptance there is infinite."""
-    left = left_free(kinematics, lambda law: law.acts)
+    left = free_motions(kinematics, lambda law: law.acts)
     moving: dict[str, list[str]] = {name: [] for name in kinematics.coordinates if left.is_free(name)}
     for node in kinematics.nodes if moving else ():
         coordinates = kinematics.reduction.free_names({node: 1})
@@ -174,7 +174,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
 def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Note on the number of motions that no spring or controller resists."""
     del definition
-    count = len(rigid_motions(kinematics)) - held_by_actions(kinematics)
+    count = len(rigid_motions(kinematics)) - count_held_motions(kinematics)
     if not count:
         return []
     what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
@@ -183,7 +183,7 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
 
 def rigid_motions(kinematics: Kinematics) -> list[str]:
     """Names of coordinates, one for each independent motion that no spring resists."""
-    left = left_free(kinematics, lambda law: law.holds_at_rest)
+    left = free_motions(kinematics, lambda law: law.holds_at_rest)
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
@@ -198,7 +198,7 @@ CHECKS = (
 """Structural checks of a configuration, in the order in which they run."""
 
 
-def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """Faults of all structural checks of one configuration; contradicting gears make the rest meaningless."""
     unfit = _unfit_references(definition, values)
     if unfit:

@@ -15,9 +15,9 @@ from torsionnet.model.excitations.rating import Rating
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.load.sides_of_load import ENGINE
 
-OF_POWER, OF_SPEED = 0.05, 0.005
+SAME_POWER_SHARE, SAME_SPEED_SHARE = 0.05, 0.005
 """Relative differences up to which powers and speeds agree: rounding of data sheets, and slip."""
-ALIKE = 0.4
+SAME_SLIP_SHARE = 0.4
 """Relative spread of the ratios of several machines to the load up to which one slip of the load explains all:
 indicated powers are above those at the coupling."""
 PROPELLER = "propeller"
@@ -55,7 +55,7 @@ class _Unlike:
     fault: Fault
 
 
-def unlike_ratings(external: ExternalTorques) -> list[Fault]:
+def rating_mismatches(external: ExternalTorques) -> list[Fault]:
     """Warnings about rated speeds that differ by more than 0.5 %, and powers that differ by more than 5 %.
 
     All are those at rated speed. That an engine gives more than is taken from it is a note.
@@ -84,7 +84,7 @@ def _ratios(external: ExternalTorques) -> dict[str, float]:
 def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping[str, float]) -> list[Fault]:
     """Warning about the load, where a slip in its unit explains the differences to two machines or more."""
     load, sizes = external.definition.load, [one.share for one in unlike]
-    if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + ALIKE) * min(sizes):
+    if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + SAME_SLIP_SHARE) * min(sizes):
         return []
     entry = next((name for name in ("power", "torque") if getattr(load, name) is not None), "over_speed")
     stated = " and ".join(f"{one.machine.name} {power_text(one.machine.powers[0])}" for one in unlike)
@@ -125,7 +125,7 @@ def _unlike(
     external: ExternalTorques, path: Path, stated: float, node: str, known: Mapping[str, float]
 ) -> Iterator[Fault]:
     expected = known[node]
-    if abs(stated - expected) > OF_SPEED * expected:
+    if abs(stated - expected) > SAME_SPEED_SHARE * expected:
         text = f"a rated speed of {stated * RPM:.6g} rpm, but {node} turns at {expected * RPM:.6g} rpm"
         text += f" with {external.reference} at its rated {known[external.reference] * RPM:.6g} rpm"
         yield Fault(text + likely_speed(stated, expected, node, known), path, "warning")
@@ -182,7 +182,7 @@ def _share(external: ExternalTorques, one: _Machine, engines: int) -> float | No
 
 def _agree(stated: float, expected: float, shares: tuple[float, float]) -> bool:
     low, high = (share * stated for share in shares)
-    return low * (1 - OF_POWER) <= expected <= high * (1 + OF_POWER)
+    return low * (1 - SAME_POWER_SHARE) <= expected <= high * (1 + SAME_POWER_SHARE)
 
 
 def _cause(one: _Machine, wanted: float, external: ExternalTorques) -> str:

@@ -92,7 +92,7 @@ def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str
     return f'"{value}" has the dimension of {found}; the parameter is in {base}'
 
 
-def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     """Faults of values out of their bounds, not finite or not calculable, for resolved parameters."""
     faults: list[Fault] = []
     for name, value in numbers.items():

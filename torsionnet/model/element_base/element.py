@@ -114,18 +114,18 @@ class Element(Declared):
     def _looked_up(self) -> list[Fault]:
         """Fill entries that are not given from the catalogue file; return the faults. None counts as not given."""
         from torsionnet.model.catalogues.catalogue import Catalogue
-        from torsionnet.model.catalogues.taken_entries import entries_of, row_of
+        from torsionnet.model.catalogues.taken_entries import chosen_row, row_entries
 
         if not isinstance(self.catalogue, Catalogue | PurePath):
             return []
-        row, faults = row_of({CATALOGUE: self.catalogue, SIZE: self.size or None})
+        row, faults = chosen_row({CATALOGUE: self.catalogue, SIZE: self.size or None})
         if row is None:
             object.__setattr__(self, CATALOGUE, None)
             return faults
         specs, defaults = dict(self.specs()), self.defaults()
         given = {name: getattr(self, name) for name in specs}
         given = {name: raw for name, raw in given.items() if raw is not None and raw is not defaults.get(name)}
-        taken, faults = entries_of(row, specs, given)
+        taken, faults = row_entries(row, specs, given)
         for name, raw in {**taken, CATALOGUE: row}.items():
             object.__setattr__(self, name, raw)
         return faults
@@ -133,13 +133,15 @@ class Element(Declared):
     def _resized(self) -> list[Fault]:
         """Take the catalogue row of another size, where a configuration names one; return the faults."""
         from torsionnet.model.catalogues.catalogue import CatalogueRow
-        from torsionnet.model.catalogues.taken_entries import resized
+        from torsionnet.model.catalogues.taken_entries import entries_of_other_size
 
         row = self.catalogue
         if not isinstance(row, CatalogueRow) or str(self.size) in ("", row.size):
             return []
         specs = dict(self.specs())
-        changes, faults = resized(row, str(self.size), specs, {name: getattr(self, name) for name in specs})
+        changes, faults = entries_of_other_size(
+            row, str(self.size), specs, {name: getattr(self, name) for name in specs}
+        )
         for name, value in changes.items():
             object.__setattr__(self, name, value)
         return faults
@@ -279,10 +281,10 @@ class Element(Declared):
         data = {"type": self.kind, **self.written_entries()}
         if self.catalogue is None:
             return data
-        from torsionnet.model.catalogues.taken_entries import entries_of
+        from torsionnet.model.catalogues.taken_entries import row_entries
 
         specs = dict(self.specs())
-        taken, _ = entries_of(self.catalogue, specs, {})
+        taken, _ = row_entries(self.catalogue, specs, {})
         same = {name for name, raw in taken.items() if name in data and specs[name].coerce(raw) == getattr(self, name)}
         return {name: value for name, value in data.items() if name not in same}
 

@@ -49,13 +49,13 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
     if entries.keys().isdisjoint((CATALOGUE, SIZE)):
         return _made(cls, name, entries)
-    from torsionnet.model.catalogues.taken_entries import entries_of, row_of
+    from torsionnet.model.catalogues.taken_entries import chosen_row, row_entries
 
-    row, faults = row_of(entries)
+    row, faults = chosen_row(entries)
     if row is None:
         return (None, faults) if faults else _made(cls, name, entries)
     # What the model says itself wins over the catalogue.
-    taken, faults = entries_of(row, dict(cls.specs()), entries)
+    taken, faults = row_entries(row, dict(cls.specs()), entries)
     return (None, faults) if faults else _made(cls, name, {**taken, **entries, CATALOGUE: row})
 
 

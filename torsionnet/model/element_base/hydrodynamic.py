@@ -11,7 +11,7 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, outside, slope_at, value_at
+from torsionnet.core.piecewise_linear import Rows, outside_message, slope_at, value_at
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.element import Element
@@ -87,7 +87,7 @@ class Hydrodynamic(Element):
     def _uncovered(self, name: str) -> list[Fault]:
         if not isinstance(self.speed_ratio, Number):
             return []
-        text = outside(getattr(self, name), self.speed_ratio.value)
+        text = outside_message(getattr(self, name), self.speed_ratio.value)
         given = float(self.speed_ratio.value)
         return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
 

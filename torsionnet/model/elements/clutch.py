@@ -14,7 +14,7 @@ from torsionnet.core.entries.spec import Spec, entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, outside, slope_at
+from torsionnet.core.piecewise_linear import Rows, outside_message, slope_at
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity
@@ -157,5 +157,5 @@ def _slip_faults(clutch: Clutch) -> list[Fault]:
     if not isinstance(clutch.slip_speed, Number):
         return []
     slip = clutch.slip_speed.value if table[0][0].value < 0 else abs(clutch.slip_speed.value)
-    text = outside(table, slip)
+    text = outside_message(table, slip)
     return [Fault(f"{text}; slip_speed is {float(slip):g} rad/s", ("slip_speed",))] if text else []

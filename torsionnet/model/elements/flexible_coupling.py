@@ -14,7 +14,7 @@ from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, in_algebra
+from torsionnet.core.piecewise_linear import Rows, interpolate_in_algebra
 from torsionnet.model.element_base.coupling_faults import contradictions, given_curves
 from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share, with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
@@ -184,4 +184,4 @@ class FlexibleCoupling(Element):
 
     def _read(self, rows: Rows, operating: Expression | None, value: Values) -> Any:
         at = value(operating) / value(self.T_KN) if is_share(rows[0][0]) else value(operating)
-        return in_algebra(rows, at, value.algebra)
+        return interpolate_in_algebra(rows, at, value.algebra)

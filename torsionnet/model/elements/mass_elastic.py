@@ -79,8 +79,8 @@ class MassElastic(Element):
     Examples
     --------
     >>> from torsionnet.core.delimited.cell_grid import parse_grid
-    >>> from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
-    >>> sheet = sheet_of(parse_grid(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
+    >>> from torsionnet.model.sheets.mass_elastic_sheet import parse_sheet
+    >>> sheet = parse_sheet(parse_grid(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
     >>> engine = MassElastic("engine", table=sheet, at={"flywheel": "fly"})
     >>> engine.nodes_of_masses
     {'Cyl_1': 'engine.Cyl_1', 'Flywheel': 'fly'}

@@ -14,7 +14,7 @@ from torsionnet.core.expressions import Expression
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located import LocatedDocument, LocatedNode, Span, compose
-from torsionnet.model.files.quoting import written
+from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump
 from torsionnet.model.parts.authored import owner
@@ -23,7 +23,7 @@ _NOTHING = Overlay()
 
 
 @dataclass(frozen=True)
-class Place:
+class ValuePlace:
     """Place of a parameter's value: the table of parameters, or an alternative of an axis."""
 
     parameter: str
@@ -39,7 +39,7 @@ class Place:
         return (named, ("configurations", *inner)) if self.axis == DEFAULT_AXIS else (named,)
 
 
-def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> Place:
+def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> ValuePlace:
     """Place of a parameter's value under a choice of alternatives: the axis that sets it, or the base.
 
     Examples
@@ -50,11 +50,11 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
     """
     for axis, alternatives in definition.configurations.items():  # no two of which set the same parameter
         if parameter in alternatives.get(choice.get(axis, ""), _NOTHING).parameters:
-            return Place(parameter, axis, choice[axis])
-    return Place(parameter)
+            return ValuePlace(parameter, axis, choice[axis])
+    return ValuePlace(parameter)
 
 
-def changed_definition(definition: Definition, changes: Mapping[Place, Expression]) -> Definition:
+def changed_definition(definition: Definition, changes: Mapping[ValuePlace, Expression]) -> Definition:
     """Definition with other values of the parameters at some places."""
     parameters = dict(definition.parameters)
     axes = {axis: dict(alternatives) for axis, alternatives in definition.configurations.items()}
@@ -71,7 +71,7 @@ def changed_definition(definition: Definition, changes: Mapping[Place, Expressio
 def changed_text(
     text: str,
     definition: Definition,
-    changes: Mapping[Place, Expression],
+    changes: Mapping[ValuePlace, Expression],
     file: str = "",
     folder: FolderPath | None = None,
 ) -> str:
@@ -95,7 +95,7 @@ def changed_text(
     --------
     >>> from torsionnet.core.expression_reading import scalar
     >>> text = "{torsionnet: 1, name: x, parameters: {J: 2}, elements: {disc: {type: inertia, node: a, inertia: J}}}"
-    >>> changed_text(text, read_text(text, "")[0], {Place("J"): scalar("3 kg*m^2")})
+    >>> changed_text(text, read_text(text, "")[0], {ValuePlace("J"): scalar("3 kg*m^2")})
     '{torsionnet: 1, name: x, parameters: {J: 3 kg*m^2}, elements: {disc: {type: inertia, node: a, inertia: J}}}'
     """
     wanted = changed_definition(definition, changes)
@@ -106,7 +106,7 @@ def changed_text(
     return edited
 
 
-def _edited(text: str, definition: Definition, changes: Mapping[Place, Expression], file: str) -> str | None:
+def _edited(text: str, definition: Definition, changes: Mapping[ValuePlace, Expression], file: str) -> str | None:
     try:
         document = compose(text, file)
     except ModelError:
@@ -116,7 +116,7 @@ def _edited(text: str, definition: Definition, changes: Mapping[Place, Expressio
     is_json = file.lower().endswith(".json")
     for place, value in changes.items():
         plain = plain_scalar(value)
-        new = json.dumps(plain) if is_json else written(plain)
+        new = json.dumps(plain) if is_json else scalar_text(plain)
         span = _span(document, place, definition)
         if span is None:
             span, new = _inserted(document, place, definition, new, is_json)
@@ -128,7 +128,7 @@ def _edited(text: str, definition: Definition, changes: Mapping[Place, Expressio
     return text
 
 
-def _span(document: LocatedDocument, place: Place, definition: Definition) -> Span | None:
+def _span(document: LocatedDocument, place: ValuePlace, definition: Definition) -> Span | None:
     for path in (*place.paths(), *_in_use(place, definition)):
         node = _node(document, path)
         if node is not None and not isinstance(node.value, (dict, list)):
@@ -143,7 +143,7 @@ def _node(document: LocatedDocument, path: Path) -> LocatedNode | None:
     return node
 
 
-def _in_use(place: Place, definition: Definition) -> Iterator[Path]:
+def _in_use(place: ValuePlace, definition: Definition) -> Iterator[Path]:
     """Path of a part's parameter where a use of the part gives its value, for one copy and not for all."""
     found = (
         None if definition.authored is None or place.axis else owner(definition.authored.authored.use, place.parameter)
@@ -158,7 +158,7 @@ def _in_use(place: Place, definition: Definition) -> Iterator[Path]:
 
 
 def _inserted(
-    document: LocatedDocument, place: Place, definition: Definition, value: str, is_json: bool
+    document: LocatedDocument, place: ValuePlace, definition: Definition, value: str, is_json: bool
 ) -> tuple[Span | None, str]:
     """Span at which a value is inserted that the author left to the part, and its text with its name."""
     for path in _in_use(place, definition):

@@ -18,7 +18,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 _CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 
-def check_what_was_read(definition: Definition, document: LocatedDocument, faults: list[Fault]) -> list[Fault]:
+def check_partial_model(definition: Definition, document: LocatedDocument, faults: list[Fault]) -> list[Fault]:
     """Faults of reading, and faults of the checks that do not depend on entries that could not be read."""
     lost: set[str] = set()
     if has_errors(faults) or document.dropped:
@@ -47,7 +47,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
     yield from values.passive_tables(definition)
     known, found = resolve(definition.parameters)
     yield from found
-    yield from values.sizes(definition, known)
+    yield from values.impossible_sizes(definition, known)
 
 
 def _lost_words(document: LocatedDocument, broken: Iterable[Path]) -> Iterator[str]:

@@ -19,13 +19,13 @@ _PYTHON = re.compile("got (None|True|False)$")
 _WORD = re.compile(r"[^\W\d]\w*")
 
 
-def placed(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
+def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
     """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
     found = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
-    return presentable(_without_consequences(found))
+    return presentable_faults(_without_consequences(found))
 
 
-def presentable(faults: Iterable[Fault]) -> list[Fault]:
+def presentable_faults(faults: Iterable[Fault]) -> list[Fault]:
     """Faults without duplicates, in the order of the file, each message one printable line."""
     unique: dict[Any, Fault] = {}
     for fault in faults:

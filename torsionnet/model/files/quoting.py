@@ -14,10 +14,10 @@ _PLAIN_TEXT = re.compile(r"(?:-?[^\W_]|\()[\w ./^*+()·²³°-]*")
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
-def written(value: Plain) -> str:
+def scalar_text(value: Plain) -> str:
     """Scalar as a model file holds it: text in quotes wherever YAML 1.1 or 1.2 would make something else of it.
 
-    >>> [written(value) for value in ("motor", "0.46 kN*m/rad", "no", "3:1", "12", 1e-5, True)]
+    >>> [scalar_text(value) for value in ("motor", "0.46 kN*m/rad", "no", "3:1", "12", 1e-5, True)]
     ['motor', '0.46 kN*m/rad', '"no"', '"3:1"', '"12"', '1.0e-05', 'true']
     """
     if value is None or isinstance(value, bool):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TypeAlias
 
-from torsionnet.core.collecting import collector_paused
+from torsionnet.core.collecting import gc_paused
 from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
@@ -15,12 +15,12 @@ from torsionnet.model.checks import has_errors
 from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.followups import check_what_was_read
+from torsionnet.model.files.followups import check_partial_model
 from torsionnet.model.files.including import include_parts
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.library_uses import other_use
 from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.files.placing import located_faults, presentable_faults
 
 SUFFIXES = (".yaml", ".yml", ".json")
 """Endings of the names of model files."""
@@ -44,7 +44,7 @@ def read_file(path: str | os.PathLike[str], further: Further | None = None) -> t
     return read_text(text, str(found), found.parent, further)
 
 
-@collector_paused()
+@gc_paused()
 def read_text(
     text: str, file: str, folder: Path | None = None, further: Further | None = None
 ) -> tuple[Definition | None, list[Fault]]:
@@ -52,23 +52,23 @@ def read_text(
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:
-        return None, presentable(error.faults)
+        return None, presentable_faults(error.faults)
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
     if "vary" in document.data and "elements" not in document.data:
         text = f"this is a study, no model; torsionnet study {Path(file).name} calculates it"
-        return None, placed([*document.faults, Fault(text, ("vary",), on_key=True)], document)
+        return None, located_faults([*document.faults, Fault(text, ("vary",), on_key=True)], document)
     with files_beside(folder):
         include_parts(document)
         definition, faults = define(document.data)
-        faults = check_what_was_read(definition, document, [*version_faults(document.data, "model"), *faults])
+        faults = check_partial_model(definition, document, [*version_faults(document.data, "model"), *faults])
         if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
             faults = [*faults, *further(definition)]
         if definition.authored is not None:
             from torsionnet.model.parts.places import at_written_places
 
             faults = at_written_places(definition.authored.authored, faults)
-    found = placed([*document.faults, *faults], document)
+    found = located_faults([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 
 

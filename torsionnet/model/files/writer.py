@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.atomic import write_text
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.quoting import written
+from torsionnet.model.files.quoting import scalar_text
 
 _BLOCK_LEVELS = {
     "parameters": 1,
@@ -57,16 +57,16 @@ def _text(data: Mapping[str, Any]) -> str:
 def _lines(key: str, value: Any, levels: int, indent: str) -> Iterator[str]:
     """Lines of an entry of a model file, with as many levels of block style as wanted, flow style below."""
     if not levels or not isinstance(value, Mapping) or not value:
-        yield f"{indent}{written(key)}: {_flow(value)}"
+        yield f"{indent}{scalar_text(key)}: {_flow(value)}"
         return
-    yield f"{indent}{written(key)}:"
+    yield f"{indent}{scalar_text(key)}:"
     for inner, entry in value.items():
         yield from _lines(inner, entry, levels - 1, f"{indent}  ")
 
 
 def _flow(value: Any) -> str:
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{written(key)}: {_flow(entry)}" for key, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{scalar_text(key)}: {_flow(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_flow(entry) for entry in value)}]"
-    return written(value)
+    return scalar_text(value)

@@ -12,7 +12,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.model.channels import Sensor
-from torsionnet.model.limits.element_limit import ElementLimit, everywhere
+from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
@@ -86,18 +86,18 @@ class CouplingLimit(ElementLimit):
         factor, size = self.torque_temperature_factor, evidence.size([self.torque])
         nothing = np.zeros(len(evidence.speeds))
         if self.T_KN is not None:
-            allowed = everywhere(self.T_KN / factor, evidence)
+            allowed = constant_over_speed(self.T_KN / factor, evidence)
             mean = LimitLine("T_KN", "mean torque", "N*m", nothing, allowed, vibratory=False)
             yield self.total(mean, self.torque, evidence)
         if self.T_Kmax is not None:
             line = LimitLine(
-                "T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence)
+                "T_Kmax", "mean torque and half range", "N*m", size, constant_over_speed(self.T_Kmax / factor, evidence)
             )
             yield self.total(line, self.torque, evidence)
         if self.T_KW is not None:
             yield self._vibratory(evidence)
         if self.P_KV is not None:
-            allowed = everywhere(self.P_KV * self.power_temperature_factor, evidence)
+            allowed = constant_over_speed(self.P_KV * self.power_temperature_factor, evidence)
             yield LimitLine("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
         yield from self._twists(evidence)
 
@@ -107,14 +107,16 @@ class CouplingLimit(ElementLimit):
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
         values = evidence.weighted_size(self.torque, weights)
         orders = evidence.orders([self.torque]) * weights
-        allowed = everywhere(not_none(self.T_KW) / self.torque_temperature_factor, evidence)
+        allowed = constant_over_speed(not_none(self.T_KW) / self.torque_temperature_factor, evidence)
         return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 
     def _twists(self, evidence: Evidence) -> Iterator[LimitLine]:
         size = evidence.size([self.twisting])
         if self.twist is not None:
-            line = LimitLine("twist", "mean twist and half range", "rad", size, everywhere(self.twist, evidence))
+            line = LimitLine(
+                "twist", "mean twist and half range", "rad", size, constant_over_speed(self.twist, evidence)
+            )
             yield self.total(line, self.twisting, evidence)
         if self.vibratory_twist is not None:
-            allowed = everywhere(self.vibratory_twist, evidence)
+            allowed = constant_over_speed(self.vibratory_twist, evidence)
             yield LimitLine("vibratory twist", "twist, half range", "rad", size, allowed)

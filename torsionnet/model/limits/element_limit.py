@@ -11,12 +11,12 @@ import numpy as np
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.model.catalogues.taken_entries import value_of
+from torsionnet.model.catalogues.taken_entries import cell_value
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, LimitLine, without
+from torsionnet.model.limits.limit import Limit, LimitLine, line_without_data
 from torsionnet.model.limits.subject import LimitSubject
 
 
@@ -62,7 +62,7 @@ class ElementLimit(Limit):
         for name, spec in self.specs():
             cell = row.cell(name)
             if cell is not None and name not in closed and getattr(self, name) == defaults[name]:
-                found[name] = value_of(cell, spec, faults)
+                found[name] = cell_value(cell, spec, faults)
         if faults:
             raise ModelError(faults, row.file)
         if found and self.source == defaults["source"]:
@@ -83,10 +83,10 @@ class ElementLimit(Limit):
         """Line of the absolute mean value plus the half range in ``line``; no speed may exceed its limit."""
         found = evidence.mean(mean)
         if found is None:
-            return without(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
+            return line_without_data(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
         return replace(line, values=np.abs(found) + line.values, in_passing=True)
 
 
-def everywhere(value: float, evidence: Evidence) -> Any:
+def constant_over_speed(value: float, evidence: Evidence) -> Any:
     """Array of the same value at every speed, shape (n_speeds,)."""
     return np.full(len(evidence.speeds), float(value))

@@ -14,7 +14,7 @@ from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, register_rule, without
+from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.shaft_limit import ShaftLimit
 from torsionnet.response.limit_check import RuleText
 
@@ -96,7 +96,7 @@ class FatigueLimit(ShaftLimit):
         amplitude, orders = self.stress(evidence)
         mean = self.mean_stress_in(evidence)
         if mean is None:
-            yield without("tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
+            yield line_without_data("tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
             return
         lost = {
             "goodman": lambda: self.strength * mean / self.ultimate_strength,

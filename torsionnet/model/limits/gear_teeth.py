@@ -15,9 +15,9 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Flag, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor, port_fault
-from torsionnet.model.limits.element_limit import ElementLimit, everywhere
+from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, register_rule, without
+from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limit_check import RuleText
 
@@ -93,19 +93,19 @@ class GearLimit(ElementLimit):
         size, orders, mean = evidence.size([self.torque]), evidence.orders([self.torque]), evidence.mean(self.torque)
         quantity = "vibratory torque, half range"
         if self.vibratory_torque is not None:
-            allowed = everywhere(self.vibratory_torque, evidence)
+            allowed = constant_over_speed(self.vibratory_torque, evidence)
             yield LimitLine("T_v", quantity, "N*m", size, allowed, (), orders)
         if self.vibratory_share is not None:
             rated = self._rated_torque(evidence)
             if rated is None:
-                yield without("T_v", _unknown(evidence))
+                yield line_without_data("T_v", _unknown(evidence))
             else:
-                allowed = everywhere(self.vibratory_share * rated, evidence)
+                allowed = constant_over_speed(self.vibratory_share * rated, evidence)
                 remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
                 yield LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders)
         if self.hammer:
             if mean is None:
-                yield without("hammer", _unknown(evidence))
+                yield line_without_data("hammer", _unknown(evidence))
             else:
                 yield LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders)
 

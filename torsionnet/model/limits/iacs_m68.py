@@ -15,12 +15,12 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine, register_rule, without
+from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.m68_stress import (
-    BEND,
     CAPS,
+    CONSTANT_ABOVE,
     FEATURES,
-    HIGHEST,
+    HIGHEST_RATIO,
     HOLE,
     NO_BARRED_ABOVE,
     NOT_COVERED,
@@ -186,7 +186,7 @@ class IacsM68(ShaftLimit):
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         rated = self._rated(subject)
-        return [NO_BARRED_ABOVE * rated, BEND * rated, HIGHEST * rated]
+        return [NO_BARRED_ABOVE * rated, CONSTANT_ABOVE * rated, HIGHEST_RATIO * rated]
 
     def _rated(self, subject: LimitSubject) -> float:
         return float(self.rated or subject.rated or math.nan)
@@ -194,7 +194,7 @@ class IacsM68(ShaftLimit):
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         why = self._inapplicable(self.section(evidence.subject))
         if why:
-            yield without("tau_C", why)
+            yield line_without_data("tau_C", why)
             return
         ratio = evidence.speeds / self._rated(evidence.subject)
         values, orders = self.stress(evidence)
@@ -243,7 +243,7 @@ class IacsM68(ShaftLimit):
     ) -> LimitVerdict:
         if not wanted:
             return self._verdict(line, name, evidence, PASS, (), ())
-        top = min(HIGHEST * rated, evidence.examined.high)
+        top = min(HIGHEST_RATIO * rated, evidence.examined.high)
         covered = SpeedSpan(evidence.examined.low, top)
         above = "the rule says nothing above lambda = 1.05" if top < evidence.examined.high else NOT_EXAMINED[1]
         barred = joined_spans([span.within(covered) for span in wanted])
@@ -271,7 +271,7 @@ class IacsM68(ShaftLimit):
 
 def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:
     """Remark on speeds that the rule does not cover, or that it covers and nobody examined."""
-    rpm = evidence.run.rpm[ratio > HIGHEST * (1 + 1e-12)]
+    rpm = evidence.run.rpm[ratio > HIGHEST_RATIO * (1 + 1e-12)]
     if ratio[-1] < 1 - 1e-9:
         return (f"speeds examined end at lambda = {ratio[-1]:.3g}: nothing is said of those from there to rated speed",)
     return (f"speeds from {rpm[0]:g} to {rpm[-1]:g} rpm: lambda above 1.05 is not covered",) if len(rpm) else ()

@@ -23,10 +23,10 @@ from torsionnet.response.worst_response import ALIKE
 
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
-COARSE = 0.1
+SHARP_PEAK_DROP = 0.1
 """Drop from a peak to the mean of its neighbours, as a share of it, above which a finer step of speeds may find a
 higher value; a smaller share would remark on more peaks."""
-UNBOUNDED = 1e-6
+UNDAMPED_STEP = 1e-6
 """Relative step of speed at which a peak that is still sharp is taken for a resonance without damping."""
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
 """Specification of the entry for the error of a tachometer."""
@@ -106,7 +106,7 @@ class Limit(Declared):
         """Lines of a condition; a line that cannot be judged says why."""
         off = self.switched_off(evidence.subject)
         if off:
-            return [replace(without("all", f"{off} is switched off in this condition"), absent=True)]
+            return [replace(line_without_data("all", f"{off} is switched off in this condition"), absent=True)]
         return list(self.lines(evidence))
 
     def verdicts(self, name: str, evidence: Evidence, lines: Sequence[LimitLine] | None = None) -> list[LimitVerdict]:
@@ -227,12 +227,12 @@ class LimitLine:
         return self.values[:, None] if self.cases is None else self.cases
 
 
-def without(criterion: str, why: str) -> LimitLine:
+def line_without_data(criterion: str, why: str) -> LimitLine:
     """Line of a criterion for which data are missing, with the reason."""
     return LimitLine(criterion, "", "", np.empty(0), np.empty(0), why_not=why)
 
 
-def joined_lines(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLine:
+def merged_line(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLine:
     """Line merged from the lines of several groups of speeds; ``order`` sorts their concatenated speeds."""
 
     def every(arrays: Sequence[FloatArray | None]) -> FloatArray | None:
@@ -261,9 +261,9 @@ def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:
     if at in (0, len(values) - 1):
         return ()
     beside = (values[at - 1] + values[at + 1]) / 2
-    if beside >= (1 - COARSE) * values[at]:
+    if beside >= (1 - SHARP_PEAK_DROP) * values[at]:
         return ()
-    if evidence.speeds[at + 1] - evidence.speeds[at - 1] < UNBOUNDED * evidence.speeds[at]:
+    if evidence.speeds[at + 1] - evidence.speeds[at - 1] < UNDAMPED_STEP * evidence.speeds[at]:
         return (
             f"next to nothing damps the resonance at {evidence.run.rpm[at]:.6g} rpm: the value there is not bounded",
         )

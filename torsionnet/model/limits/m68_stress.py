@@ -26,7 +26,7 @@ CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
 """Largest tensile strength that the rule counts, by material, Pa."""
 PROPELLER_CAP = 600e6
 """Largest tensile strength that the rule counts for propeller shafts, Pa."""
-NO_BARRED_ABOVE, BEND, HIGHEST = 0.8, 0.9, 1.05
+NO_BARRED_ABOVE, CONSTANT_ABOVE, HIGHEST_RATIO = 0.8, 0.9, 1.05
 """Speed ratios above which normal firing has no barred range, tau_C no longer falls, and the rule says nothing."""
 STRENGTH_FOR_PASSING = 500e6
 """Tensile strength in Pa that the rule wants of shafts stressed nearly up to tau_T."""
@@ -63,9 +63,9 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
     >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
     [66.562, 36.742]
     """
-    bracket = np.where(ratio < BEND, 3 - 2 * ratio**2, 1.38)
+    bracket = np.where(ratio < CONSTANT_ABOVE, 3 - 2 * ratio**2, 1.38)
     found = (strength + 160e6) / 18 * factors * bracket
-    return np.asarray(np.where(ratio <= HIGHEST * (1 + 1e-12), found, np.nan))
+    return np.asarray(np.where(ratio <= HIGHEST_RATIO * (1 + 1e-12), found, np.nan))
 
 
 def usual_range(critical: float, rated: float) -> SpeedSpan:

@@ -12,7 +12,7 @@ from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Path
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.limits.element_limit import everywhere
+from torsionnet.model.limits.element_limit import constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
@@ -57,5 +57,5 @@ class MachineAngleLimit(Limit):
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         angle = self.seen(evidence.subject)
         values, orders = self.pole_pairs * evidence.size(angle), self.pole_pairs * evidence.orders(angle)
-        allowed = everywhere(self.angle, evidence)
+        allowed = constant_over_speed(self.angle, evidence)
         yield LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)

@@ -11,7 +11,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
-from torsionnet.model.limits.element_limit import ElementLimit, everywhere
+from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
@@ -70,9 +70,9 @@ class DamperLimit(ElementLimit):
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         if self.allowed_power is not None:
-            allowed = everywhere(self.allowed_power, evidence)
+            allowed = constant_over_speed(self.allowed_power, evidence)
             yield LimitLine("P", "dissipated power", "W", evidence.power(self.element), allowed)
         if self.vibratory_twist is not None:
-            allowed, twist = everywhere(self.vibratory_twist, evidence), [self.twisting]
+            allowed, twist = constant_over_speed(self.vibratory_twist, evidence), [self.twisting]
             orders = evidence.orders(twist)
             yield LimitLine("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)

@@ -9,14 +9,14 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.units import expected_unit
 from torsionnet.model.limits.limit import Limit
 
-APART = 100.0
+UNIT_SLIP_RATIO = 100.0
 """Ratio of two values of one limit from which a unit was probably left out: torques of a coupling differ by 10 at most,
 a forgotten prefix makes 1000."""
 PREFIXES = {"torque": (1e3, "kN*m"), "power": (1e3, "kW"), "pressure": (1e6, "MPa")}
 """Factor and name of the unit that is likely meant, by dimension."""
 
 
-def unlike_kin(limit: Limit) -> Iterator[Fault]:
+def unit_slips(limit: Limit) -> Iterator[Fault]:
     """Warnings about values that are less than a hundredth of another of the same limit."""
     kin: dict[str, dict[str, float]] = {}
     for name, spec in limit.specs():
@@ -26,13 +26,13 @@ def unlike_kin(limit: Limit) -> Iterator[Fault]:
     for dimension, values in kin.items():
         largest = max(values, key=lambda name: values[name])
         for name, value in values.items():
-            if value * APART < values[largest]:
+            if value * UNIT_SLIP_RATIO < values[largest]:
                 yield _unlike(dimension, name, value, largest, values[largest])
 
 
 def _unlike(dimension: str, name: str, value: float, largest: str, most: float) -> Fault:
     unit, (factor, meant) = expected_unit(dimension), PREFIXES[dimension]
     text = f"{name} of {value:g} {unit} beside {largest} of {most:g} {unit}"
-    if value * factor <= most * APART / 10:
+    if value * factor <= most * UNIT_SLIP_RATIO / 10:
         text += f'; a number without unit is in {unit}: did you mean "{value:g} {meant}"?'
     return Fault(text, (name,), "warning")

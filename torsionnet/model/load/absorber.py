@@ -15,7 +15,7 @@ from torsionnet.core.units import RPM
 
 _SPEED = Value("a speed", "speed", below=1e6)
 _TORQUE = Value("a torque", "torque")
-STEEPEST = 10
+MOST_EXPONENT = 10
 """Largest exponent of a torque over speed that is accepted; 1 to 3 are usual."""
 
 
@@ -105,9 +105,10 @@ class Absorber(Declared):
                     on_key=True,
                 )
             ]
-        if self.torque_exponent is not None and abs(self.torque_exponent) > STEEPEST:
-            text = f"torque follows the speed to a power from -{STEEPEST} to {STEEPEST}: 2 of a propeller or fan"
-            return [Fault(f"{text}; got {self.torque_exponent:g}", ("torque_exponent",))]
+        if self.torque_exponent is not None and abs(self.torque_exponent) > MOST_EXPONENT:
+            text = f"torque follows the speed to a power from -{MOST_EXPONENT} to {MOST_EXPONENT}"
+            text += f": 2 of a propeller or fan; got {self.torque_exponent:g}"
+            return [Fault(text, ("torque_exponent",))]
         return []
 
     @property

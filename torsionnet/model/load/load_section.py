@@ -18,7 +18,7 @@ _ABSORBER = Nested(
     "power or torque at rated speed with an exponent, or a table over speed", lambda: Absorber, "absorber"
 )
 _SHARE = Value("share of the power that this one gives, 1 or 100 % in all", "1", exclusive=True)
-ROUNDED = 1e-6
+SHARE_ROUNDING = 1e-6
 """Largest difference of the sum of the shares from 1: shares written with six digits round by as much."""
 
 
@@ -69,7 +69,7 @@ class Load(Absorber):
         else:
             faults = super().contradictions()
         total = sum(self.driven_by.values()) if self.driven_by else 1.0
-        if abs(total - 1) > ROUNDED:
+        if abs(total - 1) > SHARE_ROUNDING:
             listed = ", ".join(f"{name} {share:g}" for name, share in self.driven_by.items())
             text = f"the shares of the drivers ({listed}) sum to {total:g}; they have to sum to 1"
             faults.append(Fault(text, ("driven_by",)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from torsionnet.model.definition import Definition
-from torsionnet.model.parts.flattening import SECTIONS, flattened
+from torsionnet.model.parts.flattening import SECTIONS, flatten_parts
 from torsionnet.model.parts.use import Use
 
 
@@ -35,7 +35,7 @@ class AuthoredModel:
         now: dict[str, Any] = {name: getattr(flat, name) for name in whole}
         now |= {section: self._own(section, flat) for section in SECTIONS}
         changed = replace(self.authored, **now, use=self._uses(flat))
-        made, faults = flattened(changed)
+        made, faults = flatten_parts(changed)
         told = [fault for fault in faults if fault.severity == "error"]
         return None if told or made.flat_data() != flat.flat_data() or _order(made) != _order(flat) else changed
 
@@ -55,7 +55,7 @@ class AuthoredModel:
             found = owner(self.authored.use, name)
             if found is not None:
                 use, index, own = found
-                uses[use] = given(uses[use], own, index, parameter.value, self._values(use, own))
+                uses[use] = with_copy_value(uses[use], own, index, parameter.value, self._values(use, own))
         return uses
 
     def _values(self, use: str, own: str) -> tuple[Any, ...]:
@@ -74,7 +74,7 @@ def owner(uses: Mapping[str, Use], name: str) -> tuple[str, int, str] | None:
     return None
 
 
-def given(use: Use, own: str, index: int, value: Any, before: tuple[Any, ...]) -> Use:
+def with_copy_value(use: Use, own: str, index: int, value: Any, before: tuple[Any, ...]) -> Use:
     """Copy of a use with another value for one of its copies."""
     old = use.parameters.get(own)
     values = list(old) if isinstance(old, tuple) else [old if old is not None else one for one in before]

@@ -43,7 +43,7 @@ class PartContent:
         return sum(len(getattr(self, section)) for section in SECTIONS)
 
 
-def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
+def flatten_parts(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
     """Definition without parts, whose contents are put in, and the faults of parts that could not be.
 
     Faults have the paths of the definition as it was written.

@@ -83,15 +83,15 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
     ModelError
         With the row and column of every fault found.
     """
-    return replace(sheet_of(read_grid(path)), file=name or path.name)
+    return replace(parse_sheet(read_grid(path)), file=name or path.name)
 
 
-def sheet_of(grid: CellGrid) -> MassElasticSheet:
+def parse_sheet(grid: CellGrid) -> MassElasticSheet:
     """Mass-elastic sheet from cells that are already read.
 
     >>> from torsionnet.core.delimited.cell_grid import parse_grid
     >>> grid = parse_grid(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
-    >>> sheet = sheet_of(grid)
+    >>> sheet = parse_sheet(grid)
     >>> [mass.name for mass in sheet.masses], float(sheet.links[0].stiffness.si)
     (['Zyl_1', 'Schwungrad'], 2100000.0)
     """

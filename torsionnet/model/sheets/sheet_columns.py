@@ -14,7 +14,7 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.units import DIMENSIONS, UnitError
 from torsionnet.model.sheets.meanings import BY_KEY, DAMPING, MEANINGS, Meaning, is_referred, meanings_of, plain_heading
 
-ALIKE = 0.8
+LEAST_SIMILARITY = 0.8
 """Smallest ``difflib`` ratio at which an unknown heading is taken for a misspelt word: a letter or two in a word; a
 lower value would take other words for misspelt ones."""
 _WORDS = {
@@ -238,7 +238,7 @@ def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGri
     if column.meaning or not column.heading or column.remark:
         return
     plain = plain_heading(named_unit(column.heading)[0])
-    near = [word for word in _WORDS if SequenceMatcher(None, plain, word).ratio() >= ALIKE]
+    near = [word for word in _WORDS if SequenceMatcher(None, plain, word).ratio() >= LEAST_SIMILARITY]
     if near and _WORDS[near[0]] not in {one.meaning for one in columns}:
         yield grid.fault(f'"{column.heading}" is no heading of a mass-elastic sheet; did you mean "{near[0]}"?',
                          column.cell)  # fmt: skip

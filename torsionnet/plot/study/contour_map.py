@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import on_screen, typeset_unit
+from torsionnet.core.number_text import screen_text, typeset_unit
 from torsionnet.plot.study.study_axes import (
     ALIKE,
     BEYOND,
@@ -210,7 +210,7 @@ def _bar(
         if low < side * scale < high:
             bar.ax.axhline(side * scale, color=BEYOND, linewidth=2.2)
         else:
-            text = f"limit {on_screen(side * scale, 4)}\n{typeset_unit(unit)}".rstrip()
+            text = f"limit {screen_text(side * scale, 4)}\n{typeset_unit(unit)}".rstrip()
             place, ends = (1.02, "bottom") if side * scale >= high else (-0.02, "top")
             bar.ax.text(
                 0.0, place, text, transform=bar.ax.transAxes, ha="left", va=ends, fontsize=style.SMALL, color=BEYOND

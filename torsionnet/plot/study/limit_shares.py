@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import on_screen, typeset_unit
+from torsionnet.core.number_text import screen_text, typeset_unit
 from torsionnet.plot.study.study_axes import BEYOND, axis_label, key, key_beside, say
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
@@ -104,9 +104,8 @@ def _ends(axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedVal
             axes.axvline(side, color=BEYOND, linewidth=1.4)
             axes.axvspan(*np.sort([side, axes.get_xlim()[end]]), color=BEYOND, alpha=0.08, linewidth=0)
             continue
-        text = (
-            f"limit {on_screen(side, 4)} {typeset_unit(units.unit(first.curve or first.quantity, first.unit))}".rstrip()
-        )
+        unit = typeset_unit(units.unit(first.curve or first.quantity, first.unit))
+        text = f"limit {screen_text(side, 4)} {unit}".rstrip()
         is_left = side < low
         axes.annotate(
             f"\N{LEFTWARDS ARROW} {text}" if is_left else f"{text} \N{RIGHTWARDS ARROW}",

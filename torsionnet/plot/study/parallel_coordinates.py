@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import on_screen
+from torsionnet.core.number_text import screen_text
 from torsionnet.plot.study.study_axes import BEYOND, WITHIN, axis_label, ends_of, is_wide, key_below, known, say, titled
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
@@ -89,7 +89,7 @@ def _scales(axes: Axes, ends: list[tuple[float, float] | None]) -> None:
     """Each axis with the values at its ends."""
     for place, pair in enumerate(ends):
         axes.axvline(place, color=style.INK, linewidth=0.9)
-        texts = ("no values", "") if pair is None else tuple(on_screen(value, 4) for value in pair)
+        texts = ("no values", "") if pair is None else tuple(screen_text(value, 4) for value in pair)
         for height, text, side in ((0, texts[0], "top"), (1, texts[1], "bottom")):
             axes.annotate(
                 text, (place, height), xytext=(0, -3 if height == 0 else 3), textcoords="offset points",

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike, NDArray
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import bracketed, typeset_unit
+from torsionnet.core.number_text import typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.bars import bar_panels, name_rows
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
@@ -51,7 +51,7 @@ def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
     >>> axis_label("stiffness_of_the_coupling", "N*m/rad", 1.4).splitlines()
     ['stiffness_of_the_', 'coupling', '[N·m/rad]']
     """
-    behind = bracketed(typeset_unit(unit))
+    behind = unit_in_brackets(typeset_unit(unit))
     if _width(f"{name} {behind}") <= inches:
         return f"{shown_name(name)} {behind}".rstrip()
     name = shown_name(name) if _width(name) <= inches else broken(name, inches)
@@ -67,7 +67,7 @@ def label_with(name: str, unit: str, more: str, inches: float) -> str:
     label = axis_label(name, unit, inches)
     if not more:
         return label
-    whole = f"{name} {bracketed(typeset_unit(unit))}, {more}"
+    whole = f"{name} {unit_in_brackets(typeset_unit(unit))}, {more}"
     return f"{label}, {more}" if _width(whole) <= inches else f"{label}\n{broken(more, inches)}"
 
 

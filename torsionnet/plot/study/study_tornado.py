@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import bracketed, on_screen, typeset_unit
+from torsionnet.core.number_text import screen_text, typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.bars import Bars, draw_bars, fills_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
 from torsionnet.plot.study.study_axes import (
@@ -57,7 +57,7 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
         one = found.swings[case, quantity]
         _bars(axes, one, list(found.spans[case]), scale, width)
         axes.set_xlabel(axis_label(quantity, unit, width))
-        middle = "" if np.isnan(one.middle) else f"{on_screen(one.middle * scale, 4)} in the middle"
+        middle = "" if np.isnan(one.middle) else f"{screen_text(one.middle * scale, 4)} in the middle"
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
         titled(axes, ": ".join(told), width - 0.4)
     bar_key(figure, panels)
@@ -73,7 +73,7 @@ def _matrix(found: TornadoFound, units: ShownUnits) -> Figure:
         swings = [found.swings[case, quantity] for case in cases]
         changes[quantity] = units.scale(quantity, si) * np.column_stack([one.at_high - one.at_low for one in swings])
         most = float(np.abs(np.nan_to_num(changes[quantity])).max()) or 1.0
-        label = f"change from low to high end {bracketed(typeset_unit(units.unit(quantity, si)))}".rstrip()
+        label = f"change from low to high end {unit_in_brackets(typeset_unit(units.unit(quantity, si)))}".rstrip()
         scales[quantity] = ColourScale(label, "RdBu_r", -most, most)
     return parameter_matrix(changes, names, cases, scales)
 

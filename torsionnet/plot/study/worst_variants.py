@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import on_screen
+from torsionnet.core.number_text import screen_text
 from torsionnet.plot.study.study_axes import axis_label, key_below, named_rows, say, told_rows
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
@@ -117,10 +117,10 @@ def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, tex
     axes.margins(x=0.15)
     if not texts:
         return
-    for one in here[:1] if len({on_screen(one.value, 4) for one in here}) == 1 else here:
+    for one in here[:1] if len({screen_text(one.value, 4) for one in here}) == 1 else here:
         side = "left" if len(here) > 1 and one.direction == "largest" else "right" if len(here) > 1 else "center"
         axes.annotate(
-            on_screen(one.value * scale, 4), (one.value * scale, row - 0.3), ha=side, va="bottom",
+            screen_text(one.value * scale, 4), (one.value * scale, row - 0.3), ha=side, va="bottom",
             fontsize=style.SMALL, color=style.INK,
         )  # fmt: skip
 

@@ -12,7 +12,7 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.number_text import MISSING_TYPESET, aligned
+from torsionnet.core.number_text import MISSING_TYPESET, aligned_numbers
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.table_by_pressure import TableByPressure
@@ -142,7 +142,7 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     rows = zip(
         [NumberText(float(order), 6) for order in torques.orders],
         beside,
-        aligned(largest.tolist()),
+        aligned_numbers(largest.tolist()),
         [NumberText(float(phase), 4, 1) for phase in phases],
         [_node(torques.nodes, place, int(count)) for place, count in zip(where, same.sum(axis=1), strict=True)],
         strict=True,

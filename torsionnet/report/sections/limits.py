@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -80,9 +80,9 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     cells: list[list[Cell]] = [
         [check.configuration for check, _ in found],
         [plain(one.criterion) for _, one in found],
-        list(aligned([row[0] for row in worst])),
-        list(aligned([row[1] for row in worst])),
-        list(aligned([row[2] for row in worst])),
+        list(aligned_numbers([row[0] for row in worst])),
+        list(aligned_numbers([row[1] for row in worst])),
+        list(aligned_numbers([row[2] for row in worst])),
         [unit(subject.conventions.unit(one.unit)) for _, one in found],
         [NumberText(row[3], 3) for row in worst],
         [one.verdict for _, one in found],

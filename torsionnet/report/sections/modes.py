@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.number_text import MISSING_TYPESET, aligned
+from torsionnet.core.number_text import MISSING_TYPESET, aligned_numbers
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -117,7 +117,7 @@ def _compared(subject: ReportData, found: tuple[Modes, ...], caption: Text, *, d
             for modes, at in zip(found, swings, strict=True)
         ]
         columns.append(Heading((Math(f"{letter}_{{{place + 1}}}"),), shown, numeric=True))
-        lists.append(list(aligned(values, 3 if damping else 4)))
+        lists.append(list(aligned_numbers(values, 3 if damping else 4)))
     if len(columns) == 1:
         return None
     ratios, frequencies = ": damping ratios", ": natural frequencies"
@@ -129,10 +129,12 @@ def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
     swings = [kind == OSCILLATORY for kind in modes.kinds]
 
     def column(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[NumberText]:
-        return aligned([float(value) if shown else None for value, shown in zip(values, swings, strict=True)], 5)
+        return aligned_numbers(
+            [float(value) if shown else None for value, shown in zip(values, swings, strict=True)], 5
+        )
 
     natural, damped = column(modes.natural_frequencies), column(modes.damped_frequencies)
-    ratios = aligned(
+    ratios = aligned_numbers(
         [100 * float(value) if shown else None for value, shown in zip(modes.damping_ratios, swings, strict=True)], 3
     )
     return tuple(

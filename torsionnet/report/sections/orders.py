@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_engines import by_angle, on_engines
@@ -77,11 +77,11 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
     )
     cells: list[list[Cell]] = [
         [_condition(case, run, name, index) for case, (run, index) in zip(subject.cases, worst, strict=True)],
-        list(aligned([float(run.rpm[index]) for run, index in worst])),
-        list(aligned([float(run.half_range[index, place]) * scale for run, index in worst])),
-        list(aligned([float(run.rms[index, place]) * scale for run, index in worst])),
+        list(aligned_numbers([float(run.rpm[index]) for run, index in worst])),
+        list(aligned_numbers([float(run.half_range[index, place]) * scale for run, index in worst])),
+        list(aligned_numbers([float(run.rms[index, place]) * scale for run, index in worst])),
         [plain(_line_name(run, int(np.argmax(size)))) for run, size in zip(runs, sizes, strict=True)],
-        list(aligned([float(size.max()) * scale for size in sizes])),
+        list(aligned_numbers([float(size.max()) * scale for size in sizes])),
     ]
     return table((named(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
 

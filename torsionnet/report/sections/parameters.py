@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.core.expressions import Number
-from torsionnet.core.number_text import aligned, typeset_unit
+from torsionnet.core.number_text import aligned_numbers, typeset_unit
 from torsionnet.core.units import RPM
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
@@ -131,8 +131,8 @@ def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:
     if not nodes:
         return None
     columns = (Heading("Node"), Heading("Mean speed", "rpm", numeric=True), Heading("Mean torque", "N·m", numeric=True))
-    turned = aligned([speeds[node] * RPM if node in speeds else None for node in nodes])
-    loads = aligned([torques.get(node) for node in nodes])
+    turned = aligned_numbers([speeds[node] * RPM if node in speeds else None for node in nodes])
+    loads = aligned_numbers([torques.get(node) for node in nodes])
     rows = [(plain(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
     together: dict[str, list[tuple[Cell, ...]]] = {}
     for row in rows:

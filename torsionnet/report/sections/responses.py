@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import (
     Block,
@@ -108,8 +108,8 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
     )
     flat = [(name, what, peak) for name, points in groups for what, peak in points]
     cells = zip(
-        aligned([peak.frequency for *_, peak in flat]),
-        aligned([peak.magnitude * scale for *_, peak in flat]),
+        aligned_numbers([peak.frequency for *_, peak in flat]),
+        aligned_numbers([peak.magnitude * scale for *_, peak in flat]),
         [NumberText(peak.phase, 4, 1) for *_, peak in flat],
         strict=True,
     )
@@ -128,14 +128,14 @@ def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyRespons
     read = [read_off(subject, pair, response, index) for index, response in enumerate(found)]
     columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
     lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
-    lists.append(list(aligned([points[0][1].magnitude * scale for points in read])))
+    lists.append(list(aligned_numbers([points[0][1].magnitude * scale for points in read])))
     best = [sorted(sorted((peak for _, peak in points[1:]), key=lambda peak: -peak.magnitude)[:FEW_PEAKS],
                    key=lambda peak: peak.frequency) for points in read]  # fmt: skip
     for place in range(max(map(len, best))):
         picked = [peaks_[place] if place < len(peaks_) else None for peaks_ in best]
         columns += [Heading(f"Peak {place + 1}", "Hz", numeric=True), Heading("magnitude", shown, numeric=True)]
-        lists.append(list(aligned([None if peak is None else peak.frequency for peak in picked])))
-        lists.append(list(aligned([None if peak is None else peak.magnitude * scale for peak in picked])))
+        lists.append(list(aligned_numbers([None if peak is None else peak.frequency for peak in picked])))
+        lists.append(list(aligned_numbers([None if peak is None else peak.magnitude * scale for peak in picked])))
     caption = ("Static values of ", Math(pair_latex(pair)), f" and its {FEW_PEAKS} highest peaks")
     return table(caption, columns, list(zip(*lists, strict=True)))
 

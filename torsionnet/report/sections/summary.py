@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.number_text import aligned
+from torsionnet.core.number_text import aligned_numbers
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, Paragraph, Section, TableBlock, Text
 from torsionnet.report.report_data import Case, ReportData, is_damped
@@ -70,8 +70,10 @@ def _vibrations(subject: ReportData, shown: tuple[Modes, ...], caption: str, not
             Heading((Math(f"f_{{{place + 1}}}"),), "Hz", numeric=True),
             Heading((Math(rf"\zeta_{{{place + 1}}}"),), "%", numeric=True),
         ]
-        cells.append(list(aligned([None if i is None else float(m.natural_frequencies[i]) for m, i in pairs])))
-        cells.append(list(aligned([None if i is None else 100 * float(m.damping_ratios[i]) for m, i in pairs], 3)))
+        cells.append(list(aligned_numbers([None if i is None else float(m.natural_frequencies[i]) for m, i in pairs])))
+        cells.append(
+            list(aligned_numbers([None if i is None else 100 * float(m.damping_ratios[i]) for m, i in pairs], 3))
+        )
     rows = list(zip(*cells, strict=True))
     return table(caption, columns, rows, [note])
 
@@ -102,10 +104,10 @@ def _response(subject: ReportData, pair: Pair) -> TableBlock:
     )
     rows = zip(
         [case.configuration for case in subject.cases],
-        aligned(static),
-        aligned([None if peak is None else peak.magnitude * scale for peak in highest]),
-        aligned([None if peak is None else peak.frequency for peak in highest]),
-        aligned([None if peak is None else peak.phase for peak in highest], 3),
+        aligned_numbers(static),
+        aligned_numbers([None if peak is None else peak.magnitude * scale for peak in highest]),
+        aligned_numbers([None if peak is None else peak.frequency for peak in highest]),
+        aligned_numbers([None if peak is None else peak.phase for peak in highest], 3),
         strict=True,
     )
     low, high = subject.band

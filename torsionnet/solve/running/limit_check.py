@@ -22,7 +22,7 @@ from torsionnet.model.elements import Values
 from torsionnet.model.excitations.engine_phases import running_engines_text
 from torsionnet.model.limits import Limit, limit_rules
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, joined_lines
+from torsionnet.model.limits.limit import LimitLine, merged_line
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
@@ -154,7 +154,7 @@ class _Examination:
         }
         evidence = Evidence(run, means, found.evidence.why_no_mean, self.subject, found.evidence.rated_means)
         lines = tuple(
-            tuple(joined_lines(pair, order) for pair in zip(*groups, strict=True))
+            tuple(merged_line(pair, order) for pair in zip(*groups, strict=True))
             for groups in zip(found.lines, more.lines, strict=True)
         )
         return _Examined(evidence, lines)

@@ -19,8 +19,8 @@ from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.checks.balance import TOLERANCE
-from torsionnet.model.checks.motions import left_free
+from torsionnet.model.checks.balance import UNBALANCED_SHARE
+from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
 from torsionnet.model.load.external_torques import stated_torques
@@ -139,7 +139,7 @@ def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
     motions = [term for term in output.terms if term.law is None]
     if any(term.power for term in motions):
         return "torques do not determine it"
-    left = left_free(drivetrain.assembly.kinematics, lambda law: law.holds_at_rest)
+    left = free_motions(drivetrain.assembly.kinematics, lambda law: law.holds_at_rest)
     return "the drivetrain turns freely there" if any(left.reduced(dict(term.exact)) for term in motions) else None
 
 
@@ -211,7 +211,7 @@ def _at_rest(kappa: LawStiffness) -> LawStiffness:
 
 def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
     """Refuse mean torques out of balance by more than rounded figures; ``sizes`` are sums of their magnitudes."""
-    over = np.abs(left_over) > TOLERANCE * sizes
+    over = np.abs(left_over) > UNBALANCED_SHARE * sizes
     if over.any():
         text = f"the mean torques leave {np.abs(left_over[over]).max():.4g} N*m over"
         raise UsageError(f"{text}; a drivetrain that turns freely needs torques in balance")

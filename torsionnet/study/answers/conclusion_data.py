@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.entries.spec import Json
-from torsionnet.core.number_text import finite
+from torsionnet.core.number_text import json_finite
 
 IN_WORDS = {"in_words": True}
 """Metadata of a field that is left out of the JSON data, as the sentences contain it."""
@@ -25,7 +25,7 @@ class PlainConclusion:
 
     def to_data(self) -> Json:
         """Sentences and fields as JSON data; null for numbers that JSON lacks."""
-        data: Json = finite({"sentences": list(self.sentences), **plain_data(self)})
+        data: Json = json_finite({"sentences": list(self.sentences), **plain_data(self)})
         return data
 
 

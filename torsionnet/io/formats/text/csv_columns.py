@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.response.recording import FloatArray
 
 ROWS_PER_PIECE = 20_000
@@ -27,7 +27,7 @@ def write_columns(
     path: Path, key: str, description: str, headings: Sequence[str], columns: Sequence[FloatArray]
 ) -> None:
     """Write a CSV file: a line of description, headings, and the columns beside each other with all digits."""
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
+    with atomic_replacement(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
         file.write(f"# {key}: {description}\n{','.join(headings)}\n")
         for first in range(0, len(columns[0]), ROWS_PER_PIECE):
             rows = zip(*(column[first : first + ROWS_PER_PIECE].tolist() for column in columns), strict=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.atomic import replacing
+from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.formats.extras import import_extra
 
 FUNCTION_DATASET = 58
@@ -51,7 +51,7 @@ def text_in(entries: Mapping[str, Any], key: str) -> str:
 def write_sets(sets: Iterable[Mapping[str, Any]], path: Path) -> None:
     """Write datasets one behind the other into a universal file, whole or not at all."""
     pyuff = import_extra("uff")
-    with replacing(path) as temporary, warnings.catch_warnings():
+    with atomic_replacement(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
         for item in sets:
