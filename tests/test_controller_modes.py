@@ -156,7 +156,7 @@ class TestPoles:
         pencil = ActivePencil(governed(-30, delay=0.05, inertia=2.0).assembly)
         poles = np.array([0.0, *(lambertw(-30 / 2 * 0.05, branch) / 0.05 for branch in range(-60, 60))])
         for radius in (1.0, 40.0, 200.0, 700.0):
-            assert pencil.within(radius) == np.sum(np.abs(poles) < radius)
+            assert pencil.count_within(radius) == np.sum(np.abs(poles) < radius)
 
     def test_counts_without_delay_are_exact(self):
         """Two masses on a spring, held at one angle by an integral: five poles, none of them zero."""

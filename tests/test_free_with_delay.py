@@ -217,7 +217,7 @@ class TestZero:
                 point = mpmath.mpmathify(s)
                 value, slope = complex(exact(point)), complex(mpmath.diff(exact, point, h=mpmath.mpf(10) ** -30))
             assert one.at(s) == pytest.approx(value, rel=1e-12)
-            assert one.rate(s) == pytest.approx(slope, rel=1e-9)
+            assert one.derivative(s) == pytest.approx(slope, rel=1e-9)
 
 
 @pytest.mark.parametrize("delay", ["12 ms", "1e15 ms"])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from torsionnet.assembly.rows import Rows
-from torsionnet.solve.modes.isolated import free_space, settle
+from torsionnet.solve.modes.isolated import free_space, isolated_root
 from torsionnet.solve.modes.refine import polynomial
 
 J, C, SOFT, STIFF = 2.0, 3e-7, 5e-3, 7e11
@@ -29,7 +29,7 @@ def problem(damping):
 def test_all_digits_from_a_rough_start(number, off):
     root = exact_roots(C)[number]
     shape = np.array([0.9, 1.2 if abs(root) < 1 else -0.8], dtype=complex)
-    found, motion = settle(problem(C), complex(root) * (1 + off), shape, abs(complex(root)) / 2)
+    found, motion = isolated_root(problem(C), complex(root) * (1 + off), shape, abs(complex(root)) / 2)
     # The real parts are 1e-19 of the imaginary ones for the stiff mode: both must be right.
     assert float(found.real) == pytest.approx(float(root.real), rel=1e-12)
     assert float(found.imag) == pytest.approx(float(root.imag), rel=1e-15)
@@ -39,8 +39,8 @@ def test_all_digits_from_a_rough_start(number, off):
 def test_a_start_that_leaves_its_free_space_is_refused():
     slow = min(abs(complex(root)) for root in exact_roots(0.0))
     motion = np.array([1.0, 1.0], dtype=complex)
-    assert settle(problem(0.0), 1.3j * slow, motion, slow) is not None
-    assert settle(problem(0.0), 1.3j * slow, motion, 0.3 * slow) is None
+    assert isolated_root(problem(0.0), 1.3j * slow, motion, slow) is not None
+    assert isolated_root(problem(0.0), 1.3j * slow, motion, 0.3 * slow) is None
 
 
 def test_free_space_is_what_uncertainty_leaves():

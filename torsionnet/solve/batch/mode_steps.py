@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.mode_states import common_energy
-from torsionnet.solve.modes.repeated import EQUAL
+from torsionnet.solve.modes.repeated import EQUAL_EIGENVALUES
 
 ALIKE = 0.8
 """Energy in common from which on neighbours are the same mode."""
@@ -93,7 +93,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
 def _order(sizes: FloatArray) -> FloatArray:
     """1 or -1 for pairs of which the first or the second is larger, 0 for equal ones."""
     apart = _differences(sizes)
-    return np.where(np.abs(apart) > EQUAL * sizes[:, :, None], np.sign(apart), 0.0)
+    return np.where(np.abs(apart) > EQUAL_EIGENVALUES * sizes[:, :, None], np.sign(apart), 0.0)
 
 
 def _differences(values: NDArray[Any]) -> NDArray[Any]:

@@ -34,8 +34,8 @@ from torsionnet.solve.batch.stacked_vibrations import (
     undamped_vibrations,
 )
 from torsionnet.solve.dynamic_stiffness.reduction import resisting, restricted
-from torsionnet.solve.modes.eigen import scaled
-from torsionnet.solve.modes.repeated import EQUAL
+from torsionnet.solve.modes.eigen import unit_shapes
+from torsionnet.solve.modes.repeated import EQUAL_EIGENVALUES
 from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 
 Places: TypeAlias = NDArray[np.intp]
@@ -151,7 +151,7 @@ def _judged(
     directions: SharedDirections, nodes: FloatArray, given: Coefficients, found: StackedVibrations, rates: FloatArray
 ) -> StackedModes:
     """The modes, rigid bodies first, and whether they can stay as they are."""
-    n, rigid = given.n_variants, scaled(nodes @ directions.rigid)
+    n, rigid = given.n_variants, unit_shapes(nodes @ directions.rigid)
     sure = _settled(found.errors) & ~_close(np.abs(found.values))
     sure &= (residuals(directions.rows, given, found) <= POLISH_ABOVE).all(axis=1)
     return StackedModes(
@@ -177,7 +177,7 @@ def _settled(errors: FloatArray) -> Flags:
 
 def _close(sizes: FloatArray) -> Flags:
     """Variants with modes so close to each other that their order or their shapes are a matter of rounding."""
-    return np.asarray((np.diff(sizes, axis=1) <= EQUAL * sizes[:, 1:]).any(axis=1), dtype=bool)
+    return np.asarray((np.diff(sizes, axis=1) <= EQUAL_EIGENVALUES * sizes[:, 1:]).any(axis=1), dtype=bool)
 
 
 def _nothing(n_nodes: int, n: int) -> StackedModes:

@@ -1,1 +1,1 @@
-"""Natural frequencies, damping ratios and mode shapes: poles of the rows, and their words, pairs and Holzer tables."""
+"""Natural frequencies, damping ratios and mode shapes, with descriptions, pairs of modes and Holzer tables."""

@@ -1,4 +1,4 @@
-"""Roots of the characteristic equation in many digits, from the exact values: where double precision blurs them."""
+"""Roots of the characteristic equation in many digits, for poles that double precision does not resolve."""
 
 from __future__ import annotations
 
@@ -12,12 +12,18 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.dynamic_stiffness.many_digits import number
 
 DIGITS = 60
-MOST_STEPS = 20
+"""Decimal digits of all sums, against cancellation between stiff and soft springs; more take longer."""
+MOST_ITERATIONS = 20
+"""Steps of inverse iteration at most; a start with some right digits needs a few."""
 CONVERGED = 1e-15
+"""Relative step at which a root counts as found: the result is rounded to double precision."""
 
 
 class ManyDigitPencil:
-    """P(s) of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil` in mpmath, within ``workdps(DIGITS)``."""
+    """Matrix P(s) of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil` in mpmath numbers.
+
+    To be used within ``mpmath.workdps(DIGITS)``.
+    """
 
     def __init__(self, assembly: Assembly) -> None:
         import mpmath
@@ -35,7 +41,7 @@ class ManyDigitPencil:
                         power[i, j] += number(value) * a * b
 
     def at(self, s: Any, rate: bool = False) -> Any:
-        """P(s), or dP/ds."""
+        """Matrix P(s), or its derivative dP/ds, as an mpmath matrix."""
         import mpmath
 
         K, C, M = self.powers
@@ -56,12 +62,12 @@ class ManyDigitPencil:
             whole[place, place] = own
         return whole
 
-    def settled(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray] | None:
-        """The root near a start and its vector, to double precision; None where it does not settle."""
+    def root_near(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray] | None:
+        """Root near a start (rad/s) and its vector, to double precision; None where iteration does not converge."""
         import mpmath
 
         s, w = mpmath.mpmathify(start), mpmath.matrix([mpmath.mpmathify(complex(value)) for value in vector])
-        for _ in range(MOST_STEPS):
+        for _ in range(MOST_ITERATIONS):
             try:
                 z = mpmath.lu_solve(self.at(s), self.at(s, rate=True) * w)
             except ZeroDivisionError:

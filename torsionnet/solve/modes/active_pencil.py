@@ -1,11 +1,11 @@
-"""The characteristic equation of a drivetrain with controllers, exact also with delays.
+"""Characteristic equation of a drivetrain with controllers, exact also with delays.
 
     P(s) = [ D(s)                 -B    ]
            [ -N(s) e^(-s tau) L    E(s) ]    over coordinates q and torques T of the actions with laws N/E e^(-s tau)
 
-has no poles of its own, so that its roots are all that grows or dies away by itself. Those at zero are taken out
-exactly (:mod:`.zero_chains`): what is solved and counted in double precision has none, so that rounding cannot make
-slow poles of them. How many roots there are without delays is counted modulo a large prime; with delays there are
+has no poles of its own, so that its roots are the poles of the drivetrain. Roots at zero are taken out exactly
+(:mod:`.zero_chains`) before anything is solved or counted in double precision, so that rounding cannot turn them into
+slow poles. How many roots there are without delays is counted modulo a large prime; with delays there are
 infinitely many, and those in a circle are counted by the argument principle.
 """
 
@@ -23,24 +23,27 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.dynamic_stiffness.action_states import over_coordinates
 from torsionnet.solve.modes.deflated_columns import DeflatedColumn, deflated_columns
 from torsionnet.solve.modes.exact_pencil import ExactPencil
-from torsionnet.solve.modes.zero_chains import leading, null_vectors
+from torsionnet.solve.modes.zero_chains import deflated_coefficient, null_vectors
 
-MOST_STEPS = 30
-SETTLED = 1e-9
-"""Relative step below which a root is one; where rounding alone moves it further, ten times its error."""
+MOST_ITERATIONS = 30
+"""Steps of inverse iteration at most; a start with some right digits needs a few."""
+CONVERGED = 1e-9
+"""Relative step below which a root counts as found; ten times its error where rounding moves it by more."""
 EPS = float(np.finfo(float).eps)
-ON_CIRCLE, PER_ROOT = 64, 8
-"""Points on half a circle to begin with, along which the phase is followed: in all, and for each row."""
-PER_TURN = 4
-"""Besides, for each radian that the product of all delays turns by along the radius: fewer could miss whole turns."""
-FINEST = 1 << 16
+"""Rounding of double precision."""
+POINTS_ON_CIRCLE, POINTS_PER_ROW = 64, 8
+"""Fewest points on half a circle along which the phase is followed: in all, and for each row of P."""
+POINTS_PER_DELAY_RADIAN = 4
+"""Points on half a circle per radian by which delays turn the phase on the radius: fewer could miss whole turns."""
+MOST_HALVINGS = 1 << 16
+"""Halvings of steps of the phase, at most: a root on the circle would need infinitely many."""
 
 
 @dataclass(frozen=True, eq=False)
 class ActivePencil:
-    """P(s) of an assembly with actions and constant coefficients.
+    """Matrix P(s) of an assembly with actions and constant coefficients, with its roots.
 
-    ``loss`` (n_laws,) are the k eta of hysteretic laws, for what vibrates with Im s > 0.
+    ``loss`` (n_laws,) are the k eta of hysteretic laws, for roots with Im s > 0.
     """
 
     assembly: Assembly
@@ -53,7 +56,7 @@ class ActivePencil:
 
     @cached_property
     def _rows(self) -> tuple[FloatArray, FloatArray]:
-        """What actions drive and what they sense, (n_act, n_q)."""
+        """Rows (n_act, n_q) on which the actions act, and rows that they sense."""
         actions, n = self.assembly.system.actions, self.n_coordinates
         driven = [over_coordinates(self.assembly, one.row) for one in actions]
         sensed = [over_coordinates(self.assembly, one.sensed) for one in actions]
@@ -61,14 +64,16 @@ class ActivePencil:
 
     @property
     def n_coordinates(self) -> int:
+        """Number of coordinates; the torques of the actions come after them."""
         return self.assembly.system.n_coordinates
 
     @property
     def size(self) -> int:
+        """Number of coordinates and actions."""
         return self.n_coordinates + len(self.assembly.system.actions)
 
     def at(self, s: complex) -> ComplexArray:
-        """P(s) without its roots at zero."""
+        """Matrix P(s) with its roots at zero taken out, (size, size)."""
         whole = self._whole(s)
         for column in self.columns:
             whole[:, column.place] = column.at(s)
@@ -78,7 +83,7 @@ class ActivePencil:
         return whole
 
     def _whole(self, s: complex) -> ComplexArray:
-        """P(s) as it stands."""
+        """Matrix P(s) with its roots at zero, (size, size)."""
         K, C, M = self._laws
         laws = K + s * (C + s * M)
         if self.loss is not None:
@@ -86,22 +91,22 @@ class ActivePencil:
             laws = laws + 1j * (rows.T @ (self.loss[:, None] * rows))
         return self._with(laws, [self._law(s, number) for number in range(len(self._rows[0]))], -1.0)
 
-    def rate(self, s: complex) -> ComplexArray:
-        """Its derivative by s."""
+    def derivative(self, s: complex) -> ComplexArray:
+        """Derivative of :meth:`at` by s, (size, size)."""
         _, C, M = self._laws
         whole = self._with(C + 2 * s * M, [self._law_rate(s, number) for number in range(len(self._rows[0]))], 0.0)
         for column in self.columns:
-            whole[:, column.place] = column.rate(s)
+            whole[:, column.place] = column.derivative(s)
         return whole
 
-    def sizes(self, s: complex) -> FloatArray:
-        """Magnitudes of the terms of :meth:`at`, summed up: what its rounding is a share of."""
-        whole = self._sizes(s)
+    def term_sizes(self, s: complex) -> FloatArray:
+        """Sums of the magnitudes of the terms of :meth:`at`, (size, size), of which rounding is a share."""
+        whole = self._term_sizes(s)
         for column in self.columns:
             whole[:, column.place] = column.size(s)
         return whole
 
-    def _sizes(self, s: complex) -> FloatArray:
+    def _term_sizes(self, s: complex) -> FloatArray:
         system, size = self.assembly.system, abs(s)
         rows = np.abs(system.rows)
         laws = np.abs(system.stiffness) + size * (np.abs(system.damping) + size * np.abs(system.inertia))
@@ -121,13 +126,13 @@ class ActivePencil:
 
     @cached_property
     def exact(self) -> ExactPencil:
-        """P(s) in rationals."""
+        """Matrix P(s) in rational numbers."""
         return ExactPencil.of(self.assembly)
 
     @cached_property
     def columns(self) -> tuple[DeflatedColumn, ...]:
-        """Those that roots at zero are taken out of."""
-        _, right = equilibrated(self._sizes(complex(self._typical)))
+        """Columns of P that roots at zero are taken out of."""
+        _, right = equilibrated(self._term_sizes(complex(self._typical)))
         return deflated_columns(self.assembly, self.exact, 1 / right)
 
     @property
@@ -139,63 +144,63 @@ class ActivePencil:
 
     @property
     def zeros(self) -> int:
-        """How many roots are zero, with multiplicity."""
+        """Number of roots at zero, with multiplicity."""
         return sum(column.order for column in self.columns)
 
     @cached_property
-    def standing(self) -> FloatArray:
-        """What can stand turned, under constant torques of actions too: a basis (n_q, count) of such coordinates."""
+    def static_shapes(self) -> FloatArray:
+        """Basis (n_q, count) of the shapes other than zero that can stand still, also under torques of actions."""
         found, n = [], self.n_coordinates
-        for vector in null_vectors(self.exact.power(0)) if self.columns else ():
+        for vector in null_vectors(self.exact.coefficient_rows(0)) if self.columns else ():
             basis = np.zeros(self.size)
             basis[list(vector)] = [float(value) for value in vector.values()]
             found.append(basis[:n])
         shapes = np.array(found).reshape(-1, n).T
         return np.asarray(shapes[:, np.abs(shapes).max(axis=0, initial=0.0) > 0])
 
-    @np.errstate(all="ignore")  # far to the left nothing comes back
-    def slowest(self) -> ComplexArray:
-        """Roots of the first three terms of the series of :meth:`at`, rising in size: near those that are slow."""
+    @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
+    def slow_roots(self) -> ComplexArray:
+        """Approximate slow roots, by magnitude, from the first three terms of the series of :meth:`at` at zero."""
         chains, n = {column.place: column.chain for column in self.columns}, self.size
         terms = np.zeros((3, n, n))
         for power, term in enumerate(terms):
-            for i, row in enumerate(leading(self.exact, chains, power)):
+            for i, row in enumerate(deflated_coefficient(self.exact, chains, power)):
                 term[i, list(row)] = [float(value) for value in row.values()]
         left, right = equilibrated(np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]))
         A, B, C = left[:, None] * terms * right
         try:
             follow = -np.linalg.solve(A, np.hstack([B, C]))
-        except np.linalg.LinAlgError:  # but for rounding it is regular
+        except np.linalg.LinAlgError:  # singular by rounding only
             return np.zeros(0, dtype=complex)
         values = np.linalg.eigvals(np.vstack([follow, np.eye(n, 2 * n)]))
         found = 1 / values
         found = found[np.isfinite(found)]
         return np.asarray(found[np.argsort(np.abs(found), kind="stable")], dtype=complex)
 
-    @np.errstate(all="ignore")  # far to the left nothing comes back
+    @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def null_vector(self, s: complex) -> ComplexArray:
-        """Coordinates and torques of what P(s) all but maps to nothing, next to a root."""
+        """Null vector of P(s), coordinates and torques (size,), for s next to a root."""
         P = self.at(s)
         left, right = equilibrated(np.abs(P))
         start = np.cos(np.arange(self.size) + 1.0)
         try:
-            return self._moved(s, right * np.linalg.solve(left[:, None] * P * right, start))
+            return self._from_columns(s, right * np.linalg.solve(left[:, None] * P * right, start))
         except np.linalg.LinAlgError:
-            return self._moved(s, start.astype(complex))
+            return self._from_columns(s, start.astype(complex))
 
-    def _moved(self, s: complex, vector: ComplexArray) -> ComplexArray:
-        """Coordinates and torques of a vector over the columns of :meth:`at`."""
+    def _from_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
+        """Coordinates and torques (size,) of a vector over the columns of :meth:`at`."""
         found = np.array(vector, dtype=complex)
         found[[column.place for column in self.columns]] = 0.0
         for column in self.columns:
-            found += vector[column.place] * column.of(s)
+            found += vector[column.place] * column.motion_at(s)
         return found
 
     def _over_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
-        """The inverse of :meth:`_moved`."""
+        """Vector over the columns of :meth:`at` of coordinates and torques: the inverse of :meth:`_from_columns`."""
         found, places = np.array(vector, dtype=complex), [column.place for column in self.columns]
         if places:
-            motions = np.array([column.of(s) for column in self.columns]).T
+            motions = np.array([column.motion_at(s) for column in self.columns]).T
             if not np.isfinite(motions).all():
                 return np.full(len(found), np.nan + 0j)
             try:
@@ -231,8 +236,8 @@ class ActivePencil:
         with np.errstate(all="ignore"):
             return slope * np.exp(-s * tau), polynomial(_derivative(below), s)
 
-    def completed(self, s: complex, shape: ComplexArray) -> ComplexArray:
-        """A shape over coordinates with the torques of the actions, (n + n_act,)."""
+    def with_torques(self, s: complex, shape: ComplexArray) -> ComplexArray:
+        """Shape over coordinates, with the torques of the actions after them, (n + n_act,)."""
         torques = []
         for number, sensed in enumerate(self._rows[1]):
             above, below = self._law(s, number)
@@ -241,19 +246,18 @@ class ActivePencil:
 
     # --- single roots -----------------------------------------------------------------------------------------------
 
-    @np.errstate(all="ignore")  # far to the left nothing comes back
-    def settled(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray, float] | None:
-        """The root near a start, its vector (n + n_act,), and the relative error that rounding leaves; or None.
+    @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
+    def root_near(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray, float] | None:
+        """Root near a start (rad/s), its vector (n + n_act,) and relative rounding error; None where there is none.
 
-        By nonlinear inverse iteration in coordinates that make the largest entry of every row and column one. A start
-        that leads nowhere has no root.
+        By nonlinear inverse iteration in coordinates that make the largest entry of every row and column one.
         """
         s, last = complex(start), float("inf")
         w = self._over_columns(s, vector)
-        if not np.isfinite(w).all():  # of a start at zero
+        if not np.isfinite(w).all():  # the start is zero
             return None
-        for _ in range(MOST_STEPS):
-            P, rate = self.at(s), self.rate(s)
+        for _ in range(MOST_ITERATIONS):
+            P, rate = self.at(s), self.derivative(s)
             if not (np.isfinite(P).all() and np.isfinite(rate).all() and np.isfinite(s)) or s == 0:
                 return None
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
@@ -269,17 +273,17 @@ class ActivePencil:
                 continue
             step = (v.conj() @ v) / (v.conj() @ z)
             s, w = complex(s - step), right * z / np.linalg.norm(z)
-            if abs(step) <= 4 * EPS * abs(s) or (last <= SETTLED * abs(s) and abs(step) >= last / 2):
-                return s, self._moved(s, w), self._error(s, w)
+            if abs(step) <= 4 * EPS * abs(s) or (last <= CONVERGED * abs(s) and abs(step) >= last / 2):
+                return s, self._from_columns(s, w), self._error(s, w)
             last = float(abs(step))
         error = self._error(s, w) if np.isfinite(s) and s else np.inf
-        kept = last <= max(SETTLED, min(10 * error, 0.1)) * abs(s)
-        return (s, self._moved(s, w), max(error, last / abs(s))) if kept else None
+        kept = last <= max(CONVERGED, min(10 * error, 0.1)) * abs(s)
+        return (s, self._from_columns(s, w), max(error, last / abs(s))) if kept else None
 
     def _error(self, s: complex, w: ComplexArray) -> float:
         """Relative error of a root: rounding of all terms times the condition of the root."""
         for beside in (s, s * (1 + 8 * EPS)):
-            P, rate = self.at(beside), self.rate(beside)
+            P, rate = self.at(beside), self.derivative(beside)
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
             try:  # next to a root, one step of inverse iteration leaves the left vector alone
                 v = w / right / np.linalg.norm(w / right)
@@ -287,25 +291,25 @@ class ActivePencil:
             except np.linalg.LinAlgError:
                 continue
             slope = abs(y.conj() @ rate @ w)
-            rounding = np.abs(y) @ self.sizes(s) @ np.abs(w)
+            rounding = np.abs(y) @ self.term_sizes(s) @ np.abs(w)
             return float(EPS * rounding / (slope * abs(s))) if slope and s else np.inf
         return np.inf
 
     # --- counting ---------------------------------------------------------------------------------------------------
 
     def counts(self) -> tuple[int, int]:
-        """How many roots there are without delays, and how many are zero, modulo a large prime."""
+        """Number of roots without delays, and of these at zero, counted modulo a large prime."""
         return self.exact.counts(self.zeros + 1)
 
-    @np.errstate(all="ignore")  # far to the left nothing comes back
-    def within(self, radius: float) -> int | None:
-        """How many roots lie within a circle around zero, those at zero too; None where one is on the circle."""
+    @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
+    def count_within(self, radius: float) -> int | None:
+        """Number of roots within a circle around zero, zeros included; None where a root is on the circle."""
         delays = sum(float(one.delay) for one in self.assembly.system.actions)
-        n = max(ON_CIRCLE, PER_ROOT * self.size, math.ceil(PER_TURN * radius * delays))
+        n = max(POINTS_ON_CIRCLE, POINTS_PER_ROW * self.size, math.ceil(POINTS_PER_DELAY_RADIAN * radius * delays))
         first = self._phase(radius, 0.0)
-        angles = np.linspace(0, np.pi, n + 1)  # conjugate roots: the lower half turns alike
+        angles = np.linspace(0, np.pi, n + 1)  # conjugate roots: the lower half adds the same phase
         phases = [first, *(self._phase(radius, angle) for angle in angles[1:])]
-        turned, places = 0.0, list(zip(angles.tolist(), phases, strict=True))
+        total, places = 0.0, list(zip(angles.tolist(), phases, strict=True))
         stack = [(places[i], places[i + 1]) for i in range(n)]
         steps = 0
         while stack:
@@ -315,13 +319,13 @@ class ActivePencil:
             half = self._phase(radius, middle)
             one, two = np.angle(half / p), np.angle(q / half)
             if abs(one) < 0.8 and abs(two) < 0.8 and abs(one + two - change) < 1e-6:
-                turned += float(change)
+                total += float(change)
                 continue
             steps += 1
-            if steps > FINEST or not np.isfinite(turned):
+            if steps > MOST_HALVINGS or not np.isfinite(total):
                 return None
             stack += [((a, p), (middle, half)), ((middle, half), (b, q))]
-        count = turned / np.pi
+        count = total / np.pi
         return round(count) + self.zeros if abs(count - round(count)) < 0.1 else None
 
     def _phase(self, radius: float, angle: float) -> complex:
@@ -334,7 +338,7 @@ def _derivative(coefficients: list[float]) -> list[float]:
 
 
 def equilibrated(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Factors of rows and of columns, powers of two, after which all of them are of size one."""
+    """Factors of rows and columns, powers of two, that bring the largest entry of each to about one."""
     left, right = np.ones(len(sizes)), np.ones(len(sizes))
     sizes = np.maximum(sizes, 1e-40 * sizes.max(initial=1e-200))
     for _ in range(3):

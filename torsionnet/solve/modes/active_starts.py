@@ -1,7 +1,7 @@
-"""Where to begin to look for poles of a drivetrain with controllers: eigenvalues of its states, and slow ones beside.
+"""Start values for poles of a drivetrain with controllers: eigenvalues of its state matrix, and slow roots.
 
-A double root at zero comes out of the states as a pair that is small, and as wrong as it is large: it hides slow poles
-that are there. Those come from the characteristic equation without its roots at zero.
+Rounding turns a double root at zero into a pair of small eigenvalues, which hides slow poles. These are taken from the
+characteristic equation without its roots at zero instead.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.solve.dynamic_stiffness.state_space import first_order
 from torsionnet.solve.modes.active_pencil import EPS, ActivePencil
 
-FIRM = 1e-3
-"""Relative error up to which an eigenvalue of the states is a pole, and not what rounding has made of zero."""
-BEYOND = 10.0
-"""Slow poles are looked for up to so many times the fastest eigenvalue that is not firm."""
+LARGEST_START_ERROR = 1e-3
+"""Relative error up to which an eigenvalue of the state matrix is a pole; with more it may be a rounded zero."""
+SLOW_RANGE = 10.0
+"""Slow roots are taken up to so many times the largest uncertain eigenvalue, which may be wrong by its size."""
 
 
 @dataclass(frozen=True)
 class Pole:
-    """A root of the characteristic equation with Im >= 0, and its shape over coordinates and torques of actions."""
+    """Root of the characteristic equation with Im >= 0 (rad/s), with its vector over coordinates and action torques."""
 
     value: complex
     vector: ComplexArray
@@ -31,16 +31,17 @@ class Pole:
 
     @property
     def is_real(self) -> bool:
+        """Whether the pole is real, so that there is no conjugate."""
         return self.value.imag == 0
 
     @property
     def count(self) -> int:
-        """How many roots it stands for: with its conjugate, two."""
+        """Number of roots: 2 for a pole and its conjugate, 1 for a real pole."""
         return 1 if self.is_real else 2
 
 
-def upper_starts(pencil: ActivePencil, points: int) -> list[Pole]:
-    """Eigenvalues of the states with Im >= 0, rising in size, with an estimate of their errors."""
+def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
+    """Eigenvalues of the state matrix with Im >= 0, by magnitude, with estimated errors; delays have ``points``."""
     from scipy import linalg
 
     form = first_order(pencil.assembly, (), points)
@@ -49,7 +50,7 @@ def upper_starts(pencil: ActivePencil, points: int) -> list[Pole]:
     balanced, back = linalg.matrix_balance(form.A)
     values, right = np.linalg.eig(balanced)
     try:
-        with np.errstate(over="ignore"):  # of eigenvectors that are nearly the same
+        with np.errstate(over="ignore"):  # eigenvectors are nearly the same
             condition = np.linalg.norm(np.linalg.inv(right), axis=1)
     except np.linalg.LinAlgError:
         condition = np.full(len(values), np.inf)
@@ -70,7 +71,7 @@ def upper_starts(pencil: ActivePencil, points: int) -> list[Pole]:
 
 
 def slow_starts(pencil: ActivePencil, loose: list[Pole]) -> list[Pole]:
-    """Starts about as slow as those that are not firm, without what rounding makes of zero."""
+    """Slow roots as starts, in the range of the uncertain starts ``loose``, without rounded zeros."""
     fastest = max((abs(pole.value) for pole in loose), default=0.0)
-    values = [complex(value) for value in pencil.slowest() if abs(value) <= BEYOND * fastest and value.imag >= 0]
+    values = [complex(value) for value in pencil.slow_roots() if abs(value) <= SLOW_RANGE * fastest and value.imag >= 0]
     return [Pole(value, pencil.null_vector(value), 0.1) for value in values]

@@ -1,12 +1,12 @@
-"""The bordered system of measured-input poles in exact rationals, and what can be counted on it.
+"""Bordered system of measured-input poles in rational numbers, with exact counts of its roots.
 
 With unknown excitations u, the rates s at which the readings L(s) q + d u can stay zero are the roots of det P(s),
 
     P(s) = [ D(s)  -B ]  =  P_0 + P_1 s + P_2 s^2
            [ L(s)   d ]
 
-How many of them there are, how many are zero and which are repeated, no rounded number can tell; the determinant modulo
-large primes can.
+Rounded numbers do not decide how many roots there are, how many are zero and which are repeated; the determinant modulo
+large primes does.
 """
 
 from __future__ import annotations
@@ -25,29 +25,30 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.modular import (
     Coefficients,
     determinant,
-    interpolated,
+    interpolating_polynomial,
     primes,
     rational,
     residue,
     square_free,
 )
-from torsionnet.solve.modes.refine import least_fill
+from torsionnet.solve.modes.refine import minimum_degree_order
 
 MAX_PRIMES = 40
-"""Coefficients of repeated factors up to some 700 digits."""
+"""Primes of 61 bits that are joined at most: enough for coefficients of repeated factors of some 700 digits."""
 
 ExactRow: TypeAlias = dict[int, Fraction]
 
 
 @dataclass(frozen=True)
 class Bordered:
-    """P_0, P_1, P_2 as sparse exact rows over (q, u); ``n_coordinates`` of the unknowns are q."""
+    """Bordered matrix polynomial: P_0, P_1, P_2 as sparse exact rows over (q, u), of which ``n_coordinates`` are q."""
 
     powers: tuple[list[ExactRow], list[ExactRow], list[ExactRow]]
     n_coordinates: int
 
     @classmethod
     def of(cls, assembly: Assembly, request: TransferRequest) -> Bordered:
+        """Bordered system of an assembly, its excitations and measured inputs."""
         index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
         n, m = len(index), len(request.excitations)
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
@@ -74,6 +75,7 @@ class Bordered:
 
     @property
     def size(self) -> int:
+        """Number of coordinates and excitations."""
         return len(self.powers[0])
 
     @property
@@ -84,19 +86,19 @@ class Bordered:
 
     def determinant(self, prime: int) -> Coefficients:
         """Coefficients of det P(s) modulo a prime, ascending."""
-        order, _ = least_fill(self.size, self.entries)
+        order, _ = minimum_degree_order(self.size, self.entries)
         blocks = [[{order[j]: residue(x, prime) for j, x in row.items()} for row in block] for block in self.powers]
-        return interpolated(
+        return interpolating_polynomial(
             [determinant(_at(blocks, s, prime), prime) for s in range(2 * self.n_coordinates + 1)], prime
         )
 
     def roots(self) -> tuple[int, int] | None:
-        """How many roots det P(s) has, with multiplicity, and how many of them are zero; None where it vanishes."""
+        """Number of roots of det P(s) with multiplicity, and of these at zero; None where det P vanishes."""
         coefficients = self.determinant(next(primes()))
         return (len(coefficients) - 1, _zeros(coefficients)) if coefficients else None
 
     def repeated(self) -> dict[int, list[Fraction]] | None:
-        """Exact monic polynomials of the nonzero roots that are repeated, by multiplicity; None where that is too much.
+        """Exact monic polynomials of the repeated nonzero roots, by multiplicity; None where primes do not suffice.
 
         The polynomials modulo several primes are joined until one prime more does not change them.
         """

@@ -1,6 +1,6 @@
-"""Modes of a drivetrain with continuous shafts: the lowest so many of infinitely many.
+"""Lowest modes without damping of a drivetrain with continuous shafts, which has infinitely many.
 
-Every mode without damping is bracketed by the count of Wittrick and Williams and bisected to the last digit.
+Every mode is bracketed by the count of Wittrick and Williams and bisected to the last digit.
 """
 
 from __future__ import annotations
@@ -23,15 +23,16 @@ from torsionnet.solve.modes.sturm import ModeCount
 
 Mask: TypeAlias = NDArray[np.bool_]
 
-COUNT = 20
-"""Modes that are given where nobody says how many."""
-SAME = 1e-10
-"""Frequencies that agree to this are one repeated frequency."""
-LOWEST = 1e-9
-"""No vibration is slower than this share of the first frequency of a shaft, or is looked for."""
+DEFAULT_COUNT = 20
+"""Modes that are calculated where the caller gives no number."""
+SAME_FREQUENCY = 1e-10
+"""Relative difference below which natural frequencies are one repeated frequency: bisection ends at rounding."""
+SLOWEST_VIBRATION = 1e-9
+"""Lowest frequency at which vibrations are sought, over the first frequency of a shaft by itself."""
 BISECTIONS = 110
-BESIDE = 1.0123
-"""Keeps trial frequencies off those of shafts with their ends held, where D is infinite."""
+"""Halvings of a bracket: more than the digits of double precision need over all decades of frequency."""
+OFF_CLAMPED = 1.0123
+"""Factor on trial frequencies, to keep off natural frequencies of shafts with both ends held, where D is infinite."""
 
 
 def is_continuous(system: RowSystem) -> bool:
@@ -40,7 +41,7 @@ def is_continuous(system: RowSystem) -> bool:
 
 
 def elastic(system: RowSystem) -> Mask:
-    """Mask of the laws that resist a slow motion."""
+    """Mask (n_laws,) of the laws that resist a slow motion."""
     found = system.stiffness > 0
     found[[law for law, table in system.dynamic if table.is_elastic]] = True
     return np.asarray(found)
@@ -52,26 +53,26 @@ def rigid_motions(system: RowSystem) -> FloatArray:
 
 
 def number_below(system: RowSystem, omega: float) -> int:
-    """Modes without damping below omega in rad/s, rigid bodies included."""
+    """Number of modes without damping below omega in rad/s, rigid bodies included."""
     system = acting(system)
     system = acting(restricted(system, resisting(system)))
     return max(int(ModeCount(system).below(np.array([omega])).item()), int(rigid_motions(system).shape[1]))
 
 
 def natural_rates(system: RowSystem, count: int) -> FloatArray:
-    """The lowest natural frequencies in rad/s, rigid bodies as 0."""
+    """Lowest natural frequencies in rad/s, rigid bodies as 0, shape (count,)."""
     modes = ModeCount(system)
     rigid = rigid_motions(system).shape[1]
     if count <= rigid:
         return np.zeros(count)
     wanted = np.arange(rigid + 1, count + 1)
     first = first_rate(system)
-    upper = BESIDE * first
+    upper = OFF_CLAMPED * first
     while modes.below(np.array([upper]))[0] < count:
         upper *= 2
         if upper > 1e12 * first:
             raise SolveError("the modes of the continuous shafts cannot be counted")
-    low, high = np.full(len(wanted), LOWEST * first), np.full(len(wanted), upper)
+    low, high = np.full(len(wanted), SLOWEST_VIBRATION * first), np.full(len(wanted), upper)
     for _ in range(BISECTIONS):
         middle = np.where(high > 2 * low, np.sqrt(low * high), (low + high) / 2)
         above = modes.below(middle) >= wanted
@@ -82,7 +83,7 @@ def natural_rates(system: RowSystem, count: int) -> FloatArray:
 
 
 def first_rate(system: RowSystem) -> float:
-    """The lowest frequency of a shaft by itself, rad/s."""
+    """Lowest natural frequency in rad/s of any continuous shaft by itself."""
     rates = []
     for _, table in system.dynamic:
         if table.is_continuous:
@@ -92,7 +93,7 @@ def first_rate(system: RowSystem) -> float:
 
 
 def undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies in rad/s and real shapes (n_q, count), rigid bodies first."""
+    """Natural frequencies (count,) in rad/s without damping and real shapes (n_q, count), rigid bodies first."""
     system = acting(system)
     kept = resisting(system)
     rates, shapes = _undamped_modes(acting(restricted(system, kept)), count)
@@ -106,16 +107,17 @@ def _undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArr
     shapes = np.zeros((system.n_coordinates, count))
     shapes[:, : rigid.shape[1]] = rigid[:, :count]
     modes = ModeCount(system)
-    for group in groups(rates):
+    for group in equal_rates(rates):
         if rates[group[0]] > 0:
             shapes[:, group] = _null_vectors(system, modes, float(np.mean(rates[group])), len(group))
     return rates, shapes
 
 
-def groups(rates: FloatArray) -> list[list[int]]:
+def equal_rates(rates: FloatArray) -> list[list[int]]:
+    """Groups of indices of rising natural frequencies that are equal."""
     found: list[list[int]] = []
     for place, rate in enumerate(rates):
-        if found and rate - rates[found[-1][0]] <= SAME * rate:
+        if found and rate - rates[found[-1][0]] <= SAME_FREQUENCY * rate:
             found[-1].append(place)
         else:
             found.append([place])
@@ -123,7 +125,7 @@ def groups(rates: FloatArray) -> list[list[int]]:
 
 
 def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int) -> FloatArray:
-    """Motions that D(omega) does not resist."""
+    """Shapes (n_q, count) that D(omega) resists least: its null vectors at a natural frequency."""
     kappa = modes.real_stiffness(np.array([omega]))[:, 0]
     rows = system.rows
     D = rows.T @ (kappa[:, None] * rows)

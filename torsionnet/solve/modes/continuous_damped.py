@@ -1,7 +1,7 @@
 """Modes of a drivetrain with continuous shafts and damping.
 
-Each mode is followed from the one without damping, while the damping grows to its size, by Newton steps on D(s) q = 0
-with the exact D(s). Real poles are where the number of negative pivots of the real D(s) changes along the negative real
+Each mode without damping is followed while the damping grows to its value, by Newton steps on D(s) q = 0 with the exact
+D(s). Real poles are where the number of negative pivots of the real D(s) changes along the negative real
 axis.
 """
 
@@ -14,31 +14,47 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
 from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, require_resistance, stiff_laws
-from torsionnet.solve.modes.continuous import SAME, elastic, first_rate, groups, rigid_motions, undamped_modes
-from torsionnet.solve.modes.frozen_stiffness import Found, Mode
+from torsionnet.solve.modes.continuous import (
+    SAME_FREQUENCY,
+    elastic,
+    equal_rates,
+    first_rate,
+    rigid_motions,
+    undamped_modes,
+)
+from torsionnet.solve.modes.frozen_stiffness import Eigenpairs, Mode
 from torsionnet.solve.modes.sturm import negative_pivots
 
-NEWTON, STILL = 30, 1e-14
-"""Newton steps, and the relative step at which they end."""
-SMALLEST = 2.0**-12
-"""Least part of the damping that is added at a time."""
-ALIKE, NEAR = 0.5, 0.5
-"""How alike shapes stay while damping is added, and how far a pole may move, over its distance to others."""
+NEWTON_STEPS, CONVERGED = 30, 1e-14
+"""Newton steps at most, and the relative step at which these end."""
+SMALLEST_DAMPING_STEP = 2.0**-12
+"""Share of the damping that is added at a time at least; a mode that needs smaller steps counts as lost."""
+LEAST_MAC, LARGEST_MOVE = 0.5, 0.5
+"""MAC of the shapes before and after a step of damping at least, and move of a pole over its distance to others."""
 REAL_GRID, REAL_DECADES = 900, (-9, 3)
+"""Points on the negative real axis, and their range in decades around the frequency of the modes.
+
+Two real poles between neighbouring points, 3 % apart, are missed.
+"""
 ON_AXIS = 1e-9
-CROSSED = 1e-9
-"""Least change of the torques of a motion at a real pole, over their size."""
+"""Imaginary part of a pole, over its size, up to which the pole has arrived at the real axis."""
+LEAST_CHANGE = 1e-9
+"""Change of the torques of a shape across a real pole, over their size, below which there is rounding and no pole."""
 BISECTIONS = 60
+"""Halvings of a bracket: more than the digits of double precision need between two points."""
 
 
 @dataclass(frozen=True)
 class Damped:
-    """D(s) with a share of the damping."""
+    """Dynamic stiffness D(s) of a system with a share of its damping."""
 
     system: RowSystem
 
     def stiffness(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Of every law, and its derivatives to Re s and to Im s: losses follow |Im s|, so that these are two."""
+        """Stiffness (n_laws,) of the laws at s, and its derivatives by Re s and by Im s.
+
+        There are two derivatives because losses depend on |Im s|.
+        """
         system, at, omega = self.system, np.array([s]), np.array([abs(s.imag)])
         kappa = system.stiffness + s * (share * system.damping + s * system.inertia)
         rate = share * system.damping + 2 * s * system.inertia
@@ -52,16 +68,16 @@ class Damped:
         return kappa, rate, across + 1j * rate
 
     def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray]:
-        """D, its derivatives to Re s and Im s, and a scale of the coordinates that makes its terms of one size."""
+        """Matrix D(s), its derivatives by Re s and Im s, and scales (n_q,) that make the terms of D of one size."""
         rows = self.system.rows
         kappa, along, across = (part[:, None] for part in self.stiffness(s, share))
         scale = 1 / np.sqrt(rows.T**2 @ np.abs(kappa[:, 0]) + 1e-300)
         return rows.T @ (kappa * rows), rows.T @ (along * rows), rows.T @ (across * rows), np.asarray(scale)
 
-    def refined(self, s: complex, shape: ComplexArray, share: float) -> Mode:
-        """Newton steps from a pole and its shape nearby, with Re s and Im s as two unknowns that are real."""
+    def newton(self, s: complex, shape: ComplexArray, share: float) -> Mode:
+        """Mode by Newton steps from a pole and shape nearby, with Re s and Im s as two real unknowns."""
         q, previous = shape / np.linalg.norm(shape), np.inf
-        for iteration in range(1, NEWTON + 1):
+        for iteration in range(1, NEWTON_STEPS + 1):
             D, along, across, scale = self.matrices(s, share)
             D, along, across = (scale[:, None] * part * scale for part in (D, along, across))
             y = q / scale
@@ -69,28 +85,28 @@ class Damped:
             size = max(float(np.linalg.norm(along @ y)), 1e-300)
             bordered = np.block([[D, (along @ y)[:, None] / size], [y.conj()[None, :], np.zeros((1, 1))]])
             right = np.array([[*np.zeros(len(y)), 1.0], [*(-across @ y / size), 0.0]]).T
-            found, turned = np.linalg.lstsq(bordered, right, rcond=1e-15)[0].T
-            further = -found[-1].imag / (turned[-1].imag or np.inf)  # along Im s, so that the step along Re s is real
-            found = found + further * turned
+            found, across_part = np.linalg.lstsq(bordered, right, rcond=1e-15)[0].T
+            further = -found[-1].imag / (across_part[-1].imag or np.inf)  # keeps the step along Re s real
+            found = found + further * across_part
             step = complex(found[-1].real, further) / size
             s, q = s + step, scale * found[:-1]
             moved = abs(step) / abs(s)
-            if moved <= STILL or (moved <= 1e-11 and moved >= previous):
+            if moved <= CONVERGED or (moved <= 1e-11 and moved >= previous):
                 return Mode(complex(s), q / np.abs(q).max(), float(moved), True, iteration)
             previous = moved
-        return Mode(complex(s), q / np.abs(q).max(), float(moved), False, NEWTON)
+        return Mode(complex(s), q / np.abs(q).max(), float(moved), False, NEWTON_STEPS)
 
 
-def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Found, int]:
-    """Rigid motions, the other modes, and how many vibrations could not be followed.
+def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs, int]:
+    """Shapes of rigid motions, the other modes, and the number of vibrations that could not be followed.
 
-    The lowest ``count`` of those without damping are followed; real poles up to their band are added.
+    The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
     """
     require_resistance(system, (system.inertia > 0) | (system.damping != 0) | stiff_laws(system))
     rates, shapes = undamped_modes(system, count)
     rigid = rigid_motions(system)
     turning = rigid.shape[1] - unresisted(system, elastic(system) | (system.damping != 0)).dimension
-    vibrating = [group for group in groups(rates) if rates[group[0]] > 0]
+    vibrating = [group for group in equal_rates(rates) if rates[group[0]] > 0]
     if not _is_damped(system, rates):
         places = [place for group in vibrating for place in group]
         modes = [Mode(1j * rates[place], shapes[:, place].astype(complex)) for place in places]
@@ -106,29 +122,29 @@ def _is_damped(system: RowSystem, rates: FloatArray) -> bool:
 
 
 def _followed(
-    system: RowSystem, rates: FloatArray, shapes: FloatArray, groups: list[list[int]]
+    system: RowSystem, rates: FloatArray, shapes: FloatArray, vibrating: list[list[int]]
 ) -> tuple[list[Mode], int]:
     damped = Damped(system)
     found: list[Mode] = []
     lost = 0
-    for place, group in enumerate(groups):
-        beside = [rates[groups[other][0]] for other in (place - 1, place + 1) if 0 <= other < len(groups)]
+    for place, group in enumerate(vibrating):
+        beside = [rates[vibrating[other][0]] for other in (place - 1, place + 1) if 0 <= other < len(vibrating)]
         rate = float(np.mean(rates[group]))
         room = min([abs(rate - one) for one in beside] or [rate])
-        for start, shape in _parted(damped, rate, shapes[:, group].astype(complex)):
+        for start, shape in _split_by_damping(damped, rate, shapes[:, group].astype(complex)):
             mode = _follow(damped, start, shape, room)
             if mode is None or (mode.value.imag <= ON_AXIS * abs(mode.value)):
                 lost += 1
             else:
                 found.append(mode)
-    return found, lost + _repeated(found)
+    return found, lost + _without_repetitions(found)
 
 
-def _repeated(found: list[Mode]) -> int:
-    """How many of the modes are another one once more; these are taken out."""
+def _without_repetitions(found: list[Mode]) -> int:
+    """Number of repetitions among the modes, which are taken out of ``found``."""
     kept: list[Mode] = []
     for mode in found:
-        same = [one.shape for one in kept if abs(one.value - mode.value) <= SAME * abs(mode.value)]
+        same = [one.shape for one in kept if abs(one.value - mode.value) <= SAME_FREQUENCY * abs(mode.value)]
         basis = np.array([*same, mode.shape]).T
         sizes = np.linalg.svd(basis / np.linalg.norm(basis, axis=0), compute_uv=False)
         if not same or sizes[-1] > 1e-5:
@@ -138,8 +154,8 @@ def _repeated(found: list[Mode]) -> int:
     return missing
 
 
-def _parted(damped: Damped, rate: float, shapes: ComplexArray) -> list[tuple[complex, ComplexArray]]:
-    """Shapes of one frequency, combined as the damping parts them."""
+def _split_by_damping(damped: Damped, rate: float, shapes: ComplexArray) -> list[tuple[complex, ComplexArray]]:
+    """Starts (pole, shape) from shapes of one frequency, combined so that damping separates them."""
     if shapes.shape[1] == 1:
         return [(1j * rate, shapes[:, 0])]
     (free, _, slope, _), (whole, *_) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
@@ -149,24 +165,24 @@ def _parted(damped: Damped, rate: float, shapes: ComplexArray) -> list[tuple[com
 
 
 def _follow(damped: Damped, start: complex, shape: ComplexArray, room: float) -> Mode | None:
-    """The mode that a mode without damping becomes; None where it gets lost, as on the real axis."""
+    """Mode with full damping that a mode without damping becomes; None where lost, as on the real axis."""
     mode, share, step = Mode(start, shape), 0.0, 1.0
     while share < 1:
-        trial = damped.refined(mode.value, mode.shape, min(1.0, share + step))
+        trial = damped.newton(mode.value, mode.shape, min(1.0, share + step))
         alike = abs(np.vdot(trial.shape, mode.shape)) ** 2
         alike /= np.linalg.norm(trial.shape) ** 2 * np.linalg.norm(mode.shape) ** 2
-        near = abs(trial.value - mode.value) <= NEAR * min(room, abs(mode.value))
-        if trial.converged and near and alike >= ALIKE and trial.value.imag > 0:
+        near = abs(trial.value - mode.value) <= LARGEST_MOVE * min(room, abs(mode.value))
+        if trial.converged and near and alike >= LEAST_MAC and trial.value.imag > 0:
             mode, share, step = trial, min(1.0, share + step), 2 * step
             continue
         step /= 2
-        if step < SMALLEST:
+        if step < SMALLEST_DAMPING_STEP:
             return None
     return mode
 
 
 def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
-    """Poles on the negative real axis, with what stiffness there is at rest."""
+    """Modes of the poles on the negative real axis, with stiffnesses at rest."""
     low, high = REAL_DECADES
     sizes = rate * np.logspace(low, high, REAL_GRID)
     counts = _negative_on_axis(system, sizes)
@@ -183,13 +199,16 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
 
 
 def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
-    """Whether D changes there by more than rounding, as it does not where a damper swallows all that arrives."""
+    """Whether D changes sign at a real pole by more than rounding.
+
+    No pole is there where a damper absorbs all waves that arrive.
+    """
     kappa, _, across = Damped(system).stiffness(complex(-size), 0.0)
     rate = -1j * across
     twist = np.abs(system.rows @ shape) ** 2
     drag = system.damping * size
     changed = abs((rate + system.damping) @ (system.rows @ shape) ** 2) * size
-    return bool(changed > CROSSED * (np.abs(kappa) + np.abs(drag)) @ twist)
+    return bool(changed > LEAST_CHANGE * (np.abs(kappa) + np.abs(drag)) @ twist)
 
 
 def _on_axis(system: RowSystem, sizes: FloatArray) -> FloatArray:
@@ -223,10 +242,10 @@ def _real_vector(system: RowSystem, size: float) -> FloatArray:
     return np.asarray(found / np.abs(found).max())
 
 
-def _collected(vibrations: list[Mode], real: list[Mode], n_q: int) -> Found:
+def _collected(vibrations: list[Mode], real: list[Mode], n_q: int) -> Eigenpairs:
     every = [*vibrations, *real]
     shapes: AnyArray = np.array([mode.shape for mode in every], dtype=complex).reshape(len(every), n_q).T
-    return Found(
+    return Eigenpairs(
         np.array([mode.value for mode in every], dtype=complex),
         np.asarray(shapes, dtype=complex),
         np.arange(len(every)) >= len(vibrations),

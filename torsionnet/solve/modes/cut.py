@@ -1,9 +1,9 @@
 """Poles of transfer functions against a measured input.
 
-A measured input does not leave the drivetrain as it is: whatever happens upstream of a torque transducer is in its
-reading. The poles of theta/T are those of the drivetrain cut at the transducer, with everything on the side of the
-excitation taken away, if the cut separates the two sides. Where it does not, or other quantities are measured, the
-poles are the rates at which the measured inputs stay zero while the excitations do what that takes.
+The reading of a torque transducer contains all that happens upstream. The poles of theta/T are therefore the poles of
+the drivetrain cut at the transducer, without everything on the side of the excitation, if the cut separates the two
+sides. Where it does not, or other quantities are measured, the poles are the rates s at which the measured inputs can
+stay zero under suitable excitations.
 """
 
 from __future__ import annotations
@@ -24,25 +24,26 @@ from torsionnet.response import Modes
 from torsionnet.solve.dynamic_stiffness.reduction import require_resistance
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-Found: TypeAlias = tuple[Modes, tuple[str, ...]]
+ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
+"""Modes, and texts of warnings about uncertain modes."""
 
 
 def poles_of_measured(
-    drivetrain: AssembledModel, request: TransferRequest, natural_modes: Callable[[AssembledModel], Found]
-) -> Found:
-    """Modes of the drivetrain cut at a measured input, and what is doubtful about them.
+    drivetrain: AssembledModel, request: TransferRequest, natural_modes: Callable[[AssembledModel], ModesAndWarnings]
+) -> ModesAndWarnings:
+    """Modes of the drivetrain cut at a measured input, and texts of warnings about uncertain modes.
 
     Raises
     ------
     UsageError
-        The measured input is no sensor, or no excitation reaches it.
+        The measured input is no sensor, or no excitation reaches that sensor.
     SolveError
         Some coordinates have neither inertia nor spring nor damper.
     """
     system = drivetrain.assembly.system
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     if not request.is_measured:
-        raise UsageError(f'"{request.names}" is no sensor; a measured input is one')
+        raise UsageError(f'"{request.names}" is no sensor; name a sensor as measured input')
     kept = beyond_cut(drivetrain, request)
     if kept is None:
         from torsionnet.solve.modes.pencil import measured_poles
@@ -52,11 +53,11 @@ def poles_of_measured(
 
 
 def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
-    """Elements that stay when the drivetrain is cut at the measured torque and the side of the excitation taken away.
+    """Names of the elements left when the drivetrain is cut at the measured torque, on the side without excitation.
 
-    None if more than that is measured, it does not separate the drivetrain, or an excitation acts on both sides. The
-    torque at a port flows between the element and its node there; elements join their other nodes, as does an imposed
-    relative motion; ground does not.
+    None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both
+    sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does
+    an imposed relative motion; ground does not.
     """
     sensor = request.measured[0].sensor
     if sensor is None or sensor.quantity != "torque" or len(request.measured) > 1:
@@ -80,7 +81,7 @@ def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[st
 
 
 def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
-    """The definition with only the elements kept, and the inputs and sensors that still make sense."""
+    """Definition with only some elements, and the inputs and sensors whose nodes and elements are left."""
     elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
     nodes = set(all_nodes(elements.values()))
     inputs = {
@@ -97,14 +98,17 @@ def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
 
 
 def _of_cut_system(
-    drivetrain: AssembledModel, kept: Sequence[str], measured: str, natural_modes: Callable[[AssembledModel], Found]
-) -> Found:
+    drivetrain: AssembledModel,
+    kept: Sequence[str],
+    measured: str,
+    natural_modes: Callable[[AssembledModel], ModesAndWarnings],
+) -> ModesAndWarnings:
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     try:
-        found, doubts = natural_modes(rest)
-    except SolveError as error:  # the whole has been checked, so it is the cut that leaves a loose end
+        found, warned = natural_modes(rest)
+    except SolveError as error:  # the whole drivetrain resists every motion, so the cut leaves a loose end
         raise UsageError(
-            f"{measured} is zero at every frequency: nothing on the other side of it resists a motion"
+            f"{measured} is zero at every frequency: nothing on the other side of the transducer resists a motion"
         ) from error
     shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
@@ -114,4 +118,4 @@ def _of_cut_system(
     found = replace(
         found, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, cut at {measured}", notes=notes
     )
-    return found, doubts
+    return found, warned

@@ -1,6 +1,6 @@
-"""Columns of the characteristic equation from which zero has been taken as a root, in double precision.
+"""Columns of the characteristic equation from which roots at zero are taken out, in double precision.
 
-What has been divided by s is divided before anything is rounded: powers of s that cancel are not there, and of delays
+The division by powers of s is exact: powers of s that cancel are not formed, and of delays
 
     e^(-s tau) = sum of (-s tau)^m / m! for m < r, + (-s tau)^r phi_r(-s tau)
 
@@ -22,24 +22,27 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.modes.exact_pencil import DelayedRow, ExactPencil
 from torsionnet.solve.modes.zero_chains import ZeroChain, zero_chains
 
-TERMS = 40
-"""Of the series of phi_r where its argument is below r + 1."""
+SERIES_TERMS = 40
+"""Terms of the series of phi_r for arguments up to r + 1: the last ones are far below rounding."""
 
 
 @dataclass(frozen=True)
 class DelayedSum:
-    """-sum of p_m s^(m - k) e^(-s delay) without what cancels, in one row; ``terms`` are m - k and p_m."""
+    """Delayed part of one row of a column: -sum of p_m s^(m - k) e^(-s delay), without terms that cancel.
+
+    ``terms`` are m - k and p_m.
+    """
 
     row: int
     terms: tuple[tuple[int, float], ...]
     delay: float
 
     def at(self, s: complex) -> complex:
-        """Its value."""
+        """Value at s."""
         return -sum(value * self._factor(power, s) for power, value in self.terms)
 
-    def rate(self, s: complex) -> complex:
-        """Its derivative."""
+    def derivative(self, s: complex) -> complex:
+        """Derivative by s."""
         total = 0j
         for power, value in self.terms:
             slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
@@ -52,7 +55,7 @@ class DelayedSum:
         return total
 
     def size(self, s: complex) -> float:
-        """The sum of the magnitudes of its terms."""
+        """Sum of the magnitudes of the terms at s."""
         return float(sum(abs(value * self._factor(power, s)) for power, value in self.terms))
 
     def _factor(self, power: int, s: complex) -> complex:
@@ -61,13 +64,13 @@ class DelayedSum:
 
 
 def _phi(r: int, z: complex) -> complex:
-    """(e^z - sum of z^m/m! for m < r) / z^r."""
+    """Function phi_r(z) = (e^z - sum of z^m/m! for m < r) / z^r."""
     if r == 0:
-        with np.errstate(all="ignore"):  # far to the left nothing comes back
+        with np.errstate(all="ignore"):  # e^z overflows far to the left
             return complex(np.exp(z))
     if abs(z) <= r + 1:
         total, term = 0j, 1 / math.factorial(r) + 0j
-        for m in range(1, TERMS):
+        for m in range(1, SERIES_TERMS):
             total += term
             term *= z / (r + m)
         return total
@@ -76,70 +79,70 @@ def _phi(r: int, z: complex) -> complex:
 
 @dataclass(frozen=True)
 class DeflatedColumn:
-    """P(s) x(s)/s^k in the place of the column of one coordinate or torque.
+    """Column P(s) x(s)/s^k that replaces the column of one coordinate or torque.
 
     Attributes
     ----------
     place : int
-        The column.
+        Index of the replaced column.
     chain : ZeroChain
-        x(s) and k, exactly.
+        The motion x(s) and k, exactly.
     motion : (n_m, n) array
-        x(s), ascending.
-    lasting : (n_p, n) array
-        What has no delay, ascending.
+        Coefficients of x(s), ascending powers.
+    undelayed : (n_p, n) array
+        Coefficients of the part without delay, ascending powers.
     delayed : tuple of DelayedSum
-    strained : (n_m, n_laws) array
+    strains : (n_m, n_laws) array
         Motions of the laws in x(s), for loss factors.
     """
 
     place: int
     chain: ZeroChain
     motion: FloatArray
-    lasting: FloatArray
+    undelayed: FloatArray
     delayed: tuple[DelayedSum, ...]
-    strained: FloatArray
+    strains: FloatArray
 
     @property
     def order(self) -> int:
-        """k, how many roots at zero the column takes out."""
+        """Number k of roots at zero that the column takes out."""
         return self.chain.order
 
-    def of(self, s: complex) -> ComplexArray:
-        """x(s)/s^k, (n,)."""
+    def motion_at(self, s: complex) -> ComplexArray:
+        """Motion x(s)/s^k over coordinates and torques, (n,)."""
         powers = np.complex128(s) ** (np.arange(len(self.motion)) - self.order)
         return np.asarray(powers @ self.motion)
 
     def at(self, s: complex) -> ComplexArray:
-        """The column without loss factors, (n,)."""
-        found = np.asarray(polynomial(list(self.lasting), s), dtype=complex)
+        """Column without loss factors at s, (n,)."""
+        found = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
         for one in self.delayed:
             found[one.row] += one.at(s)
         return found
 
-    def rate(self, s: complex) -> ComplexArray:
-        """Its derivative."""
-        found = np.asarray(polynomial([m * row for m, row in enumerate(self.lasting)][1:], s), dtype=complex)
-        found = found + np.zeros(self.lasting.shape[1])
+    def derivative(self, s: complex) -> ComplexArray:
+        """Derivative of the column by s, (n,)."""
+        found = np.asarray(polynomial([m * row for m, row in enumerate(self.undelayed)][1:], s), dtype=complex)
+        found = found + np.zeros(self.undelayed.shape[1])
         for one in self.delayed:
-            found[one.row] += one.rate(s)
+            found[one.row] += one.derivative(s)
         return found
 
     def size(self, s: complex) -> FloatArray:
-        """The sum of the magnitudes of its terms."""
-        found = np.asarray(polynomial(list(np.abs(self.lasting)), abs(s)), dtype=float)
+        """Sums of the magnitudes of the terms of the column, (n,)."""
+        found = np.asarray(polynomial(list(np.abs(self.undelayed)), abs(s)), dtype=float)
         for one in self.delayed:
             found[one.row] += one.size(s)
         return found
 
     def strain(self, s: complex) -> ComplexArray:
-        """Motions of the laws, (n_laws,): in what loss factors resist, powers of s below zero may be left."""
-        powers = np.complex128(s) ** (np.arange(len(self.strained)) - self.order)
-        return np.asarray(powers @ self.strained)
+        """Motions (n_laws,) of the laws in x(s)/s^k, which loss factors resist; may hold negative powers of s."""
+        powers = np.complex128(s) ** (np.arange(len(self.strains)) - self.order)
+        return np.asarray(powers @ self.strains)
 
 
 def deflated_columns(assembly: Assembly, exact: ExactPencil, weights: FloatArray) -> tuple[DeflatedColumn, ...]:
-    """Of all chains at zero (:mod:`.zero_chains`)."""
+    """Deflated columns of all chains of roots at zero; ``weights`` choose the replaced columns."""
     chains = zero_chains(exact, weights.tolist())
     return tuple(_column(assembly, exact, place, chain) for place, chain in chains.items())
 
@@ -147,24 +150,24 @@ def deflated_columns(assembly: Assembly, exact: ExactPencil, weights: FloatArray
 def _column(assembly: Assembly, exact: ExactPencil, place: int, chain: ZeroChain) -> DeflatedColumn:
     n, k = exact.size, chain.order
     motion = np.zeros((len(chain.motion), n))
-    degree = max(len(values) for values in exact.lasting.values()) + len(motion) - 1
-    lasting = np.zeros((max(degree - k, 1), n))
-    strained = np.zeros((len(motion), len(assembly.laws)))
+    degree = max(len(values) for values in exact.undelayed.values()) + len(motion) - 1
+    undelayed = np.zeros((max(degree - k, 1), n))
+    strains = np.zeros((len(motion), len(assembly.laws)))
     index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
     for m, vector in enumerate(chain.motion):
         motion[m, list(vector)] = [float(value) for value in vector.values()]
         for law, row in enumerate(assembly.exact_rows):
-            strained[m, law] = float(sum(value * vector.get(index.get(name, -1), 0) for name, value in row.items()))
+            strains[m, law] = float(sum(value * vector.get(index.get(name, -1), 0) for name, value in row.items()))
     sums: defaultdict[tuple[int, int], Fraction] = defaultdict(Fraction)
-    for (i, j), values in exact.lasting.items():
+    for (i, j), values in exact.undelayed.items():
         for m, vector in enumerate(chain.motion):
             for power, value in enumerate(values) if j in vector else ():
                 if power + m >= k:
                     sums[power + m - k, i] += value * vector[j]
     for (power, i), total in sums.items():
-        lasting[power, i] = float(total)
+        undelayed[power, i] = float(total)
     delayed = tuple(_delayed(one, chain) for one in exact.delayed)
-    return DeflatedColumn(place, chain, motion, lasting, tuple(one for one in delayed if one.terms), strained)
+    return DeflatedColumn(place, chain, motion, undelayed, tuple(one for one in delayed if one.terms), strains)
 
 
 def _delayed(one: DelayedRow, chain: ZeroChain) -> DelayedSum:

@@ -33,19 +33,20 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     subspaces,
 )
 from torsionnet.solve.modes import continuous, continuous_damped
-from torsionnet.solve.modes.lowest import Motions, lowest_vibrations
-from torsionnet.solve.modes.spectrum import physical, refined, solve
+from torsionnet.solve.modes.lowest import RigidMotions, lowest_vibrations
+from torsionnet.solve.modes.spectrum import one_per_pair, refined_spectrum, solve_spectrum
 
-PART = 1e-6
-"""Imaginary part of a shape of 1 that is not rounding."""
-DECIDED = 1e-14
+LEAST_IMAGINARY_PART = 1e-6
+"""Imaginary part of a shape scaled to 1 above which it is no rounding."""
+LEAST_DAMPING_RATIO = 1e-14
 """Damping ratio below which double precision does not tell growth from decay."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
+"""Kinds of modes."""
 
 
 @dataclass(frozen=True)
 class EigenSolution:
-    """Modes, rigid bodies first, then by |lambda| ascending.
+    """Eigenvalues and shapes of the modes, rigid bodies first, then by |lambda| ascending.
 
     Attributes
     ----------
@@ -63,7 +64,7 @@ class EigenSolution:
         Estimated relative error of each eigenvalue with respect to the exact one of the given coefficients;
         0 for rigid-body modes, which are exact.
     missing : int
-        Modes that are known to be there but could not be calculated.
+        Number of modes that exist but could not be calculated.
     """
 
     eigenvalues: ComplexArray
@@ -75,7 +76,7 @@ class EigenSolution:
     missing: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
-        """Only the first modes."""
+        """Copy with only the first ``count`` modes; None: all."""
         whole = ("kinds", "missing")
         parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
         return replace(self, kinds=self.kinds[:count], **parts)
@@ -86,11 +87,10 @@ def complex_modes(
 ) -> EigenSolution:
     """Modes with damping, all or the ``lowest`` so many; an undamped system gets purely imaginary eigenvalues.
 
-    Frequency-dependent laws start from the modes without damping, which are calculated where ``undamped`` does not give
-    them.
+    With frequency-dependent laws the search starts from the modes without damping, ``undamped`` or calculated here.
 
-    Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
-    rounding. A damping below zero, also in a table, can make a mode grow.
+    Passive laws have a positive semidefinite damping matrix: a positive real part is rounding and set to 0. A negative
+    damping, also in a table, can make a mode grow.
     With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
     use the real part at rest.
 
@@ -102,7 +102,7 @@ def complex_modes(
     refuse_actions(system.actions, "these modes are")
     system = acting(system)
     if continuous.is_continuous(system):
-        return _of_continuous(system, lowest or continuous.COUNT)
+        return _of_continuous(system, lowest or continuous.DEFAULT_COUNT)
     stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
@@ -113,9 +113,11 @@ def complex_modes(
         found = frozen_stiffness.modes(system, spaces, starts)
         passive = is_passive(system, found.values)
     else:
-        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
-        kept, real = physical(spectrum)
-        found = frozen_stiffness.Found.all_converged(spectrum, kept, real)
+        spectrum = refined_spectrum(
+            solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping))
+        )
+        kept, real = one_per_pair(spectrum)
+        found = frozen_stiffness.Eigenpairs.all_converged(spectrum, kept, real)
         passive = dissipates(system)
     return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
 
@@ -127,36 +129,36 @@ def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
 
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
-    """The lowest modes of a large system by a sparse route, or None where none fits."""
+    """Lowest modes of a large system by sparse methods, or None where these do not apply."""
     if system.n_coordinates <= LARGE or system.dynamic:
         return None
     damped = system.damping != 0
-    motions = Motions.of(system, stiff, damped, lowest)
+    motions = RigidMotions.of(system, stiff, damped, lowest)
     found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=not np.any(damped))
     return None if found is None else _sorted_solution(motions.rigid, found, passive=dissipates(system))
 
 
 def dissipates(system: RowSystem) -> bool:
-    """Whether no constant damping feeds energy in."""
+    """Whether no constant damping is negative, so that none feeds energy into vibrations."""
     return not np.any(system.damping < 0)
 
 
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
-    """Whether no law feeds energy into any of the vibrations."""
+    """Whether no law feeds energy into vibrations at the frequencies of the eigenvalues."""
     omega = np.abs(eigenvalues.imag)
     return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
 
 
-def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:
+def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Eigenpairs, *, passive: bool) -> EigenSolution:
     order = np.argsort(np.abs(found.values), kind="stable")
     n_rigid, real = rigid.shape[1], found.real[order]
     values = np.where(real, found.values[order].real, found.values[order])
     if passive:
         values = np.minimum(values.real, 0.0) + 1j * values.imag
-    shapes = _real_shapes(scaled(found.shapes[:, order]), found.values[order], real)
+    shapes = _real_shapes(unit_shapes(found.shapes[:, order]), found.values[order], real)
     return EigenSolution(
         eigenvalues=np.concatenate([np.zeros(n_rigid), values]).astype(complex),
-        vectors=np.hstack([scaled(rigid), shapes]).astype(complex),
+        vectors=np.hstack([unit_shapes(rigid), shapes]).astype(complex),
         kinds=(RIGID,) * n_rigid + tuple(REAL if is_real else OSCILLATORY for is_real in real),
         converged=np.concatenate([np.ones(n_rigid, dtype=bool), found.converged[order]]),
         iterations=np.concatenate([np.zeros(n_rigid, dtype=int), found.iterations[order]]),
@@ -165,37 +167,37 @@ def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passiv
 
 
 def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]) -> AnyArray:
-    """Shapes of real eigenvalues are real; two that came out as a pair have the real and the imaginary part of one."""
+    """Shapes with real ones for real eigenvalues; a pair on the axis gets real and imaginary part of its shape."""
     found = shapes.copy()
     found[:, real] = shapes[:, real].real
-    second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > PART)
-    found[:, second] = scaled(shapes[:, second].imag)
+    second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > LEAST_IMAGINARY_PART)
+    found[:, second] = unit_shapes(shapes[:, second].imag)
     return found
 
 
-def on_axis(values: ComplexArray, errors: FloatArray) -> ComplexArray:
-    """Eigenvalues without real parts that are no larger than their errors, relative: these neither grow nor decay."""
-    blurred = np.abs(values.real) <= np.maximum(errors, DECIDED) * np.abs(values)
+def with_zero_damping(values: ComplexArray, errors: FloatArray) -> ComplexArray:
+    """Eigenvalues with real parts set to zero where these are within the relative errors: neither growth nor decay."""
+    blurred = np.abs(values.real) <= np.maximum(errors, LEAST_DAMPING_RATIO) * np.abs(values)
     return np.asarray(np.where(blurred, 1j * values.imag, values))
 
 
-def scaled(shapes: AnyArray) -> AnyArray:
-    """Scale each column so that its largest component is 1; of equally large ones the first."""
+def unit_shapes(shapes: AnyArray) -> AnyArray:
+    """Shapes, columns of an array, scaled so that the largest component is 1; of equal ones the first."""
     if not shapes.size:
         return shapes
     size = np.abs(shapes)
     first = np.argmax(size >= size.max(axis=0) * (1 - 1e-9), axis=0)
     largest = shapes[first, np.arange(shapes.shape[1])]
-    # A pole of a controller that drives what cannot move has no motion.
+    # The pole of a controller that drives a locked node has no motion.
     largest[largest == 0] = 1
     return np.asarray(shapes / largest)
 
 
 def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies and shapes of M and K alone, all or the ``lowest`` so many.
+    """Natural frequencies and shapes without damping, all or the ``lowest`` so many.
 
     Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
-    frequency. With continuous shafts, which have infinitely many, the lowest 20 unless ``lowest`` says otherwise.
+    frequency. With continuous shafts, which have infinitely many modes, ``lowest`` is 20 by default.
 
     Returns
     -------
@@ -207,7 +209,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     refuse_actions(system.actions, "undamped modes are")
     system = acting(system)
     if continuous.is_continuous(system):
-        return continuous.undamped_modes(system, lowest or continuous.COUNT)
+        return continuous.undamped_modes(system, lowest or continuous.DEFAULT_COUNT)
     kept = resisting(system)
     omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
     every = np.zeros((system.n_coordinates, len(omega)))
@@ -219,7 +221,7 @@ def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, 
     stiff = stiff_laws(system)
     undamped = np.zeros_like(stiff)
     if lowest is not None and system.n_coordinates > LARGE and not system.dynamic:
-        motions = Motions.of(system, stiff, undamped, lowest)
+        motions = RigidMotions.of(system, stiff, undamped, lowest)
         few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
         if few is not None:
             return _sorted_undamped(motions.rigid, few, lowest)
@@ -227,15 +229,15 @@ def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, 
     if system.dynamic:
         found = frozen_stiffness.modes(system, spaces, undamped=True)
     else:
-        spectrum = refined(solve(system, spaces, system.stiffness, undamped=True))
-        found = frozen_stiffness.Found.all_converged(spectrum, *physical(spectrum))
+        spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=True))
+        found = frozen_stiffness.Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
     return _sorted_undamped(spaces.rigid, found, lowest)
 
 
 def _sorted_undamped(
-    rigid: FloatArray, found: frozen_stiffness.Found, lowest: int | None
+    rigid: FloatArray, found: frozen_stiffness.Eigenpairs, lowest: int | None
 ) -> tuple[FloatArray, FloatArray]:
     order = np.argsort(found.values.imag, kind="stable")
     omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
     shapes = np.hstack([rigid, found.shapes[:, order].real])
-    return omega[:lowest], np.asarray(scaled(shapes)[:, :lowest])
+    return omega[:lowest], np.asarray(unit_shapes(shapes)[:, :lowest])

@@ -1,8 +1,8 @@
-"""The characteristic equation of a drivetrain with controllers in exact numbers: what happens at s = 0.
+"""Characteristic equation of a drivetrain with controllers in rational numbers, for roots at s = 0.
 
 P(s) of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil` is a series in s with rational coefficients, delays
-included, since those were written as decimals. What is singular at zero is so exactly, and how often is counted modulo
-a large prime, with exponentials cut off where they no longer matter.
+included, since values are given as decimals. Singularity at zero is decided exactly, and its multiplicity is counted
+modulo a large prime, with the series of exponentials cut off where these no longer matter.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from typing import TypeAlias
 
 from torsionnet.assembly.system import Assembly
 from torsionnet.model.elimination import exact
-from torsionnet.solve.modes.modular import determinant, interpolated, primes, residue
-from torsionnet.solve.modes.refine import least_fill
+from torsionnet.solve.modes.modular import determinant, interpolating_polynomial, primes, residue
+from torsionnet.solve.modes.refine import minimum_degree_order
 
 ExactVector: TypeAlias = Mapping[int, Fraction]
 
 
 @dataclass(frozen=True)
 class DelayedRow:
-    """-N(s) e^(-s delay) L in the row of the torque of one action; ``sensed`` is L, ``numerator`` N, ascending."""
+    """Delayed terms -N(s) e^(-s delay) L in the row of one action; ``sensed`` is L, ``numerator`` N, ascending."""
 
     row: int
     numerator: tuple[Fraction, ...]
@@ -31,7 +31,7 @@ class DelayedRow:
     delay: Fraction
 
     def coefficient(self, power: int) -> Fraction:
-        """That of s^power in N(s) e^(-s delay)."""
+        """Coefficient of s^power in the series of N(s) e^(-s delay)."""
         total = Fraction(0)
         for m, value in enumerate(self.numerator[: power + 1]):
             total += value * (-self.delay) ** (power - m) / factorial(power - m)
@@ -40,16 +40,16 @@ class DelayedRow:
 
 @dataclass(frozen=True, eq=False)
 class ExactPencil:
-    """P(s): ``lasting`` are polynomials by row and column, ascending; ``delayed`` is what actions sense."""
+    """Matrix P(s) in rational numbers: polynomials by row and column, ascending, and delayed rows of actions."""
 
     size: int
-    lasting: Mapping[tuple[int, int], tuple[Fraction, ...]]
+    undelayed: Mapping[tuple[int, int], tuple[Fraction, ...]]
     delayed: tuple[DelayedRow, ...]
     _powers: dict[int, list[dict[int, Fraction]]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, assembly: Assembly) -> ExactPencil:
-        """Over coordinates, and torques of actions after them."""
+        """Exact pencil of an assembly, over coordinates and, after them, torques of actions."""
         index = {name: place for place, name in enumerate(assembly.kinematics.coordinates)}
         entries: dict[tuple[int, int], list[Fraction]] = {}
 
@@ -76,11 +76,11 @@ class ExactPencil:
         found = {place: tuple(values) for place, values in entries.items()}
         return cls(len(index) + len(assembly.system.actions), found, tuple(delayed))
 
-    def power(self, k: int) -> list[dict[int, Fraction]]:
-        """The rows of the coefficient of s^k."""
+    def coefficient_rows(self, k: int) -> list[dict[int, Fraction]]:
+        """Rows of the matrix coefficient of s^k, as column -> value."""
         if k not in self._powers:
             rows: list[dict[int, Fraction]] = [{} for _ in range(self.size)]
-            for (i, j), values in self.lasting.items():
+            for (i, j), values in self.undelayed.items():
                 if k < len(values) and values[k]:
                     rows[i][j] = values[k]
             for one in self.delayed:
@@ -90,10 +90,10 @@ class ExactPencil:
             self._powers[k] = [{j: value for j, value in row.items() if value} for row in rows]
         return self._powers[k]
 
-    def applied(self, k: int, vector: ExactVector) -> dict[int, Fraction]:
-        """The coefficient of s^k times a vector."""
+    def coefficient_times(self, k: int, vector: ExactVector) -> dict[int, Fraction]:
+        """Product of the matrix coefficient of s^k and a vector, as row -> value."""
         found = {}
-        for i, row in enumerate(self.power(k)):
+        for i, row in enumerate(self.coefficient_rows(k)):
             shorter, longer = (row, vector) if len(row) < len(vector) else (vector, row)
             total = sum((value * longer[j] for j, value in shorter.items() if j in longer), start=Fraction(0))
             if total:
@@ -101,12 +101,12 @@ class ExactPencil:
         return found
 
     def counts(self, most: int) -> tuple[int, int]:
-        """How many roots det P has, and how many of them are zero, with multiplicity, which is ``most`` at most.
+        """Number of roots of det P, and of these at zero up to ``most``, with multiplicity.
 
-        With delays only the second number means something.
+        With delays only the number at zero has a meaning.
         """
         prime = next(primes())
-        entries = {place: list(values) for place, values in self.lasting.items()}
+        entries = {place: list(values) for place, values in self.undelayed.items()}
         degree = 2 * self.size
         for one in self.delayed:
             highest = len(one.numerator) - 1 + (most if one.delay else 0)
@@ -117,7 +117,7 @@ class ExactPencil:
                 for power, factor in enumerate(series):
                     held[power] -= factor * value
             degree += max(highest, len(entries[one.row, one.row]) - 1) - 2
-        order, _ = least_fill(self.size, entries)
+        order, _ = minimum_degree_order(self.size, entries)
         residues = {place: [residue(value, prime) for value in values] for place, values in entries.items()}
 
         def value_at(point: int) -> int:
@@ -128,13 +128,13 @@ class ExactPencil:
                     rows[i][order[j]] = value
             return determinant(rows, prime)
 
-        coefficients = interpolated([value_at(point) for point in range(degree + 1)], prime)
+        coefficients = interpolating_polynomial([value_at(point) for point in range(degree + 1)], prime)
         zeros = next((power for power, value in enumerate(coefficients) if value), 0)
         return len(coefficients) - 1, zeros
 
 
 def is_singular(rows: Sequence[ExactVector]) -> bool:
-    """Whether a matrix of rationals is, which holds for certain where not, and but for one prime in about 1e16."""
+    """Whether a matrix of rationals is singular: "no" is certain, "yes" wrong for one prime in about 1e16."""
     prime = next(primes())
-    order, _ = least_fill(len(rows), [(i, j) for i, row in enumerate(rows) for j in row])
+    order, _ = minimum_degree_order(len(rows), [(i, j) for i, row in enumerate(rows) for j in row])
     return not determinant([{order[j]: residue(value, prime) for j, value in row.items()} for row in rows], prime)

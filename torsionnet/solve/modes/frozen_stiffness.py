@@ -1,4 +1,4 @@
-"""Modes where stiffness depends on frequency: freeze it at the mode's own frequency, solve, repeat.
+"""Modes with frequency-dependent stiffness: frozen at the frequency of the mode, solved, and repeated.
 
 Each mode is a fixed point omega = |Im lambda(omega)| of the eigenvalue problem with kappa frozen at omega.
 The mode is followed from one problem to the next by the modal assurance criterion of the inertia-weighted shapes,
@@ -17,24 +17,26 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, Subspaces
-from torsionnet.solve.modes.spectrum import Spectrum, physical, refined, solve
+from torsionnet.solve.modes.spectrum import Spectrum, one_per_pair, refined_spectrum, solve_spectrum
 
-TOLERANCE = 1e-12
-"""Relative change of a mode's frequency at which the fixed point is found."""
-NEAR = 1e-6
-"""Relative change from which on, or from its own error, an uncertain eigenvalue is refined."""
+FREQUENCY_TOLERANCE = 1e-12
+"""Relative change of the frequency of a mode at which the iteration has converged."""
+REFINED_BELOW = 1e-6
+"""Relative change of the frequency, or error of the eigenvalue, below which an uncertain eigenvalue is refined."""
 MAX_ITERATIONS = 60
-SAME = 1e-8
-"""Eigenvalues that agree to this are one multiple eigenvalue, or one mode found twice."""
-SLOWEST = 0.05
-"""Secant steps need d(found - omega)/d omega below minus this."""
+"""Eigenvalue problems for a mode at most; secant steps converge in a few unless the frequency jumps."""
+SAME_EIGENVALUE = 1e-8
+"""Relative difference below which eigenvalues are one multiple eigenvalue, or one mode found twice."""
+LEAST_SLOPE = 0.05
+"""Least slope, downwards, of (frequency found - frequency assumed) for a secant step: flatter ones lead too far."""
 
 Start: TypeAlias = tuple[float, ComplexArray]
+"""Frequency in rad/s and shape (n_q,) from which a mode is tracked."""
 
 
 @dataclass(frozen=True)
-class Found:
-    """Eigenvalues other than zero with their displacement shapes, one per conjugate pair."""
+class Eigenpairs:
+    """Nonzero eigenvalues with shapes, errors and convergence, one per conjugate pair."""
 
     values: ComplexArray
     shapes: ComplexArray
@@ -44,8 +46,8 @@ class Found:
     iterations: NDArray[np.int_]
 
     @classmethod
-    def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Found:
-        """Of a spectrum without frequency dependence."""
+    def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Eigenpairs:
+        """Eigenpairs of a spectrum without frequency dependence, at the indices ``kept``."""
         count = len(kept)
         return cls(
             spectrum.values[kept],
@@ -59,6 +61,8 @@ class Found:
 
 @dataclass(frozen=True)
 class Mode:
+    """Eigenvalue in rad/s of one mode, with shape (n_q,), relative error and convergence."""
+
     value: complex
     shape: ComplexArray
     error: float = 0.0
@@ -68,7 +72,7 @@ class Mode:
 
 @dataclass(frozen=True)
 class FrozenProblem:
-    """The eigenvalue problem as a function of the frequency at which the dynamic laws are frozen."""
+    """Eigenvalue problem with the stiffness of dynamic laws frozen at a frequency; solutions are kept."""
 
     system: RowSystem
     spaces: Subspaces
@@ -76,6 +80,7 @@ class FrozenProblem:
     known: dict[bytes, Spectrum] = field(default_factory=dict)
 
     def stiffness(self, omega: float) -> AnyArray:
+        """Stiffness (n_laws,) of all laws at omega in rad/s, real where there are no losses."""
         total = self.system.stiffness + self.system.kappa(omega)
         if not np.all(np.isfinite(total)):
             raise SolveError(f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s")
@@ -90,11 +95,11 @@ class FrozenProblem:
         key = stiffness.tobytes()
         if key not in self.known:
             no_loss = self.undamped or not (np.iscomplexobj(stiffness) or np.any(self.system.damping))
-            self.known[key] = solve(self.system, self.spaces, stiffness, undamped=no_loss)
+            self.known[key] = solve_spectrum(self.system, self.spaces, stiffness, undamped=no_loss)
         return self.known[key]
 
     def resemblance(self, shapes: ComplexArray, shape: ComplexArray) -> FloatArray:
-        """Modal assurance criterion |a^H M b|^2 / (a^H M a  b^H M b) of each column with one shape."""
+        """Modal assurance criterion |a^H M b|^2 / (a^H M a  b^H M b) of each of the shapes with one shape."""
         heavy = self.system.inertia > 0
         weighted = np.sqrt(self.system.inertia[heavy])[:, None] * self.system.rows[heavy]
         a, b = weighted @ shapes, weighted @ shape
@@ -104,12 +109,12 @@ class FrozenProblem:
 
 def modes(
     system: RowSystem, spaces: Subspaces, starts: Iterable[Start] | None = None, *, undamped: bool = False
-) -> Found:
-    """All nonzero modes of a system with dynamic laws.
+) -> Eigenpairs:
+    """Eigenpairs of all nonzero modes of a system with dynamic laws.
 
-    Real poles are those of the stiffness at rest, Re kappa(0+); the remaining ones are oscillatory. Each of these is
-    tracked from a start (frequency, shape), by default the undamped ones at rest, and where two starts lead to one
-    mode, from the other eigenvalues met on the way.
+    Real poles are those of the stiffness at rest, Re kappa(0+); other modes are oscillatory. Each is tracked from a
+    start (frequency, shape), by default the undamped modes at rest, and where two starts lead to one mode, from the
+    other eigenvalues of the problems solved.
     """
     problem = FrozenProblem(system, spaces, undamped)
     rest = _at_rest(system, spaces, undamped=undamped)
@@ -120,18 +125,20 @@ def modes(
         if len(found) >= count:
             break
         group = _track(problem, omega, shape, count)
-        if group and not any(abs(group[0].value - other.value) <= SAME * abs(other.value) for other in found):
+        if group and not any(
+            abs(group[0].value - other.value) <= SAME_EIGENVALUE * abs(other.value) for other in found
+        ):
             found.extend(group)
     return _collect(found[:count], real, system.n_coordinates)
 
 
 def _at_rest(system: RowSystem, spaces: Subspaces, *, undamped: bool) -> Spectrum:
     stiffness = FrozenProblem(system, spaces, undamped=True).stiffness(0.0)
-    return refined(solve(system, spaces, stiffness, undamped=undamped or not np.any(system.damping)))
+    return refined_spectrum(solve_spectrum(system, spaces, stiffness, undamped=undamped or not np.any(system.damping)))
 
 
 def _real_poles(rest: Spectrum) -> list[Mode]:
-    kept, real = physical(rest)
+    kept, real = one_per_pair(rest)
     return [Mode(complex(rest.values[j]), rest.shapes[:, j], float(rest.errors[j])) for j in kept[real]]
 
 
@@ -158,7 +165,7 @@ def _candidates(spectrum: Spectrum, count: int) -> NDArray[np.intp]:
 
 
 def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int) -> list[Mode]:
-    """Fixed point of omega = |Im lambda(omega)|; a multiple eigenvalue gives all its modes."""
+    """Mode at the fixed point of omega = |Im lambda(omega)| near a start; of a multiple eigenvalue all modes."""
     last: tuple[float, float] | None = None
     group: list[Mode] = []
     for iteration in range(1, MAX_ITERATIONS + 1):
@@ -168,10 +175,10 @@ def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int
             return []
         nearest = candidates[np.argmax(problem.resemblance(spectrum.shapes[:, candidates], shape))]
         rough = float(spectrum.values[nearest].imag)
-        if abs(rough - omega) <= max(NEAR, float(spectrum.errors[nearest])) * rough:
-            spectrum = refined(spectrum, np.arange(len(spectrum.values)) == nearest)
+        if abs(rough - omega) <= max(REFINED_BELOW, float(spectrum.errors[nearest])) * rough:
+            spectrum = refined_spectrum(spectrum, np.arange(len(spectrum.values)) == nearest)
         shape, found = spectrum.shapes[:, nearest], float(spectrum.values[nearest].imag)
-        converged = abs(found - omega) <= TOLERANCE * found
+        converged = abs(found - omega) <= FREQUENCY_TOLERANCE * found
         group = _group(spectrum, candidates, nearest, converged=converged, iterations=iteration)
         if converged:
             break
@@ -180,11 +187,11 @@ def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int
 
 
 def _next_frequency(omega: float, found: float, last: tuple[float, float] | None) -> float:
-    """Secant step towards found(omega) - omega = 0, or plain substitution where that looks unsafe."""
+    """Next frequency in rad/s: secant step towards found(omega) = omega, or ``found`` where that step is unsafe."""
     if last is None or last[0] == omega:
         return found
     slope = (found - omega - last[1]) / (omega - last[0])
-    trial = omega - (found - omega) / slope if slope < -SLOWEST else found
+    trial = omega - (found - omega) / slope if slope < -LEAST_SLOPE else found
     return trial if omega / 2 < trial < 2 * omega else found
 
 
@@ -192,16 +199,16 @@ def _group(
     spectrum: Spectrum, candidates: NDArray[np.intp], nearest: np.intp, *, converged: bool, iterations: int
 ) -> list[Mode]:
     value = spectrum.values[nearest]
-    close = [j for j in candidates if j != nearest and abs(spectrum.values[j] - value) <= SAME * abs(value)]
+    close = [j for j in candidates if j != nearest and abs(spectrum.values[j] - value) <= SAME_EIGENVALUE * abs(value)]
     return [
         Mode(complex(spectrum.values[j]), spectrum.shapes[:, j], float(spectrum.errors[j]), converged, iterations)
         for j in (nearest, *close)
     ]
 
 
-def _collect(oscillatory: list[Mode], real: list[Mode], n_q: int) -> Found:
+def _collect(oscillatory: list[Mode], real: list[Mode], n_q: int) -> Eigenpairs:
     every = [*oscillatory, *real]
-    return Found(
+    return Eigenpairs(
         np.array([mode.value for mode in every], dtype=complex),
         np.array([mode.shape for mode in every], dtype=complex).reshape(len(every), n_q).T,
         np.arange(len(every)) >= len(oscillatory),

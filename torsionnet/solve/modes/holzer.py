@@ -16,12 +16,12 @@ from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.speeds import speeds_with
 from torsionnet.response.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
 from torsionnet.solve.modes.eigen import undamped_modes
-from torsionnet.solve.modes.holzer_balance import HolzerBalance, NodeLoad, balance_of, trial
-from torsionnet.solve.modes.holzer_lines import HolzerLine, Neighbours, lines
+from torsionnet.solve.modes.holzer_balance import HolzerBalance, NodeLoad, balance_of, trial_angles
+from torsionnet.solve.modes.holzer_lines import HolzerLine, Neighbours, holzer_lines
 from torsionnet.solve.modes.mode_pairs import undamped_place
 
-STILL = 1e-9
-"""Amplitude over the largest one of a station that cannot be set to 1."""
+LEAST_AMPLITUDE = 1e-9
+"""Amplitude of the first station, over the largest, up to which the table cannot be scaled to 1 there."""
 
 
 def holzer_table(
@@ -42,21 +42,21 @@ def holzer_table(
         if name is not None and name not in drivetrain.nodes:
             raise UsageError(f'no node is named "{name}"{did_you_mean(name, drivetrain.nodes)}')
     still = balance_of(drivetrain, 0.0, np.zeros(len(drivetrain.assembly.nodes)))
-    order, tree = lines(drivetrain.assembly.nodes, still.loads, first)
+    order, tree = holzer_lines(drivetrain.assembly.nodes, still.loads, first)
     start, end = order[0].nodes[0], order[0].nodes[-1]
     if mode is not None:
         omega, angles, notes = _mode(drivetrain, mode, start)
         balance = balance_of(drivetrain, omega, amplitude * angles)
     else:
         omega, notes = _trial_rate(at), ()
-        angles = trial(drivetrain, omega, start, end)
+        angles = trial_angles(drivetrain, omega, start, end)
         balance = balance_of(drivetrain, omega, amplitude * angles, end)
-    # At rest springs may be missing whose stiffness depends on frequency.
-    order, tree = lines(drivetrain.assembly.nodes, balance.loads, first)
+    # Again, as springs whose stiffness depends on frequency may be absent at 0 Hz.
+    order, tree = holzer_lines(drivetrain.assembly.nodes, balance.loads, first)
     shaft = referred_to or start
     ratios = speeds_with(drivetrain.definition, drivetrain.exact_values, shaft)
     own = ratios.get(shaft) or 1.0
-    walk = _Walk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
+    walk = _HolzerWalk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
     branches = tuple(walk.branches(order))
     return HolzerTable(omega / (2 * math.pi), mode, shaft, branches, drivetrain.title, notes)
 
@@ -68,7 +68,7 @@ def _trial_rate(at: float | None) -> float:
 
 
 def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, FloatArray, tuple[str, ...]]:
-    """Rate and shape of an undamped mode, 1 at the first station where that moves."""
+    """Frequency in rad/s, angles (n_nodes,) and notes of an undamped mode, 1 at the first station if that moves."""
     assembly = drivetrain.assembly
     rates, shapes = undamped_modes(assembly.system)
     at, pair = undamped_place(drivetrain, mode)
@@ -77,44 +77,44 @@ def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, Flo
     angles = np.asarray(assembly.node_rows.dense @ shapes[:, place])
     angles /= np.abs(angles).max()
     at_start = angles[assembly.node_index[start]]
-    if abs(at_start) > STILL:
+    if abs(at_start) > LEAST_AMPLITUDE:
         return float(rates[place]), angles / at_start, notes
     note = f"{start} stands still in this mode: the amplitude is that of the station that moves most"
     return float(rates[place]), angles, (note, *notes)
 
 
 @dataclass
-class _Walk:
-    """Goes along the lines and adds up torques."""
+class _HolzerWalk:
+    """Summation of torques along the lines of a Holzer table."""
 
     drivetrain: AssembledModel
     balance: HolzerBalance
     tree: Neighbours
     ratios: Mapping[str, float]
-    handed: dict[str, float] = field(default_factory=dict)
-    """Torques that branches bring to the node they join."""
+    branch_torques: dict[str, float] = field(default_factory=dict)
+    """Torques in N m that branches bring to the node they join."""
 
     def branches(self, order: Sequence[HolzerLine]) -> list[HolzerBranch]:
-        """In the order given; branches are added up before what they join."""
-        self._others()
+        """Branches of the table in the given order; each is summed before the line that it joins."""
+        self._add_other_torques()
         found = {line: self._branch(line) for line in reversed(order)}
         return [found[line] for line in order]
 
-    def _others(self) -> None:
-        """Torques of what is not followed: springs to ground, locks, planetary sets, what closes a loop."""
+    def _add_other_torques(self) -> None:
+        """Add torques of connections outside the lines: springs to ground, locks, planetary sets, closed loops."""
         followed = {id(load) for ends in self.tree.values() for loads in ends.values() for load in loads}
         for load in self.balance.loads:
             passed = load.ends if id(load) in followed else ()
             for node, value in load.row.items():
                 if node in passed:
                     continue
-                self.handed[node] = self.handed.get(node, 0.0) - value * load.torque
+                self.branch_torques[node] = self.branch_torques.get(node, 0.0) - value * load.torque
 
     def _branch(self, line: HolzerLine) -> HolzerBranch:
         stations = []
         carried = 0.0
         for node, after in line.steps():
-            joined = self.handed.get(node, 0.0)
+            joined = self.branch_torques.get(node, 0.0)
             inertia_torque = self.balance.inertia_torques[node]
             torque = carried + inertia_torque + joined
             link = self._link(node, after, torque) if after else None
@@ -130,10 +130,10 @@ class _Walk:
                     link,
                 )
             )
-            # The power that goes in comes out: torque times angle is the same at both ends.
+            # A rigid link passes power on: torque times angle is the same at both ends.
             carried = torque * link.ratio if link else 0.0
         if line.joins:
-            self.handed[line.joins] = self.handed.get(line.joins, 0.0) + carried
+            self.branch_torques[line.joins] = self.branch_torques.get(line.joins, 0.0) + carried
         return HolzerBranch(tuple(stations), line.joins)
 
     def _link(self, node: str, after: str, torque: float) -> HolzerLink:
@@ -145,7 +145,7 @@ class _Walk:
         return HolzerLink(tuple(dict.fromkeys(load.element for load in loads)), stiffness, twist, stress, ratio)
 
     def _stress(self, load: NodeLoad, node: str, torque: float, stiffness: float) -> float:
-        """Nominal shear stress of a shaft by its share of the torque."""
+        """Nominal shear stress in Pa of a shaft by its share of the torque."""
         shaft = self.drivetrain.elements[load.element]
         if not isinstance(shaft, Shaft):
             return math.nan

@@ -1,7 +1,7 @@
-"""All torques on all nodes at one frequency without damping: of inertias, of springs, of rigid connections.
+"""Torques of inertias, springs and rigid connections on all nodes at one frequency without damping.
 
-A motion is the shape of a mode, or what a Holzer trial makes: amplitude 1 at the first station, equilibrium everywhere
-but at the last one, where a torque remains.
+The motion is the shape of a mode, or that of a Holzer trial: amplitude 1 at the first station, equilibrium everywhere
+but at the last station, where a torque remains.
 """
 
 from __future__ import annotations
@@ -20,13 +20,15 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 
 Coefficients = Mapping[str, float]
+"""Node -> coefficient in a row."""
 
 
 @dataclass(frozen=True)
 class NodeLoad:
-    """What one law or constraint does: from every node of the row it takes ``torque`` times the coefficient there.
+    """Torque of one law or constraint; each node of its row loses ``torque`` times the coefficient there.
 
-    ``stiffness`` is infinite for a constraint; ``housing`` is the node that holds against a gear stage, if that moves.
+    ``stiffness`` is infinite for a constraint; ``housing`` is the node that takes the reaction torque of a gear stage,
+    if that node moves.
     """
 
     element: str
@@ -37,21 +39,22 @@ class NodeLoad:
 
     @property
     def ends(self) -> tuple[str, ...]:
-        """The nodes the torque passes between."""
+        """Nodes between which the torque passes."""
         return tuple(node for node in self.row if node != self.housing)
 
     @property
     def rigid(self) -> bool:
+        """Whether the load is that of a rigid connection."""
         return math.isinf(self.stiffness)
 
     def stiffness_at(self, node: str) -> float:
-        """As felt at a node while all others stand still."""
+        """Stiffness in N m/rad referred to a node, all other nodes held."""
         return self.stiffness * self.row[node] ** 2
 
 
 @dataclass(frozen=True, eq=False)
 class HolzerBalance:
-    """Angles, inertias and torques by node, and the loads of springs and rigid connections."""
+    """Angles, inertias and inertia torques by node, and the loads of springs and rigid connections."""
 
     angles: Mapping[str, float]
     inertias: Mapping[str, float]
@@ -59,8 +62,8 @@ class HolzerBalance:
     loads: tuple[NodeLoad, ...]
 
 
-def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> FloatArray:
-    """Angles of all nodes in equilibrium at omega in rad/s but for a torque on ``last``, with 1 rad at ``first``.
+def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str) -> FloatArray:
+    """Angles (n_nodes,) in equilibrium at omega in rad/s under a torque on ``last`` that turns ``first`` by 1 rad.
 
     Raises
     ------
@@ -84,7 +87,7 @@ def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> Fl
 
 
 def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
-    """All torques of a motion; a torque may remain on ``last``."""
+    """Torques of all inertias and connections in a motion with given angles; one may remain on ``last``."""
     assembly = drivetrain.assembly
     refuse_actions(assembly.system.actions, "a Holzer table is")
     angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
@@ -109,7 +112,7 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
 
 
 def _is_shaft(row: Coefficients) -> bool:
-    """Whether it is a row of a shaft with inertia: half of that goes to each end."""
+    """Whether a row is that of a shaft with inertia, half of which goes to each end."""
     return all(abs(value) == 1 for value in row.values())
 
 
@@ -120,7 +123,7 @@ def _housing(element: Any) -> str | None:
 def _of_constraints(
     assembly: Assembly, rest: Mapping[str, float], last: str | None
 ) -> list[tuple[str, Coefficients, float]]:
-    """Torques of rigid connections: those that are left over by all the rest."""
+    """Owner, row and torque of each rigid connection, from the balance of all other torques at the nodes."""
     rows = [
         (owner, {node: float(value) for node, value in row.items() if node in rest})
         for owner, row in assembly.kinematics.constraints
@@ -140,7 +143,7 @@ def _of_constraints(
 
 
 def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatArray]:
-    """Real stiffness and inertia of every law at omega; the ends of a continuous shaft are inertias."""
+    """Real stiffness and inertia (n_laws,) at omega in rad/s; the ends of a continuous shaft count as inertias."""
     stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
     for law, table in assembly.system.dynamic:
         kappa = table.with_loss(0).kappa(np.array([omega])).real.item()

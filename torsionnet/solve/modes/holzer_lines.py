@@ -1,7 +1,7 @@
-"""The order in which a Holzer table goes through a drivetrain: a main line, and branches that join it.
+"""Lines of a Holzer table through a drivetrain: a main line, and branches that join it.
 
-Two nodes with a spring, a shaft, a gear or a rigid coupling between them follow each other. What closes a loop, and
-what ties three nodes, as planetary sets do, is not followed: its torque counts where it acts.
+Two nodes with a spring, a shaft, a gear or a rigid coupling between them follow each other. Elements that close a loop
+or tie three nodes, as planetary sets do, are not followed: their torques count at their nodes.
 """
 
 from __future__ import annotations
@@ -12,23 +12,25 @@ from dataclasses import dataclass
 from torsionnet.solve.modes.holzer_balance import NodeLoad
 
 Neighbours = Mapping[str, Mapping[str, tuple[NodeLoad, ...]]]
-"""Node -> node next to it -> what lies between."""
+"""Node -> neighbouring node -> loads of the elements between."""
 
 
 @dataclass(frozen=True)
 class HolzerLine:
-    """Nodes from a free end on; ``joins`` is the node after the last one, empty for a main line."""
+    """Nodes of a line from a free end; ``joins`` is the node that a branch joins, empty for a main line."""
 
     nodes: tuple[str, ...]
     joins: str = ""
 
     def steps(self) -> Iterator[tuple[str, str]]:
-        """Every node with the one after it, empty after the last of a main line."""
+        """Yield every node with its successor, which is empty after the last node of a main line."""
         yield from zip(self.nodes, (*self.nodes[1:], self.joins), strict=True)
 
 
-def lines(nodes: Sequence[str], loads: Iterable[NodeLoad], first: str | None) -> tuple[list[HolzerLine], Neighbours]:
-    """Main lines and branches, each branch behind the line it joins, and what lies between neighbours."""
+def holzer_lines(
+    nodes: Sequence[str], loads: Iterable[NodeLoad], first: str | None
+) -> tuple[list[HolzerLine], Neighbours]:
+    """Main lines and branches, each branch after the line it joins, and the loads between neighbouring nodes."""
     tree = _tree(nodes, loads)
     found: list[HolzerLine] = []
     seen: set[str] = set()
@@ -42,7 +44,7 @@ def lines(nodes: Sequence[str], loads: Iterable[NodeLoad], first: str | None) ->
 
 
 def _tree(nodes: Sequence[str], loads: Iterable[NodeLoad]) -> dict[str, dict[str, tuple[NodeLoad, ...]]]:
-    """Pairs of nodes that are next to each other, without those that would close a loop."""
+    """Loads between neighbouring nodes, without loads that would close a loop."""
     tree: dict[str, dict[str, tuple[NodeLoad, ...]]] = {node: {} for node in nodes}
     home = {node: node for node in nodes}
     for load in loads:
@@ -65,12 +67,12 @@ def _root(home: dict[str, str], node: str) -> str:
 
 
 def _first_end(tree: Neighbours, node: str, nodes: Sequence[str]) -> str:
-    """The free end that stands first in the model."""
-    there = set(_reached(tree, node))
+    """First free end in the order of the model, of the nodes connected to a node."""
+    there = set(_connected(tree, node))
     return next((one for one in nodes if one in there and len(tree[one]) == 1), node)
 
 
-def _reached(tree: Neighbours, node: str) -> Iterator[str]:
+def _connected(tree: Neighbours, node: str) -> Iterator[str]:
     stack: list[tuple[str, str]] = [(node, "")]
     while stack:
         here, before = stack.pop()
@@ -79,7 +81,7 @@ def _reached(tree: Neighbours, node: str) -> Iterator[str]:
 
 
 def _farthest(tree: Neighbours, start: str, barred: set[str]) -> list[str]:
-    """The longest way from a node that passes none of the barred ones."""
+    """Nodes of the longest path from a node that passes no barred node."""
     before = {start: ""}
     order = [start]
     for node in order:

@@ -1,11 +1,11 @@
-"""An eigenvalue apart from all others, with its shape, in many digits: Rayleigh quotient iteration.
+"""Rayleigh quotient iteration in many digits, for an eigenvalue that is isolated from all others.
 
     q <- P(z)^-1 P'(z) q,    then the root z of q^T P(z) q next to the last one
 
 P is symmetric, so an error of q enters z squared, and next to the solution the error of a step is the third power of
 that before (K. Schreiber, "Nonlinear eigenvalue problems: Newton-type methods and nonlinear Rayleigh functionals",
 thesis, TU Berlin 2008). Two eliminations are enough where simultaneous iteration takes eight; but two starts
-may run to one root, so this is for those only that cannot be taken for another.
+may run to one root, so that this is for isolated roots only.
 """
 
 from __future__ import annotations
@@ -18,37 +18,40 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 from torsionnet.solve.modes.refine import CONVERGED, DIGITS, MatrixPolynomial, eliminate, size_of
 
-APART = 1e3
-"""Distance from every other root, zero included, in uncertainties of either."""
-STEPS = 6
+ISOLATION = 1e3
+"""Distance of an isolated root from every other root, zero included, in uncertainties of either at least."""
+MOST_STEPS = 6
+"""Steps of the iteration: each triples the number of right digits, so that more mean a wrong start."""
 
 
 def free_space(roots: AnyArray, errors: FloatArray) -> FloatArray:
-    """Radius around each root in which there is no other for certain; 0 where its own uncertainty is near that.
+    """Radius (n,) around each root that certainly holds no other; 0 where the uncertainty of the root is near that.
 
     Parameters
     ----------
     roots : (n,) array
         All nonzero roots.
     errors : (n,) array
-        Relative.
+        Relative errors of the roots.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        blur = np.nan_to_num(APART * np.abs(roots) * errors, nan=np.inf)
+        blur = np.nan_to_num(ISOLATION * np.abs(roots) * errors, nan=np.inf)
         between = np.abs(np.subtract.outer(roots, roots)) - blur
     np.fill_diagonal(between, np.inf)
     space = np.minimum(between.min(axis=1, initial=np.inf), np.abs(roots))
     return np.where(space > blur, space, 0.0)
 
 
-def settle(p: MatrixPolynomial, start: complex, shape: ComplexArray, space: float) -> tuple[Any, ComplexArray] | None:
-    """The root of the symmetric P that lies alone around the start, and its shape; None where it is not reached."""
+def isolated_root(
+    p: MatrixPolynomial, start: complex, shape: ComplexArray, space: float
+) -> tuple[Any, ComplexArray] | None:
+    """Root of a symmetric P near a start, alone within ``space``, and its shape; None where not reached."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
         z = first = mpmath.mpmathify(start)
         vector: list[Any] = [mpmath.mpmathify(shape[j].item()) for j in np.argsort(p.place)]
-        for _ in range(STEPS):
+        for _ in range(MOST_STEPS):
             _, found = eliminate(p.at(z), p.slope(z, vector))
             largest = max(found, key=size_of, default=None)
             if not largest:
@@ -63,13 +66,13 @@ def settle(p: MatrixPolynomial, start: complex, shape: ComplexArray, space: floa
 
 
 def _quotient(p: MatrixPolynomial, vector: list[Any], z: Any) -> Any:
-    """The root of q^T P(z) q next to z by Newton's iteration, or None."""
+    """Root of q^T P(z) q next to z by Newton's iteration, or None."""
     powers: list[Any] = [0] * max(len(coefficients) for _, _, coefficients in p.entries)
     for i, j, coefficients in p.entries:
         product = vector[i] * vector[j]
         for d, value in enumerate(coefficients):
             powers[d] += value * product
-    for _ in range(STEPS):
+    for _ in range(MOST_STEPS):
         slope = sum(d * value * z ** (d - 1) for d, value in enumerate(powers) if d)
         if not slope:
             return None

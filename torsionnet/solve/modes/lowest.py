@@ -1,10 +1,10 @@
-"""The lowest modes of large systems: shift-invert on sparse matrices, each mode then polished on the rows.
+"""Lowest modes of large systems: shift-invert on sparse matrices, then inverse iteration for each mode.
 
 The shift sigma > 0 lies where a passive system has no pole, so D(sigma) = sigma^2 M + sigma C + K is positive
 definite, massless coordinates included. Without damping the operator is S D^-1 S^T with S = diag(sqrt(J)) B, which is
 symmetric; with damping it is the inverse of the companion form in (q, s q), through D(sigma) alone. Rigid bodies, known
-from the ranks of the rows, are projected out, and so is every mode once found: a second run then shows whether
-one more copy of a multiple eigenvalue was missed.
+from the ranks of the rows, are projected out, and so is every mode that was found: a second run then shows whether
+another mode of a multiple eigenvalue was missed.
 """
 
 from __future__ import annotations
@@ -28,45 +28,55 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     resisting,
     restricted,
 )
-from torsionnet.solve.modes.frozen_stiffness import Found
+from torsionnet.solve.modes.frozen_stiffness import Eigenpairs
 from torsionnet.solve.modes.spectrum import MAX_OPERATIONS
 
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 
-SHARE = 4
-"""Sparse routes find at most one in so many of the modes; for more of them the dense ones are quicker."""
-ACCURATE = 1e-10
-"""Estimated relative error of an eigenvalue up to which the sparse result stands."""
-HUGE = 2000
+MODES_PER_SPARSE_MODE = 4
+"""All modes over modes sought, below which the dense solution of all modes is quicker."""
+SPARSE_TOLERANCE = 1e-10
+"""Estimated relative error of an eigenvalue up to which the sparse result is used."""
+LARGEST_DENSE = 2000
 """Coordinates beyond which arrays of n by n cost hours and gigabytes."""
-_ZERO = 1e-6
-_NEAR = 1e-3
-_TOLERANCE = 1e-13
-_SAME = 1e-6
-_MARGIN = 1e-9
-_STILL = 1e-14
-_STEPS = 4
-_BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)  # relative distances to an eigenvalue to factor D at
-_RESOLVED = 0.1  # share of the shift below which all poles look alike
-_ROUNDS = 8
+_RIGID_ECHO = 1e-6
+"""Size of a polished eigenvalue, over its start, up to which the start was a rigid-body mode."""
+_LARGEST_REFINED_ERROR = 1e-3
+"""Relative error up to which an eigenvalue is a start for many digits."""
+_KRYLOV_TOLERANCE = 1e-13
+"""Relative accuracy asked of ARPACK; polishing adds the last digits."""
+_SAME_EIGENVALUE = 1e-6
+"""Relative distance below which eigenvalues are polished together."""
+_MISSED_MARGIN = 1e-9
+"""Relative margin by which a value of the second run counts as lower, hence missed."""
+_POLISHED = 1e-14
+"""Relative change of an eigenvalue at which polishing ends."""
+_POLISHING_STEPS = 4
+"""Steps of inverse iteration, each of which squares the error."""
+_BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)
+"""Relative distances from an eigenvalue at which D is factored."""
+_RESOLVED = 0.1
+"""Size of the slowest pole, over the shift, below which poles are not separated."""
+_SHIFT_ROUNDS = 8
+"""Changes of the shift or of the number of modes, at most."""
 _EPS = float(np.finfo(float).eps)
 
 
 class _NotFoundError(Exception):
-    """The sparse route cannot be sure of its result."""
+    """Failure of a sparse search to find the lowest modes with certainty."""
 
 
 @dataclass(frozen=True)
-class Motions:
-    """Rigid-body motions (n_q, n): those that no spring resists, and of these the ones without damper."""
+class RigidMotions:
+    """Rigid-body shapes (n_q, n): motions without springs, and of these the motions without dampers; rank of M."""
 
     rigid: FloatArray
     undamped: FloatArray
     dynamic: int  # rank of M
 
     @classmethod
-    def of(cls, system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_], count: int) -> Motions:
-        """At most ``count`` of each.
+    def of(cls, system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_], count: int) -> RigidMotions:
+        """Rigid-body shapes of a system, at most ``count`` of each kind.
 
         Raises
         ------
@@ -80,83 +90,84 @@ class Motions:
         return cls(echelon(rigid.basis()), undamped.basis(), system.n_coordinates - massless)
 
 
-def lowest_vibrations(system: RowSystem, motions: Motions, count: int, *, undamped: bool) -> Found | None:
-    """The lowest modes by |lambda| other than rigid bodies, at least ``count`` of them, or None.
+def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs | None:
+    """Lowest modes by |lambda| without rigid bodies, at least ``count``, or None where sparse methods fail.
 
-    None where the structure does not fit (too few degrees of freedom for so many modes) or the sparse route
-    is not sure of its result to within `ACCURATE`; beyond `HUGE` the errors say so instead.
+    None with too few degrees of freedom for so many modes, or where the sparse search is not accurate to within
+    `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with their errors.
 
     Raises
     ------
     SolveError
-        Beyond `HUGE`, where the sparse route finds too little.
+        Beyond `LARGEST_DENSE`, where the sparse search finds too few modes.
     """
     from scipy.sparse.linalg import ArpackError
 
     if count <= 0:
-        return _found(np.zeros(0, complex), np.zeros((system.n_coordinates, 0)), np.zeros(0))
-    if SHARE * (count + SHARE) > motions.dynamic:
+        return _eigenpairs(np.zeros(0, complex), np.zeros((system.n_coordinates, 0)), np.zeros(0))
+    if MODES_PER_SPARSE_MODE * (count + MODES_PER_SPARSE_MODE) > motions.dynamic:
         return None
     try:
         with np.errstate(all="ignore"):
             found = _search(system, motions, count, undamped=undamped)
     except (_NotFoundError, ArpackError, np.linalg.LinAlgError, RuntimeError) as error:  # the last: singular in SuperLU
-        if system.n_coordinates <= HUGE:
+        if system.n_coordinates <= LARGEST_DENSE:
             return None
         size = system.n_coordinates
         raise SolveError(
-            f"a sparse search finds too few of the lowest modes of {size} coordinates; all modes at once take long"
+            f"a sparse search finds too few of the lowest modes of {size} coordinates; leave out lowest= to get all "
+            "modes, which takes long"
         ) from error
-    return found if system.n_coordinates > HUGE or np.all(found.errors[:count] <= ACCURATE) else None
+    return found if system.n_coordinates > LARGEST_DENSE or np.all(found.errors[:count] <= SPARSE_TOLERANCE) else None
 
 
-def _search(system: RowSystem, motions: Motions, count: int, *, undamped: bool) -> Found:
+def _search(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs:
     slowest = _slowest_undamped(system, motions)
     pencil = _Pencil.of(system, undamped=undamped, at=slowest)
     search = _undamped if undamped else _damped
     starts, shapes = search(pencil, motions, count, slowest)
     values, shapes, errors = _polished(pencil, starts, shapes)
-    kept = np.abs(values) > _ZERO * np.abs(starts)  # the others were echoes of rigid bodies
+    kept = np.abs(values) > _RIGID_ECHO * np.abs(starts)
     values, shapes, errors = values[kept], shapes[:, kept], errors[kept]
     if len(values) < count:
         raise _NotFoundError
     order = np.argsort(np.abs(values), kind="stable")
     values, shapes, errors = values[order], pencil.scale[:, None] * shapes[:, order], errors[order]
-    if np.any(errors[:count] > ACCURATE):
+    if np.any(errors[:count] > SPARSE_TOLERANCE):
         values, shapes, errors = _refined(system, values, shapes, errors, undamped=undamped)
-    return _found(1j * np.sqrt(values.real) if undamped else values, shapes, errors)
+    return _eigenpairs(1j * np.sqrt(values.real) if undamped else values, shapes, errors)
 
 
 def _refined(
     system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
 ) -> tuple[Any, Any, Any]:
-    """In many digits what assembled matrices leave uncertain, as far as work allows."""
+    """Values, shapes and errors with the uncertain modes solved in many digits, as far as time allows."""
     import torsionnet.solve.modes.refine as refine
-    from torsionnet.solve.modes.isolated import settle
+    from torsionnet.solve.modes.isolated import isolated_root
 
     laws = [system.stiffness, -system.inertia] if undamped else [system.stiffness, system.damping, system.inertia]
     p = refine.polynomial(system.law_rows, laws)
     values, errors = values.copy(), errors.copy()
-    doubtful = np.flatnonzero((errors > ACCURATE) & (errors < _NEAR))
-    for j in doubtful[: MAX_OPERATIONS // max(p.operations, 1)]:
+    uncertain = np.flatnonzero((errors > SPARSE_TOLERANCE) & (errors < _LARGEST_REFINED_ERROR))
+    for j in uncertain[: MAX_OPERATIONS // max(p.operations, 1)]:
         start = values[j].real if undamped or values[j].imag == 0 else values[j]
-        met = settle(p, start.item(), shapes[:, j], _NEAR * abs(values[j]))
+        met = isolated_root(p, start.item(), shapes[:, j], _LARGEST_REFINED_ERROR * abs(values[j]))
         if met is not None:
             root, shapes[:, j] = complex(met[0]), met[1]
             values[j], errors[j] = root.real if undamped else root, refine.CONVERGED
     return values, shapes, errors
 
 
-def _found(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> Found:
+def _eigenpairs(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> Eigenpairs:
     n = len(values)
-    return Found(
+    return Eigenpairs(
         values, shapes.astype(complex), values.imag == 0, errors, np.ones(n, dtype=bool), np.ones(n, dtype=int)
     )
 
 
 @dataclass(frozen=True)
 class _Pencil:
-    """Sparse rows and coefficients; q = scale * (coordinates used here).
+    """Sparse rows and coefficients of D(z) over scaled coordinates, q = scale * (coordinates used here).
 
     Without damping the variable is z = omega^2 and D = K - z M, else z = s and D = z^2 M + z C + K.
     """
@@ -170,7 +181,7 @@ class _Pencil:
 
     @classmethod
     def of(cls, system: RowSystem, *, undamped: bool, at: float | None = None) -> _Pencil:
-        """Scale the coordinates so that the diagonal of D(at) is about 1."""
+        """Pencil of a system with coordinates scaled so that the diagonal of D(at) is about 1."""
         from scipy import sparse
 
         damping = np.zeros_like(system.damping) if undamped else system.damping
@@ -185,7 +196,7 @@ class _Pencil:
 
     @cached_property
     def _pattern(self) -> tuple[Any, NDArray[np.intp], NDArray[np.intp]]:
-        """Entries of rows^T diag(coefficients) rows as a matrix times the coefficients; row and column of each."""
+        """Matrix from coefficients to entries of rows^T diag(coefficients) rows, with rows and starts of columns."""
         from scipy import sparse
 
         rows = sparse.csr_array(self.rows)
@@ -204,7 +215,7 @@ class _Pencil:
         return sums, place % n, np.searchsorted(place // n, np.arange(n + 1))
 
     def gram(self, coefficients: AnyArray) -> Any:
-        """Evaluate rows^T diag(coefficients) rows."""
+        """Sparse matrix rows^T diag(coefficients) rows."""
         from scipy import sparse
 
         sums, rows, starts = self._pattern
@@ -242,7 +253,7 @@ class _Pencil:
         return splu(self.gram(self.laws(z)), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
 
     def value(self, shape: AnyArray, near: Any) -> Any:
-        """Solve q^T D(z) q = 0 for the z near a given one; its error is quadratic in that of the shape."""
+        """Root z of q^T D(z) q near a given z; its error is quadratic in that of the shape."""
         squares = (self.rows @ shape) ** 2
         m, c, k = self.inertia @ squares, self.damping @ squares, self.stiffness @ squares
         if self.undamped:
@@ -253,7 +264,7 @@ class _Pencil:
         return min(roots, key=lambda z: abs(z - near))
 
     def split(self, shapes: AnyArray, center: Any) -> tuple[AnyArray, AnyArray]:
-        """Steps from ``center`` to the eigenvalues next to it, and how the shapes mix to theirs."""
+        """Steps from ``center`` to the eigenvalues of a cluster, and the combinations of shapes that are theirs."""
         motion = self.rows @ shapes
         here, slope = (motion.T @ (law[:, None] * motion) for law in (self.laws(center), self.slopes(center)))
         steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
@@ -270,8 +281,8 @@ def _inertia_rows(pencil: _Pencil) -> Any:
     return sparse.csr_array(sparse.diags_array(np.sqrt(pencil.inertia[heavy])) @ pencil.rows.tocsr()[heavy])
 
 
-def _slowest_undamped(system: RowSystem, motions: Motions) -> float:
-    """About the lowest natural frequency other than zero in rad/s, without damping."""
+def _slowest_undamped(system: RowSystem, motions: RigidMotions) -> float:
+    """Rough lowest nonzero natural frequency in rad/s, without damping."""
     kept = resisting(system)
     if len(kept) == system.n_coordinates:
         return _slowest(_Pencil.of(system, undamped=True), motions.rigid)
@@ -283,26 +294,26 @@ def _slowest_undamped(system: RowSystem, motions: Motions) -> float:
 def _slowest(pencil: _Pencil, rigid: FloatArray) -> float:
     square = float(np.sum(pencil.stiffness > 0)) and 1e-6 / float(pencil.scale.max() / pencil.scale.min())
     square *= float(pencil.gram(pencil.stiffness).diagonal().sum() / pencil.M.diagonal().sum())
-    for _ in range(_ROUNDS):
+    for _ in range(_SHIFT_ROUNDS):
         problem = _Symmetric(pencil, rigid, square)
         found = problem.squares(problem.run(1, tolerance=1e-3)[0])[0]
-        settled = square / 100 <= found <= square * 1e4
+        is_close = square / 100 <= found <= square * 1e4
         square = max(found, square * 1e-5)
-        if settled:
+        if is_close:
             return float(np.sqrt(square))
     raise _NotFoundError
 
 
 class _Symmetric:
-    """y -> P S (K + sigma M)^-1 S^T P y, with eigenvalues 1/(omega^2 + sigma)."""
+    """Symmetric operator y -> P S (K + sigma M)^-1 S^T P y, with eigenvalues 1/(omega^2 + sigma)."""
 
     def __init__(self, pencil: _Pencil, rigid: FloatArray, sigma: float) -> None:
         self.rows, self.sigma = _inertia_rows(pencil), sigma
         self.factors = pencil.factor(-sigma, definite=True)
         self.known = np.linalg.qr(self.rows @ (rigid / pencil.scale[:, None]))[0]
 
-    def run(self, count: int, tolerance: float = _TOLERANCE) -> tuple[FloatArray, FloatArray]:
-        """The largest eigenvalues and their vectors y outside what is known."""
+    def run(self, count: int, tolerance: float = _KRYLOV_TOLERANCE) -> tuple[FloatArray, FloatArray]:
+        """Largest eigenvalues and their vectors y orthogonal to the known vectors."""
         from scipy.sparse.linalg import eigsh
 
         def project(y: FloatArray) -> FloatArray:
@@ -325,14 +336,14 @@ def _operator(apply: Apply, size: int) -> Any:
     return LinearOperator((size, size), matvec=lambda x: apply(np.asarray(x).ravel()), dtype=float)
 
 
-def _undamped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tuple[FloatArray, FloatArray]:
-    """omega^2 and shapes, at least ``count``."""
+def _undamped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float) -> tuple[FloatArray, FloatArray]:
+    """Squares omega^2 of natural frequencies and shapes, at least ``count``."""
     problem = _Symmetric(pencil, motions.rigid, slowest**2 / 2)
     values, vectors = problem.run(count + 1)
     for _ in range(count):
         problem.known = np.linalg.qr(np.hstack([problem.known, vectors]))[0]
         more, extra = problem.run(2)
-        missed = more >= np.sort(values)[-count] * (1 - _MARGIN)
+        missed = more >= np.sort(values)[-count] * (1 - _MISSED_MARGIN)
         if not np.any(missed):
             break
         values, vectors = np.concatenate([values, more[missed]]), np.hstack([vectors, extra[:, missed]])
@@ -344,12 +355,12 @@ def _undamped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> 
 
 
 class _Companion:
-    """x = (q, s q / unit) -> (A - sigma E)^-1 E x, with eigenvalues 1/(lambda - sigma).
+    """Operator x = (q, s q / unit) -> (A - sigma E)^-1 E x, with eigenvalues 1/(lambda - sigma).
 
     Eigenvectors are orthogonal in the symmetric form x^T G x with G = [[C, M], [M, 0]].
     """
 
-    def __init__(self, pencil: _Pencil, motions: Motions, sigma: float, unit: float) -> None:
+    def __init__(self, pencil: _Pencil, motions: RigidMotions, sigma: float, unit: float) -> None:
         from scipy import sparse
 
         self.pencil, self.sigma, self.unit = pencil, sigma, unit
@@ -370,7 +381,7 @@ class _Companion:
         return np.concatenate([self.pencil.C @ x[:n] + self.unit * (M @ x[n:]), self.unit * (M @ x[:n])])
 
     def run(self, count: int) -> tuple[ComplexArray, ComplexArray]:
-        """Eigenvalues next to sigma and their vectors x outside what is known; of a pair the one above the axis."""
+        """Eigenvalues next to sigma and their vectors x outside the known ones, conjugates included."""
         from scipy.sparse.linalg import eigs
 
         left = self.form(self.known)
@@ -383,22 +394,22 @@ class _Companion:
         operator = _operator(lambda x: project(self.apply(project(x))), size)
         first = project(np.random.default_rng(0).standard_normal(size))
         arnoldi = min(size, max(2 * count + 1, count + 30))
-        values, vectors = eigs(operator, k=count, which="LM", v0=first, ncv=arnoldi, tol=_TOLERANCE)
-        self.reach = 1 / float(np.abs(values).min())
+        values, vectors = eigs(operator, k=count, which="LM", v0=first, ncv=arnoldi, tol=_KRYLOV_TOLERANCE)
+        self.radius = 1 / float(np.abs(values).min())
         return self.sigma + 1 / values, vectors
 
-    def learn(self, values: ComplexArray, vectors: ComplexArray) -> None:
-        """Project these out as well."""
+    def add_known(self, values: ComplexArray, vectors: ComplexArray) -> None:
+        """Add vectors to those that are projected out."""
         with_pair = vectors[:, values.imag > 0]
         real = vectors[:, values.imag == 0].real
         known = np.hstack([self.known, with_pair.real, with_pair.imag, real])
         self.known = known / np.linalg.norm(known, axis=0)
 
 
-def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tuple[ComplexArray, ComplexArray]:
-    """Eigenvalues and shapes, at least ``count`` and all as low as these; one of each pair."""
+def _damped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float) -> tuple[ComplexArray, ComplexArray]:
+    """Lowest eigenvalues and shapes, at least ``count``, one of each conjugate pair."""
     wanted, sigma, n = 2 * count + 8, slowest / 20, len(pencil.scale)
-    for _ in range(_ROUNDS):
+    for _ in range(_SHIFT_ROUNDS):
         if wanted > motions.dynamic:
             raise _NotFoundError
         problem = _Companion(pencil, motions, sigma, 20 * sigma)
@@ -406,7 +417,7 @@ def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tu
         upper = values.imag >= 0
         values, vectors = values[upper], vectors[:, upper]
         sizes = np.sort(np.abs(values))
-        enough = len(sizes) >= count and sizes[count - 1] + sigma <= problem.reach * (1 + _MARGIN)
+        enough = len(sizes) >= count and sizes[count - 1] + sigma <= problem.radius * (1 + _MISSED_MARGIN)
         resolved = len(sizes) > 0 and sizes[0] > sigma * _RESOLVED
         if enough and resolved:
             break
@@ -415,9 +426,9 @@ def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tu
     else:
         raise _NotFoundError
     for _ in range(count):
-        problem.learn(values, vectors)
+        problem.add_known(values, vectors)
         more, extra = problem.run(2)
-        missed = (np.abs(more) <= np.sort(np.abs(values))[count - 1] * (1 + _MARGIN)) & (more.imag >= 0)
+        missed = (np.abs(more) <= np.sort(np.abs(values))[count - 1] * (1 + _MISSED_MARGIN)) & (more.imag >= 0)
         if not np.any(missed):
             break
         values, vectors = np.concatenate([values, more[missed]]), np.hstack([vectors, extra[:, missed]])
@@ -429,29 +440,29 @@ def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tu
 
 
 def _polished(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
-    """Inverse iteration for every group of values that stand together, until they no longer move."""
+    """Values, shapes and errors after inverse iteration for every cluster of values until these no longer change."""
     values, shapes = values.copy(), shapes.astype(complex)
-    apart = np.abs(values[:, None] - values)
+    distance = np.abs(values[:, None] - values)
     errors = np.zeros(len(values))
     left = list(range(len(values)))
     while left:
-        group = np.array([j for j in left if apart[left[0], j] <= _SAME * abs(values[left[0]])])
+        group = np.array([j for j in left if distance[left[0], j] <= _SAME_EIGENVALUE * abs(values[left[0]])])
         left = [j for j in left if j not in group]
         others = np.setdiff1d(np.arange(len(values)), group)
-        room = apart[np.ix_(group, others)].min(initial=np.inf) / 4
+        room = distance[np.ix_(group, others)].min(initial=np.inf) / 4
         before = values[group]
-        values[group], shapes[:, group], errors[group] = _settled(pencil, before, shapes[:, group])
+        values[group], shapes[:, group], errors[group] = _inverse_iteration(pencil, before, shapes[:, group])
         if np.any(np.abs(values[group] - before) > room):
             errors[group] = np.inf
     return values, shapes, np.where(np.isfinite(errors), errors, np.inf)
 
 
-def _settled(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
-    """Values, shapes and errors of a group after inverse iteration on all its shapes at once."""
+def _inverse_iteration(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
+    """Values, shapes and errors of a cluster after inverse iteration on all its shapes at once."""
     alone = len(values) == 1
     if pencil.undamped or np.all(values.imag == 0):
         values, shapes = values.real, shapes.real
-    for _ in range(_STEPS):
+    for _ in range(_POLISHING_STEPS):
         center = values.mean()
         slopes = pencil.rows.T @ (pencil.slopes(center)[:, None] * (pencil.rows @ shapes))
         shapes = _beside(pencil, center).solve(slopes)
@@ -462,14 +473,14 @@ def _settled(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, Float
         else:
             steps, mixed = pencil.split(shapes, center)
             values, shapes = center + steps, shapes @ mixed
-        if np.all(np.abs(values - last) <= _STILL * np.abs(values)):
+        if np.all(np.abs(values - last) <= _POLISHED * np.abs(values)):
             break
     moved = np.abs(values - last) / np.abs(values)
     return values, shapes, moved + _rounding(pencil, values, shapes) + _residual(pencil, values, shapes) ** (1 + alone)
 
 
 def _beside(pencil: _Pencil, z: Any) -> Any:
-    """LU factors as close to an eigenvalue as they can be had."""
+    """LU factors of D(z) as close to an eigenvalue as D can be factored."""
     for step in _BESIDE:
         try:
             return pencil.factor(z * (1 + step))
@@ -479,7 +490,7 @@ def _beside(pencil: _Pencil, z: Any) -> Any:
 
 
 def _rounding(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
-    """Relative error of each value by rounding in its sums, and by that of its shape, which enters squared."""
+    """Relative error of each value by rounding in its sums and, squared, in its shape."""
     motion = pencil.rows @ shapes
     terms = np.abs(motion) ** 2 + _EPS * (abs(pencil.rows) @ np.abs(shapes)) ** 2
     sizes = np.stack([pencil.magnitudes(z) for z in values], axis=1)
@@ -489,7 +500,7 @@ def _rounding(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray
 
 
 def _residual(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
-    """What is left of D(z) q, relative to what a change of z by its size makes of it."""
+    """Residual D(z) q of each shape, over its change by a change of z by its own size."""
     motion = pencil.rows @ shapes
     laws = np.stack([pencil.laws(z) for z in values], axis=1)
     slopes = np.stack([pencil.slopes(z) for z in values], axis=1)

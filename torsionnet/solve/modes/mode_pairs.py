@@ -1,9 +1,8 @@
-"""Which damped mode belongs to which undamped one.
+"""Pairs of undamped and damped modes with the most similar strain.
 
-Strong dampers move frequencies so far that their order says nothing, and a damper's own mode may take on most of the
-motion. What matters in a shaft is strain: of all pairs those are taken whose strain is most alike, by the modal
-assurance criterion weighted with the stiffness. Undamped modes of one frequency count together, since any mixture of
-their shapes is a shape as well.
+Strong dampers move frequencies so far that their order says nothing, and the mode of a damper may have most of the
+motion. Shafts fail by strain: pairs are chosen for the most similar strain, by the modal assurance criterion weighted
+with the stiffness. Undamped modes of one frequency count together, since any mixture of their shapes is a mode shape.
 """
 
 from __future__ import annotations
@@ -20,33 +19,33 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 from torsionnet.response.modes import OSCILLATORY
 from torsionnet.response.vibration_mode import VibrationMode
-from torsionnet.solve.modes.eigen import scaled, undamped_modes
+from torsionnet.solve.modes.eigen import undamped_modes, unit_shapes
 from torsionnet.solve.modes.modes import modes as damped_modes
 
-ALIKE = 0.5
-"""Similarity below which two modes are not called the same."""
-REPEATED = 1e-6
-"""Relative distance of frequencies that are one."""
+LEAST_SIMILARITY = 0.5
+"""Similarity of strain below which an undamped and a damped mode are no pair."""
+REPEATED_FREQUENCY = 1e-6
+"""Relative difference below which natural frequencies are one repeated frequency."""
 
 
 def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[VibrationMode, ...]:
-    """Undamped and damped modes in pairs, rising with the undamped frequency, then those that damping makes.
+    """Vibration modes of a drivetrain: pairs of undamped and damped modes by undamped frequency, then modes with damping only.
 
-    A pair has the number of its damped mode; undamped modes without one are counted behind all vibrations.
+    A pair has the number of its damped mode; undamped modes without a partner are numbered after all vibrations.
     """
     assembly = drivetrain.assembly
     rates, shapes = undamped_modes(assembly.system)
     rates, shapes = rates[rates > 0], shapes[:, rates > 0]
     places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     vibrating = [number for number, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
-    alike = _similarity(assembly.system, rates, shapes, np.asarray(modes.shapes[np.ix_(places, vibrating)]))
-    partners = _in_order(dict(_assigned(alike)), rates)
+    similarities = _similarity(assembly.system, rates, shapes, np.asarray(modes.shapes[np.ix_(places, vibrating)]))
+    partners = _in_order(dict(_assigned(similarities)), rates)
     behind = itertools.count(len(vibrating) + 1)
-    at_nodes = scaled(np.asarray(assembly.node_rows.dense @ shapes)).astype(complex)
+    at_nodes = unit_shapes(np.asarray(assembly.node_rows.dense @ shapes)).astype(complex)
     found: list[VibrationMode] = []
     for number, rate in enumerate(rates):
         damped = None if number not in partners else vibrating[partners[number]]
-        similarity = math.nan if damped is None else float(alike[number, partners[number]])
+        similarity = math.nan if damped is None else float(similarities[number, partners[number]])
         place = next(behind) if damped is None else partners[number] + 1
         found.append(_mode(place, rate / (2 * np.pi), modes, damped, similarity, at_nodes[:, number]))
     for place, damped in enumerate(vibrating):
@@ -56,24 +55,26 @@ def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[Vibration
 
 
 def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, VibrationMode]:
-    """Place of a mode by its number among the vibrations of M and K alone, by rising frequency, and the mode.
+    """Index among the undamped vibrations, by rising frequency, of the mode with a number, and the mode itself.
 
     Raises
     ------
     UsageError
-        There is none, or it exists with damping only.
+        There is no such mode, or the mode exists with damping only.
     """
     found = vibration_modes(drivetrain, damped_modes(drivetrain))
     for place, mode in enumerate(found):
         if mode.number == number:
             if math.isnan(mode.undamped_frequency):
-                raise UsageError(f"mode {number} ({mode.natural_frequency:.5g} Hz) exists with damping only")
+                raise UsageError(
+                    f"mode {number} ({mode.natural_frequency:.5g} Hz) exists with damping only; choose another mode"
+                )
             return place, mode
     raise UsageError(f"there is no mode {number}; there are {len(found)}, counted from 1 without rigid bodies")
 
 
 def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
-    """Partners of undamped modes of one frequency, among which similarity is no choice, in their own order."""
+    """Damped partner of each undamped mode; among undamped modes of one frequency partners are sorted."""
     found: dict[int, int] = {}
     for group in _groups(rates):
         paired = [place for place in group if place in partners]
@@ -96,7 +97,7 @@ def _mode(
 
 
 def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
-    """Share of the strain energy of each damped mode (columns) that lies in the shapes of an undamped one (rows)."""
+    """Share of the strain energy of each damped mode (columns) in the shapes of each undamped mode (rows)."""
     found = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows
     for group in _groups(rates):
@@ -112,10 +113,10 @@ def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped
 
 
 def _groups(rates: FloatArray) -> Iterator[list[int]]:
-    """Places of equal frequencies."""
+    """Yield groups of indices of equal frequencies."""
     group: list[int] = []
     for place, rate in enumerate(rates):
-        if group and rate - rates[group[0]] > REPEATED * rate:
+        if group and rate - rates[group[0]] > REPEATED_FREQUENCY * rate:
             yield group
             group = []
         group.append(place)
@@ -123,11 +124,11 @@ def _groups(rates: FloatArray) -> Iterator[list[int]]:
         yield group
 
 
-def _assigned(alike: FloatArray) -> Iterator[tuple[int, int]]:
-    """Pairs (undamped, damped) that make the sum of similarities largest, without those that are not alike."""
+def _assigned(similarity: FloatArray) -> Iterator[tuple[int, int]]:
+    """Yield pairs (undamped, damped) with the largest sum of similarities, without pairs that are not similar."""
     from scipy.optimize import linear_sum_assignment
 
-    clear = np.where(alike >= ALIKE, alike, 0)
+    clear = np.where(similarity >= LEAST_SIMILARITY, similarity, 0)
     for row, column in zip(*linear_sum_assignment(-clear), strict=True):
         if clear[row, column]:
             yield int(row), int(column)

@@ -1,4 +1,4 @@
-"""A sentence about each mode: what strains, what swings against what, what damps."""
+"""Descriptions of modes in words: elements under strain, nodes of vibration, dampers; warnings about accuracy."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.solve.modes.eigen import EigenSolution
 
-NOTEWORTHY = 0.1
-STILL = 1e-6
-UNCERTAIN = 1e-6
-"""Relative error of an eigenvalue that is worth a warning."""
+LEAST_SHARE = 0.1
+"""Share of the energy of a mode from which on a description names an element; a smaller one makes it longer."""
+STILL_NODE = 1e-6
+"""Angle of a node, over its neighbours or the largest, up to which the node stands still."""
+LARGEST_ERROR = 1e-6
+"""Relative error of an eigenvalue above which a warning is given."""
 UNSTABLE = "unstable, it grows"
-NOISE = 1e-10
-"""Angles below this share of the largest are rounding, and their signs mean nothing."""
+"""Description of a mode with a positive real part."""
+ROUNDED_ANGLE = 1e-10
+"""Angle, over the largest, below which it is rounding and has no sign."""
 
 
 def describe(
@@ -29,7 +32,7 @@ def describe(
     strain: FloatArray,
     dissipated: FloatArray,
 ) -> tuple[str, ...]:
-    """One description per mode; ``shapes`` (n_nodes, n_modes), shares (n_elements, n_modes)."""
+    """Description of each mode; ``shapes`` (n_nodes, n_modes), ``strain``, ``dissipated`` (n_elements, n_modes)."""
     sentences = []
     links = Links.of(assembly)
     for index, kind in enumerate(solution.kinds):
@@ -44,8 +47,8 @@ def describe(
     return tuple(sentences)
 
 
-def unsettled(solution: EigenSolution) -> tuple[str, ...]:
-    """Name the modes for which the frequency of a law and that of the mode did not meet."""
+def convergence_warnings(solution: EigenSolution) -> tuple[str, ...]:
+    """Warnings about modes that were lost, or whose frequency-dependent stiffness did not converge."""
     lost = (
         (f"{solution.missing} mode(s) could not be followed from the undamped model; it has more than are given",)
         if solution.missing
@@ -57,16 +60,16 @@ def unsettled(solution: EigenSolution) -> tuple[str, ...]:
     return (*lost, f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}")
 
 
-def uncertain(errors: FloatArray) -> tuple[str, ...]:
-    """Count the eigenvalues of which rounding may have taken too much."""
-    count = int(np.count_nonzero(errors > UNCERTAIN))
+def accuracy_warnings(errors: FloatArray) -> tuple[str, ...]:
+    """Warning about the number and the worst error of uncertain eigenvalues; empty where all are accurate."""
+    count = int(np.count_nonzero(errors > LARGEST_ERROR))
     if not count:
         return ()
     return (f"{count} eigenvalues are uncertain, the worst by {errors.max():.1g} of its size",)
 
 
 def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
-    still = int(np.sum(np.abs(shape) < STILL))
+    still = int(np.sum(np.abs(shape) < STILL_NODE))
     return (
         "rigid-body rotation"
         if not still
@@ -75,8 +78,8 @@ def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
 
 
 def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
-    largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # of equal ones the first
-    order = [index for index in largest if shares[index] >= NOTEWORTHY] or list(largest[:1])
+    largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # the first of equal shares
+    order = [index for index in largest if shares[index] >= LEAST_SHARE] or list(largest[:1])
     return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
 
 
@@ -104,10 +107,10 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
 
 @dataclass(frozen=True)
 class Links:
-    """The elastic laws between two coordinates: left = a * first, right = -b * second.
+    """Elastic laws between two coordinates a * first and -b * second, for counting nodes of vibration.
 
-    Over coordinates what is rigidly geared together counts as one wheel. ``wide`` says that a law ties three of them,
-    or that motions go up and down between two.
+    Nodes that are rigidly geared together are one coordinate. ``wide`` says that a law ties three coordinates, or that
+    a continuous shaft has nodes of vibration inside.
     """
 
     names: tuple[str, ...]
@@ -118,6 +121,7 @@ class Links:
 
     @classmethod
     def of(cls, assembly: Assembly) -> Links:
+        """Elastic links of an assembly."""
         laws = zip(assembly.owners, assembly.laws, assembly.system.sparse_rows, strict=True)
         elastic = [(owner, row) for owner, law, row in laws if law.is_elastic and len(row) > 1]
         pairs = [(owner, row) for owner, row in elastic if len(row) == 2]
@@ -129,24 +133,23 @@ class Links:
         return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
 
     def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
-        """Where the motion (n_q,) changes its sense: ``in shaft``, or ``at wheel`` if that rests in between.
+        """Nodes of vibration of a motion (n_q,) in words: ``in shaft``, or ``at wheel`` where a wheel stands still.
 
-        Angles either side of an elastic element are compared over its ratio, a complex shape is turned to its main
-        phase first. None where there is no such count: an element ties three coordinates, or is a continuous
-        shaft.
+        Angles at both ends of an elastic element are compared over its ratio, after a complex shape was rotated to its
+        main phase. None where they cannot be counted: an element ties three coordinates, or is a continuous shaft.
         """
         if self.wide:
             return None
         angle = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
-        angle = np.where(np.abs(angle) > NOISE * np.abs(angle).max(initial=0.0), angle, 0.0)
+        angle = np.where(np.abs(angle) > ROUNDED_ANGLE * np.abs(angle).max(initial=0.0), angle, 0.0)
         sides = self.factors * angle[self.ends]
         size = np.abs(sides)
-        crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL * size.max(axis=1))
+        crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL_NODE * size.max(axis=1))
         crossings: dict[frozenset[int], str] = {}
         for number in np.flatnonzero(crossing):
             crossings.setdefault(frozenset(self.ends[number].tolist()), f"in {self.owners[number]}")
         low, high = np.zeros(len(angle)), np.zeros(len(angle))
         np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
         np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
-        rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL * np.minimum(-low, high))
+        rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL_NODE * np.minimum(-low, high))
         return [*crossings.values(), *(f"at {self.names[node]}" for node in np.flatnonzero(rests))]

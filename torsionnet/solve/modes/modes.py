@@ -1,4 +1,4 @@
-"""Modes of a drivetrain: eigenvalues turned into a result with shapes at all nodes, energies and words."""
+"""Modes of a drivetrain as a result: eigenvalues, shapes at all nodes, energy shares, descriptions."""
 
 from __future__ import annotations
 
@@ -24,13 +24,14 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest,
 from torsionnet.solve.modes import continuous
 from torsionnet.solve.modes.active_modes import active_modes, is_active
 from torsionnet.solve.modes.cut import poles_of_measured
-from torsionnet.solve.modes.eigen import EigenSolution, complex_modes, on_axis, scaled, undamped_modes
-from torsionnet.solve.modes.mode_words import describe, uncertain, unsettled
+from torsionnet.solve.modes.eigen import EigenSolution, complex_modes, undamped_modes, unit_shapes, with_zero_damping
+from torsionnet.solve.modes.mode_words import accuracy_warnings, convergence_warnings, describe
 from torsionnet.solve.modes.repeated import with_chosen_shapes
 
-FIRST = "a continuous shaft has infinitely many modes, of which the lowest"
-MARGIN = 2
-"""Modes above a frequency without damping that may be below it with damping."""
+CONTINUOUS = "a continuous shaft has infinitely many modes, of which the lowest"
+"""Beginning of the note on modes with continuous shafts."""
+EXTRA_MODES = 2
+"""Modes above a frequency limit without damping that are calculated too: damping may lower them below the limit."""
 
 
 def modes(
@@ -55,15 +56,15 @@ def modes(
 def modes_against(
     drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None, up_to: float | None = None
 ) -> Modes:
-    """Modes of the drivetrain, or poles against the measured inputs of a request; warns of what is doubtful."""
+    """Modes of the drivetrain, or poles against the measured inputs of a request, with warnings if uncertain."""
     if request is None:
-        found, doubts = natural_modes(drivetrain, lowest, up_to)
+        found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
-        found, doubts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
-    for doubt in doubts:
-        warnings.warn(doubt, TorsionnetWarning, stacklevel=4)
+        found, texts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
+    for text in texts:
+        warnings.warn(text, TorsionnetWarning, stacklevel=4)
     if continuous.is_continuous(drivetrain.assembly.system) and lowest is None and up_to is None:
-        found = replace(found, notes=(*found.notes, f"{FIRST} {len(found)} are given; more with lowest or up_to"))
+        found = replace(found, notes=(*found.notes, f"{CONTINUOUS} {len(found)} are given; more with lowest or up_to"))
     if up_to is not None:
         found = found.first(int(np.sum(found.natural_frequencies <= up_to)))
     return found.first(lowest)
@@ -72,24 +73,24 @@ def modes_against(
 def natural_modes(
     drivetrain: AssembledModel, lowest: int | None = None, up_to: float | None = None
 ) -> tuple[Modes, tuple[str, ...]]:
-    """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
+    """Modes of the whole drivetrain, and texts of warnings; nodes with an imposed angle are held."""
     assembly = drivetrain.assembly
     system = assembly.system
     passive = replace(system, actions=()) if system.actions else system
     if up_to is not None and continuous.is_continuous(passive):
-        count = continuous.number_below(passive, 2 * np.pi * up_to) + MARGIN
+        count = continuous.number_below(passive, 2 * np.pi * up_to) + EXTRA_MODES
         lowest = count if lowest is None else min(lowest, count)
     undamped = undamped_modes(passive) if system.dynamic or is_active(system) else None
     if system.actions:
-        solution, doubts, more = active_modes(assembly)
+        solution, warned, more = active_modes(assembly)
     else:
-        solution, doubts, more = complex_modes(system, lowest, undamped), (), ()
+        solution, warned, more = complex_modes(system, lowest, undamped), (), ()
         if is_active(system):
-            solution = replace(solution, eigenvalues=on_axis(solution.eigenvalues, solution.errors))
+            solution = replace(solution, eigenvalues=with_zero_damping(solution.eigenvalues, solution.errors))
     elements = tuple(drivetrain.elements)
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
-    shapes = scaled(_motion(assembly.node_rows, solution.vectors)).astype(complex)
+    shapes = unit_shapes(_motion(assembly.node_rows, solution.vectors)).astype(complex)
     found = Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
@@ -105,18 +106,18 @@ def natural_modes(
         title=drivetrain.title,
         notes=(*notes, *more),
     )
-    return found, (*doubts, *unsettled(solution), *uncertain(solution.errors))
+    return found, (*warned, *convergence_warnings(solution), *accuracy_warnings(solution.errors))
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
-    """Rows times vectors; sparse where that pays for the import of scipy."""
+    """Product of rows and vectors, sparse where that pays for the import of scipy."""
     return np.asarray((rows.csr if rows.n_columns > LARGE else rows.dense) @ vectors)
 
 
 def _undamped_rates(
     system: RowSystem, solution: EigenSolution, undamped: tuple[FloatArray, FloatArray] | None, lowest: int | None
 ) -> FloatArray:
-    """Natural frequencies without damping, rad/s; those of the solution itself where nothing damps."""
+    """Natural frequencies in rad/s without damping; of the solution itself where there is no damping."""
     if undamped is not None:
         return undamped[0][:lowest]
     return undamped_modes(system, lowest)[0] if system.damping.any() else np.abs(solution.eigenvalues)
@@ -127,9 +128,9 @@ def energies(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shares (n_elements, n_modes) of the elements in the energies of each mode.
 
-    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; what
-    depends on frequency says itself what there is of it. A torque T that follows the motion dissipates
-    -Re(T conj(lambda gamma)), less than nothing where it drives the vibration.
+    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; tables
+    over frequency give their own energies. A torque T that follows the motion dissipates
+    -Re(T conj(lambda gamma)), which is negative where the torque drives the vibration.
     """
     system = assembly.system
     motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
@@ -172,6 +173,6 @@ def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArra
 
 
 def _shares(parts: FloatArray) -> FloatArray:
-    """Of the sum of magnitudes: what drives a vibration has a share below zero."""
+    """Shares of the sum of magnitudes, by column; negative where an element drives the vibration."""
     total = np.abs(parts).sum(axis=0)
     return np.asarray(np.divide(parts, total, out=np.zeros_like(parts), where=total != 0))

@@ -1,8 +1,8 @@
-"""Polynomials modulo a large prime, and the way back to rationals.
+"""Polynomials and determinants modulo a large prime, and rational numbers from their residues.
 
-What a determinant in rationals is zero, how often a root is repeated: modulo a prime of 61 bits such questions cost
-machine words instead of fractions that grow without bound, and the answer differs for one prime in about 1e16.
-Coefficients are lists, ascending, the last one not zero.
+Whether a determinant is zero or a root repeated costs machine words modulo a prime of 61 bits, where fractions would
+grow without bound; the answer is wrong for one prime in about 1e16. Coefficients are lists, ascending, without zeros at
+the end.
 
 >>> prime = next(primes())
 >>> cubed = [2 % prime, 5, 4, 1]  # (x + 1)^2 (x + 2)
@@ -23,7 +23,7 @@ Coefficients: TypeAlias = list[int]
 
 
 def primes() -> Iterator[int]:
-    """Primes below 2^61, descending."""
+    """Yield the primes below 2^61, descending."""
     number = 2**61 - 1
     while True:
         if _is_prime(number):
@@ -32,7 +32,7 @@ def primes() -> Iterator[int]:
 
 
 def _is_prime(number: int) -> bool:
-    """Miller-Rabin with bases that decide every number below 3e24."""
+    """Whether a number is prime, by Miller-Rabin with bases that decide every number below 3e24."""
     odd, halvings = number - 1, 0
     while odd % 2 == 0:
         odd, halvings = odd // 2, halvings + 1
@@ -44,11 +44,12 @@ def _is_prime(number: int) -> bool:
 
 
 def residue(value: Fraction, prime: int) -> int:
+    """Residue of a rational number modulo a prime."""
     return value.numerator * pow(value.denominator, -1, prime) % prime
 
 
 def rational(value: int, modulus: int) -> Fraction | None:
-    """The fraction of small numerator and denominator behind a residue, or None if there is none."""
+    """Rational number with small numerator and denominator that has a residue; None where there is none."""
     bound = isqrt(modulus // 2)
     r, s = (modulus, value % modulus), (0, 1)
     while r[1] > bound:
@@ -61,7 +62,7 @@ def rational(value: int, modulus: int) -> Fraction | None:
 
 
 def determinant(rows: list[dict[int, int]], prime: int) -> int:
-    """By elimination column after column, each with the shortest row that holds it; the rows are used up."""
+    """Determinant modulo a prime of a sparse matrix of residues, by elimination, which overwrites the rows."""
     result, places = 1, list(range(len(rows)))
     for column in range(len(rows)):
         holders = [place for place in places[column:] if column in rows[place]]
@@ -90,8 +91,8 @@ def _subtract(row: dict[int, int], other: dict[int, int], factor: int, prime: in
             row.pop(column, None)
 
 
-def interpolated(values: list[int], prime: int) -> Coefficients:
-    """The polynomial with these values at 0, 1, 2, ..."""
+def interpolating_polynomial(values: list[int], prime: int) -> Coefficients:
+    """Coefficients modulo a prime of the polynomial with these values at 0, 1, 2, ..."""
     differences = list(values)
     for order in range(1, len(values)):
         inverse = pow(order, -1, prime)
@@ -109,7 +110,7 @@ def interpolated(values: list[int], prime: int) -> Coefficients:
 
 
 def square_free(polynomial: Coefficients, prime: int) -> dict[int, Coefficients]:
-    """Monic polynomials without repeated roots by the multiplicity of their roots (D. Y. Y. Yun, 1976)."""
+    """Multiplicity -> monic polynomial of the roots with that multiplicity (square-free; D. Y. Y. Yun, 1976)."""
     found: dict[int, Coefficients] = {}
     slope = _derivative(polynomial, prime)
     common = _greatest_divisor(polynomial, slope, prime)
@@ -142,7 +143,7 @@ def _difference(a: Coefficients, b: Coefficients, prime: int) -> Coefficients:
 
 
 def _divided(a: Coefficients, b: Coefficients, prime: int) -> tuple[Coefficients, Coefficients]:
-    """Quotient and remainder."""
+    """Quotient and remainder of two polynomials modulo a prime."""
     rest, inverse = list(a), pow(b[-1], -1, prime)
     quotient = [0] * max(len(a) - len(b) + 1, 0)
     for power in range(len(quotient) - 1, -1, -1):
@@ -153,7 +154,7 @@ def _divided(a: Coefficients, b: Coefficients, prime: int) -> tuple[Coefficients
 
 
 def _greatest_divisor(a: Coefficients, b: Coefficients, prime: int) -> Coefficients:
-    """Monic."""
+    """Monic greatest common divisor of two polynomials modulo a prime."""
     while b:
         a, b = b, _divided(a, b, prime)[1]
     inverse = pow(a[-1], -1, prime)

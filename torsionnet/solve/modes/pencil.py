@@ -1,7 +1,7 @@
-"""Poles of measured-input transfer functions in general: rates s at which the measured inputs can stay zero.
+"""Poles of transfer functions against any measured inputs: rates s at which these can stay zero.
 
-They are the roots of det P(s) of the bordered system. As many approximations as it has roots come from a generalised
-eigenvalue problem in (q, s q, u); those that double precision leaves uncertain are refined in mpmath.
+The poles are the roots of det P(s) of the bordered system. As many approximations as there are roots come from a
+generalised eigenvalue problem in (q, s q, u); uncertain roots are refined in mpmath.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ from torsionnet.response.modes import OSCILLATORY, REAL, RIGID
 from torsionnet.solve.dynamic_stiffness.reduction import acting
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.bordered import Bordered
-from torsionnet.solve.modes.eigen import scaled
-from torsionnet.solve.modes.mode_words import uncertain
-from torsionnet.solve.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, affordable, in_pairs, on_real_axis
+from torsionnet.solve.modes.eigen import unit_shapes
+from torsionnet.solve.modes.mode_words import accuracy_warnings
+from torsionnet.solve.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
 
-BALANCING = 10
-SAFETY = 10.0
-"""Backward errors of the eigenvalue problem in units of rounding, on the safe side."""
+BALANCING_ROUNDS = 10
+"""Rounds that bring the largest entries of rows and columns to one; each takes the root of the distance."""
+ERROR_FACTOR = 10.0
+"""Backward error of the eigenvalue problem in units of rounding; a larger value refines more roots in mpmath."""
 _EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class Roots:
-    """Nonzero roots of det P(s), conjugates included, with a vector (q, u) and an estimated relative error of each."""
+    """Nonzero roots of det P(s) in rad/s, conjugates included, with vectors (q, u) and estimated relative errors."""
 
     values: ComplexArray
     vectors: ComplexArray
@@ -45,7 +46,7 @@ class Roots:
 
 
 def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
-    """Poles against measured inputs that do not cut the drivetrain in two, and what is doubtful about them.
+    """Poles against measured inputs that do not cut the drivetrain in two, and texts of warnings.
 
     Raises
     ------
@@ -58,14 +59,16 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
     )
     if acting(assembly.system).dynamic or any(excitation.quantity != "torque" for excitation in request.excitations):
         raise UsageError(
-            "the measured input does not cut the drivetrain in two, and with frequency-dependent stiffness or imposed "
-            "angles the poles are not calculated then"
+            "the measured input does not cut the drivetrain in two; then poles are calculated only without "
+            "frequency-dependent stiffness and with torques as excitation"
         )
     names = ", ".join(reading.name for reading in request.measured)
     bordered = Bordered.of(assembly, request)
     counts = bordered.roots()
     if counts is None:
-        raise UsageError(f"the excitation does not reach {names}: the measured input is zero at every frequency")
+        raise UsageError(
+            f"the excitation does not reach {names}: the measured input is zero at every frequency; name another"
+        )
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
     roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])
     real = on_real_axis(roots.values)
@@ -80,7 +83,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
         eigenvalues=eigenvalues,
         kinds=kinds,
         nodes=assembly.nodes,
-        shapes=scaled(assembly.T @ vectors).astype(complex),
+        shapes=unit_shapes(assembly.T @ vectors).astype(complex),
         undamped_natural_frequencies=np.zeros(0),
         elements=tuple(drivetrain.elements),
         kinetic=nothing,
@@ -91,11 +94,11 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
         title=f"{drivetrain.title}, {names} held at zero",
         notes=(f"{names} does not cut the drivetrain in two; energy shares have no meaning here",),
     )
-    return modes, uncertain(roots.errors[kept])
+    return modes, accuracy_warnings(roots.errors[kept])
 
 
 def _rate(assembly: Assembly) -> float:
-    """A circular frequency between those of the drivetrain, to balance inertia against stiffness."""
+    """Frequency in rad/s amid those of the drivetrain, to balance inertia against stiffness."""
     system = assembly.system
     lengths = np.array([sum(value * value for value in row.values()) for row in system.sparse_rows])
     stiff, heavy = float(system.stiffness @ lengths), float(system.inertia @ lengths)
@@ -103,7 +106,7 @@ def _rate(assembly: Assembly) -> float:
 
 
 def _still(bordered: Bordered) -> FloatArray:
-    """Motions and torques that leave the readings at zero at rest: an exact basis of the null space of P_0."""
+    """Exact basis of the null space of P_0: motions and torques at rest that leave the readings at zero."""
     solved = reduce_rows([row for row in bordered.powers[0] if row], {i: i for i in range(bordered.size)}).solved
     free = [column for column in range(bordered.size) if column not in solved]
     basis = np.zeros((bordered.size, len(free)))
@@ -122,7 +125,7 @@ def _dense(block: list[dict[int, Fraction]]) -> FloatArray:
 
 
 def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roots:
-    """``count`` eigenvalues after the ``zeros`` smallest, in double precision on a balanced pencil."""
+    """Approximate roots of det P: ``count`` eigenvalues of a balanced pencil in double precision after ``zeros`` smallest."""
     import scipy.linalg
 
     powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
@@ -139,7 +142,7 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
         values = alpha / beta
         slopes = np.abs(np.sum(lefts.conj() * (E @ rights), axis=0) * values)
         errors = _EPS * (np.linalg.norm(A) + np.abs(values) * np.linalg.norm(E)) / slopes
-    errors = SAFETY * errors * np.linalg.norm(lefts, axis=0) * np.linalg.norm(rights, axis=0)
+    errors = ERROR_FACTOR * errors * np.linalg.norm(lefts, axis=0) * np.linalg.norm(rights, axis=0)
     far = ~np.isfinite(values)
     values[far] = 2 * np.abs(values[~far]).max(initial=1.0)
     chosen = np.lexsort((np.abs(values), far))[zeros : zeros + count]
@@ -149,9 +152,9 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
 
 
 def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Factors of rows and columns that bring the largest entry of each to about one."""
+    """Factors of rows and of columns that bring the largest entry of each to about one."""
     left, right = np.ones(len(sizes)), np.ones(len(sizes))
-    for _ in range(BALANCING):
+    for _ in range(BALANCING_ROUNDS):
         scaled_sizes = left[:, None] * sizes * right
         left = left / np.sqrt(scaled_sizes.max(axis=1, initial=0.0))
         right = right / np.sqrt(scaled_sizes.max(axis=0, initial=0.0))
@@ -159,7 +162,7 @@ def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
-    """Replace the uncertain roots by those of mpmath, as far as the limit on work allows."""
+    """Roots with the uncertain ones solved in mpmath, as far as the limit on work allows."""
     if not np.any(roots.errors > REFINE_ABOVE):
         return roots
     repeated = bordered.repeated()
@@ -168,21 +171,23 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     values, known = _repeated(roots.values, repeated)
     p = refine.exact_polynomial(bordered.size, bordered.entries)
     chosen = (roots.errors > REFINE_ABOVE) & ~known
-    chosen = affordable(chosen, roots.errors, MAX_OPERATIONS // max(p.operations, 1))
+    chosen = most_uncertain(chosen, roots.errors, MAX_OPERATIONS // max(p.operations, 1))
     found, done = refine.refine_roots(p, values, chosen, zeros, roots.errors)
     values = np.where(chosen, refine.to_complex(found, square_root=False), values)
     errors = np.where(chosen | known, refine.CONVERGED, roots.errors)
-    if not (done and in_pairs(values)):
+    if not (done and has_pairs(values)):
         return roots
     vectors = roots.vectors.copy()
     for j in np.flatnonzero(chosen | known):
-        start = np.cos(np.arange(bordered.size) + 2.4 * j) + 0j  # any: that of an uncertain root may have no motion
+        start = (
+            np.cos(np.arange(bordered.size) + 2.4 * j) + 0j
+        )  # any vector: that of an uncertain root may have no motion
         vectors[:, j] = refine.refine_vector(p, found[j], start)
     return Roots(values, vectors, errors)
 
 
 def _repeated(values: ComplexArray, repeated: dict[int, list[Fraction]]) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """The values with repeated roots, known exactly, in the place of those next to them; and which ones these are."""
+    """Values with the nearest ones replaced by exact repeated roots, and a mask of the replaced values."""
     values, known = values.copy(), np.zeros(len(values), dtype=bool)
     for multiplicity, polynomial in repeated.items():
         for root in refine.polynomial_roots(polynomial):

@@ -1,4 +1,4 @@
-"""Mode shapes with all angles referred to one shaft, as makers of geared drivetrains print them."""
+"""Mode shapes with all angles referred to one shaft, as is usual for geared drivetrains."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.element_base.speed_path import SpeedPaths
 from torsionnet.model.elements import Values
 from torsionnet.response import Modes
-from torsionnet.solve.modes.eigen import scaled
+from torsionnet.solve.modes.eigen import unit_shapes
 
 
 def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) -> Modes:
-    """Modes whose shapes are angles times the speed of a shaft over that of the node, 1 where that is largest.
+    """Modes with shapes referred to a shaft: angles times speed of the shaft over speed of the node, largest 1.
 
     Nodes to which no ratio leads, as a block on its mounts, keep their own angles; a note names them.
 
     Raises
     ------
     UsageError
-        No such node.
+        There is no such node.
 
     Examples
     --------
@@ -41,5 +41,7 @@ def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) 
     own = [node for node, path in found.items() if path is None]
     notes = (f"angles referred to {referred_to}", *([f"no ratio leads there from {', '.join(own)}"] if own else []))
     return replace(
-        modes, shapes=np.asarray(scaled(modes.shapes * factors[:, None]), dtype=complex), notes=(*modes.notes, *notes)
+        modes,
+        shapes=np.asarray(unit_shapes(modes.shapes * factors[:, None]), dtype=complex),
+        notes=(*modes.notes, *notes),
     )

@@ -1,4 +1,4 @@
-"""Eigenvalues beyond double precision: simultaneous root finding on det D(z) in mpmath.
+"""Eigenvalues in many digits: Ehrlich-Aberth iteration for all roots of det D(z) in mpmath.
 
 Double precision leaves an absolute error of about 1e-16 ||A||; with stiffnesses from 1e2 to 1e10 the slow modes are
 noise. Here the Ehrlich-Aberth iteration (D. A. Bini, V. Noferini, "Solving polynomial eigenvalue problems by means of
@@ -24,20 +24,25 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows
 
 DIGITS = 80
+"""Decimal digits of all sums, of which the numerical derivative over `STEP` loses 24."""
 STEP = 1e-24
-"""Relative step of the numerical derivative; far over the working precision, far under every wanted accuracy."""
+"""Relative step of the numerical derivative; far above the working precision, far below the wanted accuracy."""
 CONVERGED = 1e-15
-BESIDE = 1e-6
+"""Relative step at which a root counts as found: the result is rounded to double precision."""
+RESTART_DISTANCE = 1e-6
+"""Relative distance from a collision of approximations at which a root starts again."""
 MAX_ITERATIONS = 120
-LOST = 1e-16
-"""Share of the largest root at which one starts that double precision rounded to zero, where det P has other roots."""
+"""Steps for each root at most: clusters converge slowly, other roots in a few."""
+ZERO_START = 1e-16
+"""Start value, over the largest root, for a nonzero root that double precision has rounded to zero."""
 
 Entry = tuple[int, int, tuple[Any, ...]]
+"""Row, column and ascending coefficients of one entry of a matrix polynomial."""
 
 
 @dataclass(frozen=True)
 class MatrixPolynomial:
-    """sum_d rows^T diag(coefficients[d]) rows z^d, entry by entry in mpmath numbers; nonzero entries only.
+    """Sparse matrix polynomial sum_d rows^T diag(coefficients[d]) rows z^d in mpmath numbers.
 
     The coordinates are renumbered in the order of elimination; `place[j]` is the new number of coordinate j.
     `operations` counts the multiplications of one elimination without pivoting.
@@ -59,7 +64,7 @@ class MatrixPolynomial:
         return matrix
 
     def slope(self, z: Any, vector: Sequence[Any]) -> list[Any]:
-        """P'(z) @ vector."""
+        """Product P'(z) @ vector of the derivative at z and a vector."""
         result = [z * 0] * self.size
         for i, j, coefficients in self.entries:
             value = sum(d * c * z ** (d - 1) for d, c in enumerate(coefficients) if d)
@@ -68,7 +73,7 @@ class MatrixPolynomial:
 
 
 def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> MatrixPolynomial:
-    """Assemble sum_d rows^T diag(coefficients[d]) rows z^d at `DIGITS` digits from exact doubles."""
+    """Matrix polynomial sum_d rows^T diag(coefficients[d]) rows z^d with `DIGITS` digits, from exact doubles."""
     import mpmath
 
     sums: dict[tuple[int, int], list[Any]] = {}
@@ -86,7 +91,7 @@ def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> Matri
 
 
 def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fraction]]) -> MatrixPolynomial:
-    """A matrix polynomial from the rational coefficients of its entries, which need not be symmetric."""
+    """Matrix polynomial from the rational coefficients of its entries, not necessarily symmetric."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -95,13 +100,13 @@ def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fract
 
 
 def _renumbered(size: int, entries: Mapping[tuple[int, int], tuple[Any, ...]]) -> MatrixPolynomial:
-    place, operations = least_fill(size, entries)
+    place, operations = minimum_degree_order(size, entries)
     moved = tuple((place[i], place[j], total) for (i, j), total in entries.items())
     return MatrixPolynomial(size, moved, place, operations)
 
 
-def least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int, ...], int]:
-    """Number the coordinates by minimum degree; also the multiplications that this order costs."""
+def minimum_degree_order(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int, ...], int]:
+    """Elimination number of each coordinate by minimum degree, and the multiplications of that elimination."""
     neighbours: dict[int, set[int]] = {i: set() for i in range(size)}
     for i, j in pattern:
         if i != j:
@@ -124,7 +129,7 @@ def least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int
 
 
 def polynomial_roots(coefficients: Sequence[Fraction]) -> list[complex]:
-    """Roots of a polynomial, ascending coefficients, without repeated roots."""
+    """Roots of a polynomial with ascending coefficients and without repeated roots."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -139,7 +144,7 @@ def _exact(value: Any) -> Any:
 
 
 def eliminate(matrix: list[dict[int, Any]], right: list[Any] | None = None) -> tuple[Any, list[Any]]:
-    """Determinant (and solution for a right-hand side) by sparse Gaussian elimination with partial pivoting."""
+    """Determinant, and solution for a right-hand side, by sparse Gaussian elimination with partial pivoting."""
     determinant: Any = 1
     order: list[int] = []
     holding: list[set[int]] = [set() for _ in matrix]  # rows that are left, by column
@@ -180,6 +185,7 @@ def _is_even(order: Sequence[int]) -> bool:
 
 
 def size_of(value: Any) -> Any:
+    """Sum of the magnitudes of real and imaginary part, as a cheap size of a number."""
     return abs(value.real) + abs(value.imag)
 
 
@@ -202,7 +208,7 @@ def _substitute(matrix: list[dict[int, Any]], right: list[Any], order: list[int]
 
 
 def _inverse_newton(p: MatrixPolynomial, z: Any) -> Any:
-    """p'(z)/p(z), or None exactly on a root."""
+    """Inverse Newton step p'(z)/p(z), or None exactly on a root."""
     here, _ = eliminate(p.at(z))
     if here == 0:
         return None
@@ -218,7 +224,7 @@ def refine_roots(
     zeros: int,
     spread: FloatArray,
 ) -> tuple[list[Any], bool]:
-    """Move the uncertain ones of all nonzero roots of det P until they stand still.
+    """Roots of det P with the uncertain ones iterated to convergence, and whether all converged.
 
     Parameters
     ----------
@@ -227,7 +233,7 @@ def refine_roots(
     roots : (n,) array
         All nonzero finite roots with multiplicity, approximately.
     uncertain : (n,) boolean array
-        Those to move.
+        Roots to iterate.
     zeros : int
         Multiplicity of the root zero.
     spread : (n,) array
@@ -253,14 +259,14 @@ def refine_roots(
 
 
 def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
-    """Move root j by one Ehrlich-Aberth step; True when it stood still."""
+    """Move root j by one Ehrlich-Aberth step; True when the root no longer moves."""
     newton = _inverse_newton(p, z[j])
     if newton is None:
         return True
     others = [other for i, other in enumerate(z) if i != j]
     repulsion = sum((1 / (z[j] - other) for other in others), start=zeros / z[j]) if z[j] not in others else newton
-    if newton == repulsion:  # on another approximation, or as far from it as from the root: start beside it
-        z[j] = z[j] * (1 + BESIDE)
+    if newton == repulsion:  # on another approximation, or as far from it as from the root
+        z[j] = z[j] * (1 + RESTART_DISTANCE)
         return False
     step = 1 / (newton - repulsion)
     z[j] = z[j] - step
@@ -273,12 +279,12 @@ def _set_apart(
     """Start values that are pairwise distinct and, in the complex case, not symmetric to the real axis."""
     angles = 0.7 + np.arange(len(roots)) * 2.4
     turn = np.cos(angles) if np.isrealobj(roots) else np.exp(1j * angles)
-    nonzero = np.where(roots == 0, -LOST * np.max(np.abs(roots)), roots)
+    nonzero = np.where(roots == 0, -ZERO_START * np.max(np.abs(roots)), roots)
     return np.where(uncertain, nonzero * (1 + turn * np.clip(spread, 1e-13, 1e-2)), roots)
 
 
 def refine_vector(p: MatrixPolynomial, z: Any, vector: ComplexArray) -> ComplexArray:
-    """One step of inverse iteration P(z (1 + tiny)) q' = P'(z) q, scaled to max |q'| = 1."""
+    """Null vector of P at a root z, by inverse iteration P(z (1 + tiny)) q' = P'(z) q, scaled to max |q'| = 1."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -291,7 +297,7 @@ def refine_vector(p: MatrixPolynomial, z: Any, vector: ComplexArray) -> ComplexA
 
 
 def to_complex(roots: Sequence[Any], *, square_root: bool) -> ComplexArray:
-    """Round to double precision: z, or j sqrt(z) for z = omega^2."""
+    """Roots in double precision: z, or j sqrt(z) for z = omega^2."""
     import mpmath
 
     with mpmath.workdps(DIGITS):

@@ -1,7 +1,7 @@
-"""Modes that share one eigenvalue: every combination of their shapes is a mode too, so one set of them is chosen.
+"""Choice of shapes for modes with one eigenvalue, of which every combination is a mode shape as well.
 
-Chosen are the shapes that are 1 at one of as many nodes and 0 at the others of these, the ones that move most, in
-the order of the nodes. They are real wherever real ones exist.
+For m modes the m nodes that move most are chosen, and each shape is 1 at one of these nodes and 0 at the others, in the
+order of the nodes. The shapes are real wherever real ones exist.
 """
 
 from __future__ import annotations
@@ -14,23 +14,24 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.solve.modes.eigen import RIGID, EigenSolution
 
-EQUAL = 1e-9
-"""Relative difference of eigenvalues below which they are one."""
-INDEPENDENT = 1e-6
-"""Ratio of singular values below which shapes are the same one: a repeated pole with too few modes."""
-ALIKE = 1 - 1e-9
+EQUAL_EIGENVALUES = 1e-9
+"""Relative difference of eigenvalues below which they are one repeated eigenvalue."""
+LEAST_INDEPENDENCE = 1e-6
+"""Ratio of singular values below which shapes are linearly dependent: a repeated pole with too few shapes."""
+TIE = 1 - 1e-9
+"""Motion of a node, over the largest, from which on nodes move equally; the first in the model is then chosen."""
 
 
 def with_chosen_shapes(
     solution: EigenSolution, motion: ComplexArray, nodes: Sequence[str]
 ) -> tuple[EigenSolution, tuple[str, ...]]:
-    """The solution with those shapes, and a note for every repeated eigenvalue.
+    """Solution with the chosen shapes of modes that share an eigenvalue, and a note for every such eigenvalue.
 
     Parameters
     ----------
     solution : EigenSolution
     motion : (n_nodes, n_modes) complex array
-        Angles of its shapes.
+        Angles of the shapes at all nodes.
     nodes : sequence of str
     """
     vectors, notes = solution.vectors.copy(), []
@@ -53,7 +54,7 @@ def _groups(solution: EigenSolution) -> Iterator[list[int]]:
     for first in range(len(values)):
         if first in taken or solution.kinds[first] == RIGID:
             continue
-        close = np.abs(values[first:] - values[first]) <= EQUAL * abs(values[first])
+        close = np.abs(values[first:] - values[first]) <= EQUAL_EIGENVALUES * abs(values[first])
         group = [first + int(i) for i in np.flatnonzero(close) if solution.kinds[first + i] != RIGID]
         taken.update(group)
         if len(group) > 1:
@@ -61,15 +62,15 @@ def _groups(solution: EigenSolution) -> Iterator[list[int]]:
 
 
 def _nodes_apart(shapes: ComplexArray) -> list[int] | None:
-    """As many nodes as there are shapes (n_nodes, m) at which these are most independent; None if they are not."""
-    # Of an orthonormal basis every choice has the same rows, so that it makes no difference which shapes came out.
+    """Indices of the m nodes at which shapes (n_nodes, m) are most independent; None where they are dependent."""
+    # All orthonormal bases of the shapes give the same choice, whichever combination the solver returned.
     left, sizes, _ = np.linalg.svd(shapes, full_matrices=False)
-    if len(sizes) < shapes.shape[1] or sizes[-1] <= INDEPENDENT * sizes[0]:
+    if len(sizes) < shapes.shape[1] or sizes[-1] <= LEAST_INDEPENDENCE * sizes[0]:
         return None
     chosen: list[int] = []
     for _ in range(shapes.shape[1]):
         size = np.linalg.norm(left, axis=1)
-        node = int(np.argmax(size >= ALIKE * size.max()))
+        node = int(np.argmax(size >= TIE * size.max()))
         chosen.append(node)
         along = left[node].conj() / size[node]
         left = left - np.outer(left @ along, along.conj())

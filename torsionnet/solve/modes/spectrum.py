@@ -19,8 +19,8 @@ REFINE_ABOVE = 1e-10
 POLISH_ABOVE = 1e-11
 """Shapes whose forces balance worse than this, relative to their sum of magnitudes, are recomputed in mpmath."""
 REAL_BELOW = 1e-13
-"""Eigenvalues with |Im| <= this |lambda| are real: inputs in double precision cannot tell, and several equal ones may
-come out as pairs. A double root with one shape parts by the square root of that."""
+"""Eigenvalues with |Im| <= this |lambda| are real: double precision cannot decide, and several equal ones may be
+calculated as pairs. Rounding splits a double root with one shape by the square root of its size."""
 MAX_OPERATIONS = 60_000
 """Multiplications of one sparse elimination times roots to refine; about ten seconds of mpmath."""
 _EPS = float(np.finfo(float).eps)
@@ -28,7 +28,7 @@ _EPS = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Nonzero eigenvalues of one set of coefficients.
+    """Nonzero eigenvalues and shapes of a system with one set of stiffnesses, with errors.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Spectrum:
     errors : (n,) array
         Estimated relative error of each eigenvalue.
     undamped : bool
-        Purely imaginary by construction.
+        Whether damping was left out, so that eigenvalues are imaginary.
     """
 
     values: ComplexArray
@@ -51,8 +51,8 @@ class Spectrum:
     stiffness: AnyArray
 
 
-def solve(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
-    """Solve in double precision: singular values of the coupling if undamped, else eigenvalues of the first-order form.
+def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
+    """Spectrum in double precision: by singular values if undamped, else by eigenvalues of the first-order form.
 
     The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
     """
@@ -78,14 +78,14 @@ def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
         condition = np.linalg.norm(np.linalg.inv(states), axis=1)
     except np.linalg.LinAlgError:  # exactly defective, as critical damping can be
         condition = np.full(len(values), np.inf)
-    if np.isrealobj(form.matrix):  # conjugates stand side by side and are refined together
+    if np.isrealobj(form.matrix):  # conjugates are neighbours and are refined together
         upper = np.flatnonzero(values.imag > 0)
         condition[upper] = condition[upper + 1] = np.maximum(condition[upper], condition[upper + 1])
     return values.astype(complex), states.astype(complex), condition
 
 
-def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
-    """Replace the wanted eigenvalues that are uncertain, as far as the limit on work allows, by mpmath's."""
+def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
+    """Spectrum with the uncertain ones of the wanted eigenvalues solved in mpmath, as far as work allows."""
     squared = spectrum.undamped
     starts, coefficients = _polynomial_problem(spectrum)
     wanted = np.ones(len(starts), dtype=bool) if wanted is None else wanted
@@ -97,8 +97,8 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
 
     p = refine.polynomial(spectrum.system.law_rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)
-    chosen = affordable(chosen, spectrum.errors, limit)
-    spectrum, settled = _isolated_settled(spectrum, p, np.flatnonzero(chosen | blurred)[:limit])
+    chosen = most_uncertain(chosen, spectrum.errors, limit)
+    spectrum, settled = _with_isolated_roots(spectrum, p, np.flatnonzero(chosen | blurred)[:limit])
     chosen, blurred = chosen & ~settled, blurred & ~settled
     if not np.any(chosen | blurred):
         return spectrum
@@ -107,7 +107,7 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
     values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
     errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
-    if not (done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or in_pairs(values))):
+    if not (done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or has_pairs(values))):
         return spectrum
     shapes = spectrum.shapes.copy()
     for j in np.flatnonzero(chosen | blurred)[:limit]:
@@ -115,11 +115,11 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
 
 
-def _isolated_settled(
+def _with_isolated_roots(
     spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
 ) -> tuple[Spectrum, NDArray[np.bool_]]:
-    """Those of ``some`` eigenvalues that cannot be taken for another exact to double precision, and which these are."""
-    from torsionnet.solve.modes.isolated import free_space, settle
+    """Spectrum with the isolated ones of ``some`` eigenvalues exact to double precision, and a mask of these."""
+    from torsionnet.solve.modes.isolated import free_space, isolated_root
     from torsionnet.solve.modes.refine import CONVERGED, to_complex
 
     starts, _ = _polynomial_problem(spectrum)
@@ -135,24 +135,25 @@ def _isolated_settled(
                 CONVERGED,
                 True,
             )
-        elif space[j] and (met := settle(p, starts[j].item(), shapes[:, j], space[j])) is not None:
+        elif space[j] and (met := isolated_root(p, starts[j].item(), shapes[:, j], space[j])) is not None:
             values[j], shapes[:, j] = to_complex([met[0]], square_root=spectrum.undamped)[0], met[1]
             errors[j], settled[j] = CONVERGED, True
     return replace(spectrum, values=values, shapes=shapes, errors=errors), settled
 
 
-def in_pairs(values: ComplexArray) -> bool:
-    """Tell whether as many eigenvalues lie above the real axis as below."""
+def has_pairs(values: ComplexArray) -> bool:
+    """Whether as many eigenvalues lie above the real axis as below."""
     sides = np.sign(values.imag)[~on_real_axis(values)]
     return bool(np.sum(sides) == 0)
 
 
 def on_real_axis(values: ComplexArray) -> NDArray[np.bool_]:
+    """Mask of the eigenvalues that are real within rounding."""
     return np.asarray(np.abs(values.imag) <= REAL_BELOW * np.abs(values))
 
 
 def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
-    """Roots and coefficients of each law: z = lambda with (k, c, J), or z = omega^2 with (k, -J)."""
+    """Roots z and coefficients of the laws: z = lambda with (k, c, J), or z = omega^2 with (k, -J)."""
     system = spectrum.system
     if spectrum.undamped:
         return spectrum.values.imag**2, [spectrum.stiffness, -system.inertia]
@@ -160,7 +161,7 @@ def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
 
 
 def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) -> FloatArray:
-    """|D q| of each shape against the sum of the magnitudes of its terms."""
+    """Residual |D q| of each shape, over the sum of the magnitudes of its terms."""
     rows, sizes = spectrum.system.rows, np.abs(spectrum.system.rows)
     powers = [z**d for d in range(len(coefficients))]
     laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
@@ -170,15 +171,15 @@ def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) ->
     return np.asarray(left / np.where(scale > 0, scale, 1.0))
 
 
-def affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
-    """The most uncertain ones first; equal errors stay together, so that conjugates do."""
+def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
+    """Mask of the ``count`` most uncertain of the chosen eigenvalues; equal errors, as of conjugates, go together."""
     if np.count_nonzero(chosen) <= count:
         return chosen
     limit = np.sort(errors[chosen])[::-1][count] if count else np.inf
     return np.asarray(chosen & (errors > limit))
 
 
-def physical(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+def one_per_pair(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
     real = on_real_axis(spectrum.values)
     kept = np.flatnonzero(real | (spectrum.values.imag > 0))

@@ -1,4 +1,4 @@
-"""Which modes grow, and which element feeds them: asked only where an element can feed energy into a vibration."""
+"""Warnings about unstable modes, with the element that feeds each, for drivetrains that may be unstable."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from torsionnet.core.errors import Fault, SolveError, UsageError
 from torsionnet.response import Modes
 from torsionnet.solve.modes.modes import natural_modes
 
-_CONTROLLED = "lower its gain or its delay; torsionnet margins MODEL shows by how much"
-_NEGATIVE = "other damping has to exceed what it feeds, or its working point has to be another"
+_CONTROLLER_ADVICE = "lower its gain or its delay; torsionnet margins MODEL shows by how much"
+_NEGATIVE_DAMPING_ADVICE = "other damping has to exceed what it feeds, or its working point has to be another"
 
 
 def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
-    """A warning for every mode that grows, at the element that feeds it most.
+    """Warnings about every unstable mode, at the element that feeds the mode most.
 
     Examples
     --------
@@ -31,11 +31,11 @@ def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
     if not feeding:
         return ()
     try:
-        found, doubts = natural_modes(drivetrain)
+        found, texts = natural_modes(drivetrain)
     except (UsageError, SolveError) as error:
         text = f"whether {', '.join(feeding)} leaves the drivetrain stable is not known: {error}"
         return (Fault(text, ("elements", feeding[0]), "note", on_key=True),)
-    warned = tuple(Fault(text, ("elements", feeding[0]), "warning", on_key=True) for text in doubts)
+    warned = tuple(Fault(text, ("elements", feeding[0]), "warning", on_key=True) for text in texts)
     growing = np.flatnonzero(found.eigenvalues.real > 0)
     return (*(_growing(drivetrain, found, int(mode), feeding) for mode in growing), *warned)
 
@@ -52,5 +52,5 @@ def _growing(drivetrain: AssembledModel, modes: Modes, mode: int, feeding: list[
         at = f"{abs(value) / (2 * math.pi):.4g} Hz"
         text = f"{worst} makes the mode at {at} unstable, it grows: damping ratio {ratio:.3g} %; {words}"
     acts = any(action.owner == worst for action in drivetrain.assembly.system.actions)
-    instead = _CONTROLLED if acts else _NEGATIVE
+    instead = _CONTROLLER_ADVICE if acts else _NEGATIVE_DAMPING_ADVICE
     return Fault(f"{text}; {instead}", ("elements", worst), "warning", on_key=True)

@@ -1,11 +1,11 @@
-"""How many natural frequencies lie below a frequency: the algorithm of Wittrick and Williams.
+"""Number of natural frequencies below a frequency, by the algorithm of Wittrick and Williams.
 
     N(omega) = sum over the members of their own modes below omega with both ends clamped
                + number of negative pivots of D(omega)
 
 W. H. Wittrick and F. W. Williams, A general algorithm for computing natural frequencies of elastic structures,
 Quarterly Journal of Mechanics and Applied Mathematics 24 (1971) 263-284. Pivots come from elimination on the graph, so
-that a motion to ground keeps its digits beside stiff springs.
+that soft springs to ground keep their digits beside stiff springs.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray, RowSystem
 
 Laws: TypeAlias = list[tuple[dict[int, float], FloatArray]]
-TINY = 1e-30
-"""In place of a pivot of zero, over the size of its terms: on one side of zero, as it is next to it."""
+"""Row and stiffnesses (n_points,) of each law."""
+ZERO_PIVOT = 1e-30
+"""Value over the size of the terms that replaces a pivot of zero, which has no sign and cannot be divided by."""
 PARALLEL = 1e-12
-"""Relative difference of squared coefficients of two rows that are one."""
+"""Relative difference of squared coefficients below which two rows are parallel and their laws are added."""
 
 
 def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
-    """Number of negative eigenvalues of sum_i kappa_i a_i a_i^T; kappa (n_laws, n_points), result (n_points,).
+    """Number of negative eigenvalues (n_points,) of sum_i kappa_i a_i a_i^T, with kappa (n_laws, n_points).
 
     Eliminating v with S = sum_e kappa_e a_ev^2 leaves sum_{e<f} kappa_e kappa_f / S b b^T with b = a_fv a_e - a_ev a_f,
     which is a congruence: S has the sign of one eigenvalue.
@@ -37,7 +38,7 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
     """
     if any(len(row) > 2 for row in rows):
         return _negative_eigenvalues(rows, kappa, n_coordinates)
-    laws = _single([(row, values) for row, values in zip(rows, kappa, strict=True) if row])
+    laws = _merged([(row, values) for row, values in zip(rows, kappa, strict=True) if row])
     count, left = np.zeros(kappa.shape[1]), set(range(n_coordinates))
     while left:
         uses = dict.fromkeys(left, 0)
@@ -49,25 +50,25 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
         acting = [law for law in laws if v in law[0]]
         terms = np.array([values * row[v] ** 2 for row, values in acting]).reshape(-1, len(count))
         pivot = terms.sum(axis=0)
-        pivot = np.where(pivot == 0, TINY * (np.abs(terms).sum(axis=0) + TINY), pivot)
+        pivot = np.where(pivot == 0, ZERO_PIVOT * (np.abs(terms).sum(axis=0) + ZERO_PIVOT), pivot)
         count += pivot < 0
-        laws = _single([law for law in laws if v not in law[0]] + _beyond(acting, v, pivot))
+        laws = _merged([law for law in laws if v not in law[0]] + _eliminated(acting, v, pivot))
     return count
 
 
 def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
-    """The same by all eigenvalues, for laws that tie three coordinates."""
+    """Number of negative eigenvalues (n_points,) from all eigenvalues, for laws that tie three coordinates."""
     dense = np.zeros((len(rows), n_coordinates))
     for place, row in enumerate(rows):
         dense[place, list(row)] = list(row.values())
-    scale = 1 / np.sqrt(np.abs(kappa).T @ dense**2 + TINY)
+    scale = 1 / np.sqrt(np.abs(kappa).T @ dense**2 + ZERO_PIVOT)
     scaled = dense[None] * scale[:, None, :]
     D = np.einsum("pli,lp,plj->pij", scaled, kappa, scaled)
     return np.asarray((np.linalg.eigvalsh(D) < 0).sum(axis=1), dtype=float)
 
 
-def _beyond(acting: Laws, v: int, pivot: FloatArray) -> Laws:
-    """What the laws on v do on the others once v follows them."""
+def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
+    """Laws on the other coordinates that replace the laws on v when v is eliminated."""
     found: Laws = []
     for place, (first, kappa) in enumerate(acting):
         for second, other in acting[place + 1 :]:
@@ -77,8 +78,8 @@ def _beyond(acting: Laws, v: int, pivot: FloatArray) -> Laws:
     return [law for law in found if law[0]]
 
 
-def _single(laws: Laws) -> Laws:
-    """One law on each coordinate, and one between any two.
+def _merged(laws: Laws) -> Laws:
+    """Laws merged to one on each coordinate and one between any two.
 
     Beside an edge on the row (a_i, a_j) a law y on (b_i, b_j) is t y on that row, t = b_i b_j / (a_i a_j), and
     y (b^2 - t a^2) on each of both coordinates.
@@ -103,21 +104,21 @@ def _single(laws: Laws) -> Laws:
 
 
 class ModeCount:
-    """N(omega) of a system without its damping."""
+    """Count N(omega) of the natural frequencies below omega of a system without damping."""
 
     def __init__(self, system: RowSystem) -> None:
         self.system = system
         self.members = [(law, table.with_loss(0)) for law, table in system.dynamic]
 
     def real_stiffness(self, omega: FloatArray) -> FloatArray:
-        """Of every law without damping, (n_laws, n_points)."""
+        """Real dynamic stiffness (n_laws, n_points) of every law without damping."""
         kappa = self.system.stiffness[:, None] - self.system.inertia[:, None] * omega**2
         for law, table in self.members:
             kappa[law] += table.kappa(omega).real
         return np.asarray(kappa)
 
     def below(self, omega: FloatArray) -> FloatArray:
-        """Modes below each omega > 0 in rad/s, rigid bodies included."""
+        """Number of modes below each omega > 0 in rad/s, rigid bodies included, (n_points,)."""
         clamped = sum((table.clamped_modes(omega) for _, table in self.members), start=np.zeros(len(omega)))
         kappa = self.real_stiffness(omega)
         return clamped + negative_pivots(self.system.sparse_rows, kappa, self.system.n_coordinates)

@@ -1,12 +1,12 @@
-"""What makes the characteristic equation singular at s = 0, taken out column by column.
+"""Chains of motions for roots at s = 0, by which these are taken out of the characteristic equation.
 
 A motion x(s) = x_0 + s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan
-chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) takes the place of a coordinate,
+chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) replaces a coordinate,
 
     P(s) x(s) / s^k    in the column of that coordinate
 
-which takes k roots at zero out of det P and leaves all others. Where what is left is singular at zero, a null vector of
-it gives the next chain, until nothing is. All of it is exact: a root at zero is not told from a slow one by its size.
+which takes k roots at zero out of det P and leaves all others. While the matrix is still singular at zero, a null
+vector gives the next chain. All numbers are exact: a root at zero is not distinguished from a slow root by its size.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from torsionnet.solve.modes.exact_pencil import ExactPencil, ExactVector, is_sin
 
 @dataclass(frozen=True)
 class ZeroChain:
-    """x(s), ascending vectors over coordinates and torques, and the power k of s with which P(s) x(s) begins."""
+    """Motion x(s), as ascending vectors over coordinates and torques, and the power k with which P(s) x(s) begins."""
 
     motion: tuple[ExactVector, ...]
     order: int
 
 
 def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, ZeroChain]:
-    """Chains by the coordinate or torque whose column they take; their orders are as many roots at zero.
+    """Chains by the index of the column that they replace; the sum of their orders is the number of roots at zero.
 
-    Of the entries of a null vector the one that is largest by ``weights`` (n,) is replaced.
+    Each replaces the column whose entry in a null vector is largest by ``weights`` (n,).
 
     Raises
     ------
@@ -40,33 +40,34 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
     """
     chains: dict[int, ZeroChain] = {}
     most = sum(len(one.numerator) for one in pencil.delayed) + sum(
-        max((len(values) for (row, _), values in pencil.lasting.items() if row == i), default=0)
+        max((len(values) for (row, _), values in pencil.undelayed.items() if row == i), default=0)
         for i in range(pencil.size)
     )
-    while is_singular(rows := leading(pencil, chains, 0)):
+    while is_singular(rows := deflated_coefficient(pencil, chains, 0)):
         vectors = null_vectors(rows)
         if not vectors:
             break
         if sum(one.order for one in chains.values()) > most:
-            raise SolveError("the torques that follow the motion leave it open: no motion is the answer to a load")
-        column, chain = _longer(vectors[0], chains, weights)
+            text = "the torques of controllers cancel the dynamic stiffness: no motion balances a load"
+            raise SolveError(f"{text}; change a control law")
+        column, chain = _next_chain(vectors[0], chains, weights)
         chains[column] = chain
     return chains
 
 
-def leading(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
-    """Rows of the coefficient of s^power of P(s) with its columns replaced by chains."""
-    rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.power(power)]
+def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
+    """Rows of the coefficient of s^power in P(s) with columns replaced by chains."""
+    rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.coefficient_rows(power)]
     for j, chain in chains.items():
         for m, vector in enumerate(chain.motion):
             if m <= chain.order + power:
-                for i, value in pencil.applied(chain.order + power - m, vector).items():
+                for i, value in pencil.coefficient_times(chain.order + power - m, vector).items():
                     rows[i][j] = rows[i].get(j, Fraction(0)) + value
     return [{j: value for j, value in row.items() if value} for row in rows]
 
 
 def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
-    """An exact basis of what a square matrix maps to nothing; later columns follow earlier ones."""
+    """Exact basis of the null space of a square matrix, as column -> value."""
     size = len(rows)
     solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
     found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}
@@ -77,8 +78,10 @@ def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
     return list(found.values())
 
 
-def _longer(vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]) -> tuple[int, ZeroChain]:
-    """The column that a null vector over columns replaces, and the chain that takes its place."""
+def _next_chain(
+    vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]
+) -> tuple[int, ZeroChain]:
+    """Index of the column that a null vector replaces, and the chain that replaces the column."""
     orders = {i: chains[i].order if i in chains else 0 for i in vector}
     highest = max(orders.values())
     column = max((i for i in vector if orders[i] == highest), key=lambda i: abs(float(vector[i])) * weights[i])
