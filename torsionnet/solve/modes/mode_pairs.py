@@ -29,7 +29,7 @@ REPEATED_FREQUENCY = 1e-6
 
 
 def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[VibrationMode, ...]:
-    """Vibration modes of a drivetrain: pairs of undamped and damped modes by undamped frequency, then modes with damping only.
+    """Vibration modes as pairs of undamped and damped modes, by undamped frequency, then modes with damping only.
 
     A pair has the number of its damped mode; undamped modes without a partner are numbered after all vibrations.
     """

@@ -125,7 +125,7 @@ def _dense(block: list[dict[int, Fraction]]) -> FloatArray:
 
 
 def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roots:
-    """Approximate roots of det P: ``count`` eigenvalues of a balanced pencil in double precision after ``zeros`` smallest."""
+    """Approximate roots, ``count`` eigenvalues after the ``zeros`` smallest, of a balanced pencil in double precision."""
     import scipy.linalg
 
     powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
