@@ -17,7 +17,7 @@ import torsionnet as tn
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
 from torsionnet.solve.modes.continuous_damped import damped_modes
-from torsionnet.solve.modes.sturm import negative_pivots
+from torsionnet.solve.modes.wittrick_williams import negative_pivots
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import parametric_response
 

@@ -6,7 +6,7 @@ from models import geared_line
 
 import torsionnet as tn
 from torsionnet.solve.dynamic_stiffness.transfer_request import ask
-from torsionnet.solve.modes.pencil import measured_poles
+from torsionnet.solve.modes.bordered_poles import measured_poles
 
 
 def residue(model, output, measured, pole):

@@ -14,7 +14,7 @@ from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
-from torsionnet.solve.modes import refine
+from torsionnet.solve.modes import ehrlich_aberth
 from torsionnet.solve.modes import spectrum as spectrum_module
 from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
 
@@ -295,8 +295,8 @@ def test_repeated_planet_modes_with_proportional_damping():
 
 
 def test_shape_on_an_exact_root():
-    p = refine.polynomial(Rows.of(np.eye(2)), [np.array([4.0, 9.0]), np.zeros(2), np.ones(2)])
-    shape = refine.refine_vector(p, mpmath.mpc(0, 2), np.array([0.9, 0.3 + 0j]))
+    p = ehrlich_aberth.polynomial(Rows.of(np.eye(2)), [np.array([4.0, 9.0]), np.zeros(2), np.ones(2)])
+    shape = ehrlich_aberth.refine_vector(p, mpmath.mpc(0, 2), np.array([0.9, 0.3 + 0j]))
     np.testing.assert_allclose(shape, [1, 0], atol=1e-20)
 
 

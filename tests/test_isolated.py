@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from torsionnet.assembly.rows import Rows
-from torsionnet.solve.modes.isolated import free_space, isolated_root
-from torsionnet.solve.modes.refine import polynomial
+from torsionnet.solve.modes.ehrlich_aberth import polynomial
+from torsionnet.solve.modes.rayleigh_quotient import free_space, isolated_root
 
 J, C, SOFT, STIFF = 2.0, 3e-7, 5e-3, 7e11
 ROWS = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))

@@ -13,7 +13,7 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
-from torsionnet.solve.modes.cut import beyond_cut, cut_definition
+from torsionnet.solve.modes.cut_drivetrain import beyond_cut, cut_definition
 from torsionnet.symbolic.active_mechanism import mechanism
 from torsionnet.symbolic.algebra.zero_tests import vanishes
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of

@@ -17,7 +17,7 @@ from typing import Any
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.number_range import float_if_long
 from torsionnet.model.elimination import exact
-from torsionnet.solve.modes.modular import residue
+from torsionnet.solve.modes.modular_arithmetic import residue
 
 CHECK_PRIME = 2**61 - 1
 """Prime modulus of the second set of values: large, so that other numbers are hardly ever equal by chance."""

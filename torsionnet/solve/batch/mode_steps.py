@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.mode_states import common_energy
-from torsionnet.solve.modes.repeated import EQUAL_EIGENVALUES
+from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 
 ALIKE = 0.8
 """Energy in common from which on neighbours are the same mode."""

@@ -19,7 +19,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     resisting,
     restricted,
 )
-from torsionnet.solve.modes.sturm import ModeCount
+from torsionnet.solve.modes.wittrick_williams import ModeCount
 
 Mask: TypeAlias = NDArray[np.bool_]
 

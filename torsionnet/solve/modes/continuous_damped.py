@@ -23,7 +23,7 @@ from torsionnet.solve.modes.continuous import (
     undamped_modes,
 )
 from torsionnet.solve.modes.frozen_stiffness import Eigenpairs, Mode
-from torsionnet.solve.modes.sturm import negative_pivots
+from torsionnet.solve.modes.wittrick_williams import negative_pivots
 
 NEWTON_STEPS, CONVERGED = 30, 1e-14
 """Newton steps at most, and the relative step at which these end."""

@@ -33,7 +33,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     subspaces,
 )
 from torsionnet.solve.modes import continuous, continuous_damped
-from torsionnet.solve.modes.lowest import RigidMotions, lowest_vibrations
+from torsionnet.solve.modes.lowest_modes import RigidMotions, lowest_vibrations
 from torsionnet.solve.modes.spectrum import one_per_pair, refined_spectrum, solve_spectrum
 
 LEAST_IMAGINARY_PART = 1e-6

@@ -15,8 +15,8 @@ from typing import TypeAlias
 
 from torsionnet.assembly.system import Assembly
 from torsionnet.model.elimination import exact
-from torsionnet.solve.modes.modular import determinant, interpolating_polynomial, primes, residue
-from torsionnet.solve.modes.refine import minimum_degree_order
+from torsionnet.solve.modes.ehrlich_aberth import minimum_degree_order
+from torsionnet.solve.modes.modular_arithmetic import determinant, interpolating_polynomial, primes, residue
 
 ExactVector: TypeAlias = Mapping[int, Fraction]
 

@@ -23,10 +23,10 @@ from torsionnet.solve.dynamic_stiffness.reduction import LARGE
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, driven
 from torsionnet.solve.modes import continuous
 from torsionnet.solve.modes.active_modes import active_modes, is_active
-from torsionnet.solve.modes.cut import poles_of_measured
+from torsionnet.solve.modes.cut_drivetrain import poles_of_measured
 from torsionnet.solve.modes.eigen import EigenSolution, complex_modes, undamped_modes, unit_shapes, with_zero_damping
-from torsionnet.solve.modes.mode_words import accuracy_warnings, convergence_warnings, describe
-from torsionnet.solve.modes.repeated import with_chosen_shapes
+from torsionnet.solve.modes.mode_descriptions import accuracy_warnings, convergence_warnings, describe
+from torsionnet.solve.modes.repeated_eigenvalues import with_chosen_shapes
 
 CONTINUOUS = "a continuous shaft has infinitely many modes, of which the lowest"
 """Beginning of the note on modes with continuous shafts."""

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, FirstOrder, Subspaces, first_order
 
 if TYPE_CHECKING:
-    from torsionnet.solve.modes.refine import MatrixPolynomial
+    from torsionnet.solve.modes.ehrlich_aberth import MatrixPolynomial
 
 REFINE_ABOVE = 1e-10
 """Eigenvalues whose estimated relative error is larger are refined in mpmath."""
@@ -93,9 +93,9 @@ def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None
     blurred = wanted & (_residuals(spectrum, starts, coefficients) > POLISH_ABOVE)
     if not np.any(chosen | blurred):
         return spectrum
-    import torsionnet.solve.modes.refine as refine
+    import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
 
-    p = refine.polynomial(spectrum.system.law_rows, coefficients)
+    p = ehrlich_aberth.polynomial(spectrum.system.law_rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)
     chosen = most_uncertain(chosen, spectrum.errors, limit)
     spectrum, settled = _with_isolated_roots(spectrum, p, np.flatnonzero(chosen | blurred)[:limit])
@@ -104,14 +104,14 @@ def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None
         return spectrum
     starts, _ = _polynomial_problem(spectrum)
     zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
-    roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
-    values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
-    errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
+    roots, done = ehrlich_aberth.refine_roots(p, starts, chosen, zeros, spectrum.errors)
+    values = np.where(chosen, ehrlich_aberth.to_complex(roots, square_root=squared), spectrum.values)
+    errors = np.where(chosen, ehrlich_aberth.CONVERGED, spectrum.errors)
     if not (done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or has_pairs(values))):
         return spectrum
     shapes = spectrum.shapes.copy()
     for j in np.flatnonzero(chosen | blurred)[:limit]:
-        shapes[:, j] = refine.refine_vector(p, roots[j], shapes[:, j])
+        shapes[:, j] = ehrlich_aberth.refine_vector(p, roots[j], shapes[:, j])
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
 
 
@@ -119,8 +119,8 @@ def _with_isolated_roots(
     spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
 ) -> tuple[Spectrum, NDArray[np.bool_]]:
     """Spectrum with the isolated ones of ``some`` eigenvalues exact to double precision, and a mask of these."""
-    from torsionnet.solve.modes.isolated import free_space, isolated_root
-    from torsionnet.solve.modes.refine import CONVERGED, to_complex
+    from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, to_complex
+    from torsionnet.solve.modes.rayleigh_quotient import free_space, isolated_root
 
     starts, _ = _polynomial_problem(spectrum)
     space = free_space(starts, spectrum.errors)

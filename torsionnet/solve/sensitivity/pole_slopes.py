@@ -26,7 +26,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.modes.cut import beyond_cut, cut_definition
+from torsionnet.solve.modes.cut_drivetrain import beyond_cut, cut_definition
 from torsionnet.solve.sensitivity.arranged import Arranged
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.unknowns import Unknowns

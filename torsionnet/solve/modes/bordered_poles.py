@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.solve.modes.refine as refine
+import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
 from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
@@ -24,9 +24,9 @@ from torsionnet.response import Modes
 from torsionnet.response.modes import OSCILLATORY, REAL, RIGID
 from torsionnet.solve.dynamic_stiffness.reduction import acting
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.modes.bordered import Bordered
+from torsionnet.solve.modes.bordered_system import Bordered
 from torsionnet.solve.modes.eigen import unit_shapes
-from torsionnet.solve.modes.mode_words import accuracy_warnings
+from torsionnet.solve.modes.mode_descriptions import accuracy_warnings
 from torsionnet.solve.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
 
 BALANCING_ROUNDS = 10
@@ -125,7 +125,7 @@ def _dense(block: list[dict[int, Fraction]]) -> FloatArray:
 
 
 def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roots:
-    """Approximate roots, ``count`` eigenvalues after the ``zeros`` smallest, of a balanced pencil in double precision."""
+    """Approximate roots in double precision: ``count`` eigenvalues of a balanced pencil after the smallest ones."""
     import scipy.linalg
 
     powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
@@ -169,12 +169,12 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     if repeated is None:
         return roots
     values, known = _repeated(roots.values, repeated)
-    p = refine.exact_polynomial(bordered.size, bordered.entries)
+    p = ehrlich_aberth.exact_polynomial(bordered.size, bordered.entries)
     chosen = (roots.errors > REFINE_ABOVE) & ~known
     chosen = most_uncertain(chosen, roots.errors, MAX_OPERATIONS // max(p.operations, 1))
-    found, done = refine.refine_roots(p, values, chosen, zeros, roots.errors)
-    values = np.where(chosen, refine.to_complex(found, square_root=False), values)
-    errors = np.where(chosen | known, refine.CONVERGED, roots.errors)
+    found, done = ehrlich_aberth.refine_roots(p, values, chosen, zeros, roots.errors)
+    values = np.where(chosen, ehrlich_aberth.to_complex(found, square_root=False), values)
+    errors = np.where(chosen | known, ehrlich_aberth.CONVERGED, roots.errors)
     if not (done and has_pairs(values)):
         return roots
     vectors = roots.vectors.copy()
@@ -182,7 +182,7 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
         start = (
             np.cos(np.arange(bordered.size) + 2.4 * j) + 0j
         )  # any vector: that of an uncertain root may have no motion
-        vectors[:, j] = refine.refine_vector(p, found[j], start)
+        vectors[:, j] = ehrlich_aberth.refine_vector(p, found[j], start)
     return Roots(values, vectors, errors)
 
 
@@ -190,7 +190,7 @@ def _repeated(values: ComplexArray, repeated: dict[int, list[Fraction]]) -> tupl
     """Values with the nearest ones replaced by exact repeated roots, and a mask of the replaced values."""
     values, known = values.copy(), np.zeros(len(values), dtype=bool)
     for multiplicity, polynomial in repeated.items():
-        for root in refine.polynomial_roots(polynomial):
+        for root in ehrlich_aberth.polynomial_roots(polynomial):
             distance = np.where(known, np.inf, np.abs(values - root))
             nearest = np.argsort(distance, kind="stable")[:multiplicity]
             values[nearest], known[nearest] = root, True

@@ -22,7 +22,8 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import exact_row
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.modes.modular import (
+from torsionnet.solve.modes.ehrlich_aberth import minimum_degree_order
+from torsionnet.solve.modes.modular_arithmetic import (
     Coefficients,
     determinant,
     interpolating_polynomial,
@@ -31,7 +32,6 @@ from torsionnet.solve.modes.modular import (
     residue,
     square_free,
 )
-from torsionnet.solve.modes.refine import minimum_degree_order
 
 MAX_PRIMES = 40
 """Primes of 61 bits that are joined at most: enough for coefficients of repeated factors of some 700 digits."""

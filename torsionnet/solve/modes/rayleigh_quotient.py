@@ -16,7 +16,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
-from torsionnet.solve.modes.refine import CONVERGED, DIGITS, MatrixPolynomial, eliminate, size_of
+from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, DIGITS, MatrixPolynomial, eliminate, size_of
 
 ISOLATION = 1e3
 """Distance of an isolated root from every other root, zero included, in uncertainties of either at least."""

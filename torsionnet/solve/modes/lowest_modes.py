@@ -142,11 +142,11 @@ def _refined(
     system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
 ) -> tuple[Any, Any, Any]:
     """Values, shapes and errors with the uncertain modes solved in many digits, as far as time allows."""
-    import torsionnet.solve.modes.refine as refine
-    from torsionnet.solve.modes.isolated import isolated_root
+    import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
+    from torsionnet.solve.modes.rayleigh_quotient import isolated_root
 
     laws = [system.stiffness, -system.inertia] if undamped else [system.stiffness, system.damping, system.inertia]
-    p = refine.polynomial(system.law_rows, laws)
+    p = ehrlich_aberth.polynomial(system.law_rows, laws)
     values, errors = values.copy(), errors.copy()
     uncertain = np.flatnonzero((errors > SPARSE_TOLERANCE) & (errors < _LARGEST_REFINED_ERROR))
     for j in uncertain[: MAX_OPERATIONS // max(p.operations, 1)]:
@@ -154,7 +154,7 @@ def _refined(
         met = isolated_root(p, start.item(), shapes[:, j], _LARGEST_REFINED_ERROR * abs(values[j]))
         if met is not None:
             root, shapes[:, j] = complex(met[0]), met[1]
-            values[j], errors[j] = root.real if undamped else root, refine.CONVERGED
+            values[j], errors[j] = root.real if undamped else root, ehrlich_aberth.CONVERGED
     return values, shapes, errors
 
 

@@ -46,7 +46,7 @@ def poles_of_measured(
         raise UsageError(f'"{request.names}" is no sensor; name a sensor as measured input')
     kept = beyond_cut(drivetrain, request)
     if kept is None:
-        from torsionnet.solve.modes.pencil import measured_poles
+        from torsionnet.solve.modes.bordered_poles import measured_poles
 
         return measured_poles(drivetrain, request)
     return _of_cut_system(drivetrain, kept, request.names, natural_modes)
