@@ -9,7 +9,7 @@ import torsionnet as tn
 from torsionnet.plot import limit_check, order_response
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.report import make_report
-from torsionnet.response.worst_response import ALIKE
+from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
 PRESSURES = 3e5 + 150e5 * np.exp(-np.linspace(0, 6, 36))
 ENGINE = {
@@ -43,7 +43,7 @@ def test_equal_cases_are_no_choice(plant):
     alone = np.array([one.half_range[:, 0] for one in run.coherent])
     assert alone[0] == pytest.approx(alone[1], rel=1e-9)
     assert (run.chosen == 0).all()
-    assert set(run.cases()) == {ALIKE}
+    assert set(run.cases()) == {ALL_CASES_EQUAL}
     check = plant.check_limits()
     assert not any("misfire of" in remark for one in check.verdicts for remark in one.remarks)
     assert {one.case for one in plant.critical_speeds().crossings} == {""}

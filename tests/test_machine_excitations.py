@@ -309,9 +309,9 @@ class TestSums:
         assert (high[0, 0], low[0, 0]) == pytest.approx((13, 8.5), rel=1e-4)
         high, _ = run.extremes(SimpleNamespace(speeds=run.speeds, values=np.array([[20.0]]), outputs=run.outputs))
         assert high[0, 0] == pytest.approx(23, rel=1e-4)
-        with pytest.raises(tn.UsageError, match="1 speeds and 1 outputs, the mean has the shape"):
+        with pytest.raises(tn.UsageError, match="1 speeds and 1 outputs, but the mean has the shape"):
             run.extremes([1, 2])
-        with pytest.raises(tn.UsageError, match="of other speeds or outputs"):
+        with pytest.raises(tn.UsageError, match="have other speeds or outputs"):
             run.extremes(SimpleNamespace(speeds=run.speeds + 1, values=np.array([[20.0]]), outputs=run.outputs))
 
     def test_speed_and_line_are_bounded_by_the_sum_of_their_extremes(self):

@@ -19,7 +19,7 @@ from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse, Modes
-from torsionnet.response.frequency_response import ORDERS, FloatArray
+from torsionnet.response.frequency_response import DERIVATIVE_ORDERS, FloatArray
 from torsionnet.response.phase import unwrapped
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
@@ -121,7 +121,7 @@ def _measured(rig: Drivetrain, state: State) -> Modes | None:
 def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> FrequencyResponse:
     """Frequency response of a completed state at frequencies in Hz."""
     response = rig.frequency_response(state.output, state.input, frequencies, excitation=state.excitation or None)
-    is_motion = response.outputs[0].unit in ORDERS
+    is_motion = response.outputs[0].unit in DERIVATIVE_ORDERS
     return getattr(response, state.quantity)() if state.quantity and is_motion else response
 
 
@@ -135,7 +135,7 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
     return {
         "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
         "kind": response.kind(),
-        "is_motion": response.outputs[0].unit in ORDERS,
+        "is_motion": response.outputs[0].unit in DERIVATIVE_ORDERS,
         "units": {angle: response.unit(conventions=shown) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
         "scales": {angle: response.scale(shown) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
         "frequencies": json_numbers(response.frequencies),

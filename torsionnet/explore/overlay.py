@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse
-from torsionnet.response.frequency_response import ORDERS, FloatArray
+from torsionnet.response.frequency_response import DERIVATIVE_ORDERS, FloatArray
 
 MOST_LINES = 4000
 """Largest number of measured frequencies that are drawn and compared; a screen has fewer columns of pixels."""
@@ -24,7 +24,7 @@ def matching_response(overlay: FrequencyResponse | None, state: State) -> Freque
         pair = overlay.select(state.output, state.input)
     except UsageError:
         return None
-    is_motion = pair.outputs[0].unit in ORDERS
+    is_motion = pair.outputs[0].unit in DERIVATIVE_ORDERS
     pair = getattr(pair, state.quantity)() if state.quantity and is_motion else pair
     return pair.between(np.nextafter(0, 1), np.inf)
 

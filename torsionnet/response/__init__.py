@@ -1,4 +1,4 @@
-"""Results: frequency responses, modes, tables, and the conventions in which they are shown."""
+"""Results of calculations and tests: frequency responses, modes, order responses, limits and tables of them."""
 
 from torsionnet.core.lazy import lazy_exports
 

@@ -1,4 +1,4 @@
-"""How numbers are shown: units of angle and frequency, kind of amplitude, dB reference.
+"""Conventions for showing results: units of angle and frequency, kind of amplitude, dB reference.
 
 Results are kept in SI with frequencies in Hz, for motion ~ exp(+j omega t), so that a lag is a negative phase.
 """
@@ -11,8 +11,11 @@ from dataclasses import dataclass
 from torsionnet.core.errors import UsageError, did_you_mean
 
 ANGLES = {"rad": 1.0, "deg": 180 / math.pi}
+"""Factor from rad to each unit of angle."""
 FREQUENCIES = {"Hz": 1.0, "cpm": 60.0, "rpm": 60.0, "rad/s": 2 * math.pi}
+"""Factor from Hz to each unit of frequency."""
 AMPLITUDES = {"peak": 1.0, "RMS": 1 / math.sqrt(2), "peak-to-peak": 2.0}
+"""Factor from a peak value to each kind of amplitude."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +27,9 @@ class Conventions:
     angle : {"rad", "deg"}
     frequency : {"Hz", "cpm", "rpm", "rad/s"}
     amplitude : {"peak", "RMS", "peak-to-peak"}
-        Of vibrations; a transfer function is a ratio of amplitudes of one kind and does not depend on it.
+        Kind of amplitude of vibrations; transfer functions do not depend on it.
     db_reference : float
-        Value that is 0 dB, in the unit shown.
+        Value shown as 0 dB, in the unit shown.
 
     Examples
     --------
@@ -50,20 +53,23 @@ class Conventions:
             raise UsageError(f"the dB reference must be a positive number, got {self.db_reference}")
 
     def scale(self, unit: str) -> float:
-        """Factor from the SI unit of a channel to the unit shown: of what has rad in it, and of stress."""
+        """Factor from the SI unit of a channel to the unit shown; not 1 for angles and stresses."""
         return ANGLES[self.angle] if "rad" in unit else 1e-6 if unit == "Pa" else 1.0
 
     def unit(self, unit: str) -> str:
-        """The unit shown for an SI unit."""
+        """Name of the unit shown for an SI unit."""
         return "N/mm^2" if unit == "Pa" else unit.replace("rad", self.angle)
 
     @property
     def frequency_scale(self) -> float:
+        """Factor from Hz to the unit of frequency shown."""
         return FREQUENCIES[self.frequency]
 
     @property
     def amplitude_scale(self) -> float:
+        """Factor from a peak value to the kind of amplitude shown."""
         return AMPLITUDES[self.amplitude]
 
 
 SI = Conventions()
+"""Conventions with SI units, Hz and peak amplitudes."""

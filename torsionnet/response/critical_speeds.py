@@ -1,4 +1,4 @@
-"""Where orders of what runs meet natural frequencies, how far from the operating range, and what is excited there."""
+"""Critical speeds: crossings of excitation orders with natural frequencies, their margins and generalised forces."""
 
 from __future__ import annotations
 
@@ -12,18 +12,20 @@ from torsionnet.core.number_text import screen_text
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
-from torsionnet.response.mode_numbers import COUNTING
+from torsionnet.response.mode_numbers import COUNTING_NOTE
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
 from torsionnet.response.vibration_mode import VibrationMode
 
-ROUNDING = 1e-9
-"""Relative force that is shown as none."""
-SAME_MODE = 0.02
-"""Relative distance of natural frequencies of one mode in two conditions."""
-OVERDAMPED_BEHIND = "undamped modes that damping leaves no vibration are counted behind all others"
-FREQUENCIES = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
+NEGLIGIBLE_FORCE = 1e-9
+"""Relative generalised force below which 0 is shown: it is what rounding leaves of a sum of zero."""
+SAME_MODE_DISTANCE = 0.02
+"""Relative difference of natural frequencies up to which modes of two conditions count as the same mode."""
+OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"
+"""Note below tables with overdamped modes."""
+FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
+"""Field of :class:`VibrationMode` for each kind of frequency of a mode."""
 
 
 @dataclass(frozen=True)
@@ -40,35 +42,35 @@ class SpeedPeak:
 
 @dataclass(frozen=True)
 class CriticalSpeed:
-    """One order, or one fixed frequency, and one mode.
+    """Critical speed: crossing of one excitation order, or one fixed frequency, with one mode.
 
     Attributes
     ----------
     mode : VibrationMode
     excitation : str
     order : float
-        Of its own shaft; 0 for a fixed frequency.
+        Order of the shaft of the excitation; 0 for a fixed frequency.
     ratio : Fraction
         Revolutions of that shaft per revolution of the reference shaft.
     fixed : float
-        Hz, what does not depend on speed: the line excites at order * speed + fixed.
+        Part of the frequency in Hz that does not depend on speed: the line excites at order * speed + fixed.
     margin : float
         Distance of the nearest natural frequency (undamped, and ``|lambda|/2pi``) from the excitation frequencies in
         the operating range, over the excitation frequency; 0 inside.
     required : float or None
-        What the rule asks for; None where it says nothing.
+        Margin required by the rule; None where it covers nothing.
     generalised_force : float
         ``|sum_n phi_n T_n|`` in N m at the critical speed, for the shape with its largest angle 1; nan where no torque
         is given.
     relative_force : float
-        The same over the torque of one cylinder at the largest amplitude.
+        Generalised force over that of one cylinder at the largest amplitude.
     star : StarDiagram or None
     excited : bool or None
-        None where nothing says what acts at a frequency.
+        Whether the mode is excited; None where the torques are not known.
     excited_in : tuple of str
-        Other conditions that excite it.
+        Other conditions (configurations) that excite the mode.
     case : str
-        Where several are examined, as a misfire of each cylinder: the one with the largest generalised force.
+        Case with the largest generalised force where several are examined, such as a misfire of each cylinder.
     peaks : tuple of SpeedPeak
     """
 
@@ -92,28 +94,28 @@ class CriticalSpeed:
 
         ``which`` is ``"undamped"``, ``"natural"`` (of ``|lambda|/2pi``) or ``"damped"`` (of ``Im lambda/2pi``).
         """
-        if which not in FREQUENCIES:
-            raise UsageError(f'"{which}" is no frequency of a mode; choose {", ".join(FREQUENCIES)}')
-        natural = float(getattr(self.mode, FREQUENCIES[which]))
+        if which not in FREQUENCY_FIELDS:
+            raise UsageError(f'no frequency of a mode is named "{which}"; choose {", ".join(FREQUENCY_FIELDS)}')
+        natural = float(getattr(self.mode, FREQUENCY_FIELDS[which]))
         relative = self.order * float(self.ratio) / (2 * math.pi)
         if not relative:
             return math.nan
-        # The frequency of a slip falls with speed and changes its sign: it may meet a mode behind that only.
+        # The frequency of a slip falls with speed and changes its sign: it may meet a mode only above synchronism.
         found = ((frequency - self.fixed) / relative for frequency in (natural, -natural))
         return next((speed for speed in found if speed > 0), math.nan)
 
     def own_speed(self, which: str = "undamped") -> float:
-        """The same of the shaft of the excitation."""
+        """Critical speed of the shaft of the excitation in rad/s, nan where there is none."""
         return self.speed(which) * float(self.ratio)
 
     @property
     def passes(self) -> bool | None:
-        """Whether the margin is kept; None where the rule asks for none."""
+        """Whether the margin is at least the required one; None where the rule requires none."""
         return None if self.required is None else self.margin >= self.required
 
     @property
     def remark(self) -> str:
-        """What to think of it, beside the numbers; what is not excited here may be so with a misfire or spread."""
+        """Remark for tables: of the mode, and whether it is not excited here or in which condition it is."""
         said = [self.mode.remark] if self.mode.remark else []
         if self.excited is False:
             elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
@@ -124,7 +126,7 @@ class CriticalSpeed:
 
     @property
     def line(self) -> str:
-        """Order or fixed frequency as a text."""
+        """Excitation line as a text, such as '4.5' or '100 Hz'."""
         if not self.order:
             return f"{self.fixed:g} Hz"
         return f"{self.order:g}" + (f" {self.fixed:+g} Hz" if self.fixed else "")
@@ -132,23 +134,23 @@ class CriticalSpeed:
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeeds:
-    """All critical speeds in and near an operating range, of one condition.
+    """Critical speeds in and near an operating range, for one condition (configuration) of a model.
 
     Attributes
     ----------
     reference : str
-        Node of the speeds.
+        Node whose speeds are given.
     speed_range : (float, float)
         Operating range in rad/s.
     modes : tuple of VibrationMode
     crossings : tuple of CriticalSpeed
-        By mode, then by excitation and order.
+        Sorted by mode, then by excitation and order.
     lines : tuple of OrderLine
-        All orders and fixed frequencies that were looked at.
+        Orders and fixed frequencies examined.
     nodes : tuple of str
-        Names to the shapes of the modes.
+        Node of each entry of the mode shapes.
     outputs : tuple of Channel
-        Those whose peaks were looked for.
+        Outputs whose peaks were searched.
     rule : MarginRule or None
     title, condition : str
     notes : tuple of str
@@ -178,12 +180,12 @@ class CriticalSpeeds:
     notes: tuple[str, ...] = ()
 
     def of(self, mode: int, order: float, excitation: str | None = None) -> CriticalSpeed:
-        """One crossing by the number of its mode and its order.
+        """Critical speed by the number of its mode and its order.
 
         Raises
         ------
         UsageError
-            There is none, or several excitations have it and none is named.
+            There is no such crossing, or several excitations have it and none is named.
         """
         self.mode(mode)
         found = [
@@ -197,17 +199,17 @@ class CriticalSpeeds:
             return found[0]
         if found:
             names = ", ".join(one.excitation for one in found)
-            raise UsageError(f"order {order:g} is of {names}; say which excitation")
+            raise UsageError(f"{names} have order {order:g}; say which excitation")
         known = ", ".join(dict.fromkeys(one.line for one in self.crossings if one.mode.number == mode)) or "none"
         raise UsageError(f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}")
 
     def mode(self, number: int) -> VibrationMode:
-        """A mode by its number.
+        """Mode by its number.
 
         Raises
         ------
         UsageError
-            There is none.
+            There is no mode of this number.
         """
         for mode in self.modes:
             if mode.number == number:
@@ -215,7 +217,7 @@ class CriticalSpeeds:
         raise UsageError(f"there is no mode {number}; there are {len(self.modes)}, counted from 1 without rigid bodies")
 
     def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
-        """The same, each crossing with the other conditions that excite it."""
+        """Copy in which each crossing names the other conditions that excite it (``excited_in``)."""
         return replace(
             self,
             crossings=tuple(
@@ -225,7 +227,7 @@ class CriticalSpeeds:
         )
 
     def table(self) -> Table:
-        """One row per crossing."""
+        """Table with a row per crossing: critical speed, peaks, margin and generalised force."""
         geared = any(one.order and one.ratio != 1 for one in self.crossings)
         columns = [
             Column("mode"),
@@ -255,7 +257,7 @@ class CriticalSpeeds:
         cells.append(100 * one.margin)
         if self.rule:
             cells.append(None if one.required is None else "kept" if one.passes else f"under {100 * one.required:g} %")
-        force = 0.0 if one.relative_force < ROUNDING else one.generalised_force
+        force = 0.0 if one.relative_force < NEGLIGIBLE_FORCE else one.generalised_force
         return (*cells, force, one.mode.amplification, one.remark)
 
     def _notes(self) -> tuple[str, ...]:
@@ -268,7 +270,7 @@ class CriticalSpeeds:
         return (*notes, *([f"margins: {self.rule}"] if self.rule else []), *self.notes)
 
     def mode_table(self) -> Table:
-        """One row per mode: frequencies with and without damping."""
+        """Table with a row per mode: frequencies with and without damping, damping ratio, amplification."""
         columns = (
             Column("mode"),
             Column("undamped", "Hz"),
@@ -294,23 +296,26 @@ class CriticalSpeeds:
             f"{self.title}: natural frequencies",
             columns,
             rows,
-            (COUNTING, *([OVERDAMPED_BEHIND] if any(math.isnan(one.natural_frequency) for one in self.modes) else [])),
+            (
+                COUNTING_NOTE,
+                *([OVERDAMPED_NOTE] if any(math.isnan(one.natural_frequency) for one in self.modes) else []),
+            ),
         )
 
     def shape(self, mode: int) -> Mapping[str, complex]:
-        """Angles of a mode by node."""
+        """Mode shape as complex angles by node, 1 at the node that moves most."""
         return dict(zip(self.nodes, self.mode(mode).shape.tolist(), strict=True))
 
 
 def _excites(other: CriticalSpeeds, one: CriticalSpeed) -> bool:
-    """Whether another condition excites the same mode by the same line."""
+    """Whether another condition excites the same mode by the same excitation line."""
     for crossing in other.crossings:
         same = (crossing.excitation, crossing.order, crossing.fixed) == (one.excitation, one.order, one.fixed)
-        if same and crossing.excited and _same(crossing.mode, one.mode):
+        if same and crossing.excited and _is_same_mode(crossing.mode, one.mode):
             return True
     return False
 
 
-def _same(one: VibrationMode, other: VibrationMode) -> bool:
+def _is_same_mode(one: VibrationMode, other: VibrationMode) -> bool:
     pairs = ((getattr(one, name), getattr(other, name)) for name in ("undamped_frequency", "natural_frequency"))
-    return any(abs(first - second) <= SAME_MODE * second for first, second in pairs)
+    return any(abs(first - second) <= SAME_MODE_DISTANCE * second for first, second in pairs)

@@ -1,4 +1,4 @@
-"""What a search for the best damper found: values, the level they leave, and how the level depends on them."""
+"""Result of the search for the best damper: optimal values, the level reached, and its dependence on the values."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.table import Column, Table
 
-EQUAL = 1e-3
-"""Peaks that differ by less than this share hold an optimum together."""
-AT_BOUND = 1e-4
-"""Of the range: this near to a bound is at it."""
-INDIFFERENT = 1.01
-"""A level that varies by less over the whole range does not depend on a parameter."""
+EQUAL_PEAK_DIFFERENCE = 1e-3
+"""Relative difference up to which peaks count as equally high, so that both determine the optimum."""
+AT_BOUND_SHARE = 1e-4
+"""Distance to a bound, as a share of the range, within which a value is at the bound."""
+INDIFFERENT_LEVEL_RATIO = 1.01
+"""Ratio of largest to smallest level over the range of a parameter below which it has hardly any effect."""
 
 
 @dataclass(frozen=True)
 class DesignParameter:
-    """A value that was sought: where it began, its limits, what was found; SI."""
+    """Design parameter of a damper with start value, bounds and optimal value, SI."""
 
     name: str
     unit: str
@@ -33,20 +33,21 @@ class DesignParameter:
 
     @property
     def is_damping(self) -> bool:
+        """Whether the parameter is a viscous damping."""
         return self.unit == expected_unit("damping")
 
     @property
     def bound(self) -> str:
-        """The bound it is at: ``lower``, ``upper``, or nothing inside."""
-        near = AT_BOUND * (self.upper - self.lower)
-        if self.value - self.lower <= min(near, AT_BOUND * max(abs(self.value), abs(self.lower))):
+        """Bound that the optimal value is at: ``lower``, ``upper``, or empty inside the bounds."""
+        near = AT_BOUND_SHARE * (self.upper - self.lower)
+        if self.value - self.lower <= min(near, AT_BOUND_SHARE * max(abs(self.value), abs(self.lower))):
             return "lower"
         return "upper" if self.upper - self.value <= near else ""
 
 
 @dataclass(frozen=True)
 class LevelPeak:
-    """A maximum over frequency (Hz) or speed (r/min)."""
+    """Local maximum of the level over frequency (Hz) or speed (r/min)."""
 
     point: float
     level: float
@@ -54,7 +55,7 @@ class LevelPeak:
 
 @dataclass(frozen=True)
 class FixedPoint:
-    """A frequency in Hz at which the level hardly depends on the damping; ``spread``: largest over smallest, less 1."""
+    """Frequency in Hz where the level hardly depends on the damping; ``spread``: largest over smallest minus 1."""
 
     point: float
     level: float
@@ -63,7 +64,7 @@ class FixedPoint:
 
 @dataclass(frozen=True, eq=False)
 class LevelCurve:
-    """Levels (n,) over frequencies in Hz or speeds in r/min (n,) for one set of values."""
+    """Curve of the level (n,) over frequencies in Hz or speeds in r/min (n,) for one set of values."""
 
     label: str
     points: FloatArray
@@ -72,25 +73,25 @@ class LevelCurve:
 
 @dataclass(frozen=True, eq=False)
 class DamperOptimum:
-    """The values that make the largest level smallest.
+    """Optimal damper: the values for which the largest level is smallest.
 
     Attributes
     ----------
     channel : Channel
-        What is made small: an amplitude per unit of torque, or the half range of all orders.
+        Quantity that is minimised: an amplitude per unit of torque, or the half range of all orders.
     of : str
-        What points are, with their unit: ``("frequency", "Hz")`` or ``("speed of fly", "r/min")``.
+        Axis of the level and its unit: ``("frequency", "Hz")`` or ``("speed of fly", "r/min")``.
     parameters : tuple of DesignParameter
     before, after : LevelPeak
-        The largest level as given, and with the values found.
+        Largest level with the values as given, and with the optimal values.
     peaks : tuple of LevelPeak
-        The maxima that hold the optimum, equal but for 0.1 %.
+        Maxima that determine the optimum, equal within 0.1 %.
     effects : mapping
-        Parameter -> its values over its range and the largest level for each, the others at their optimum, (n, 2).
+        By parameter, values over its range and the largest level for each, others at their optimum, (n, 2).
     curves : tuple of LevelCurve
-        As given, with the values found, and without and with endless damping where damping was sought.
+        Curves with the values as given, with the optimum, and with zero and infinite damping if that is optimised.
     fixed_points : tuple of FixedPoint
-        Where all films meet; none where the rest of the drivetrain is damped, or over speed.
+        Points common to the curves of all dampings; none if the rest of the drivetrain is damped, or over speed.
     """
 
     channel: Channel
@@ -106,23 +107,23 @@ class DamperOptimum:
 
     @property
     def values(self) -> dict[str, float]:
-        """Value by parameter, SI; :meth:`torsionnet.Drivetrain.configured` takes them."""
+        """Optimal values by parameter, SI, as :meth:`torsionnet.Drivetrain.configured` takes them."""
         return {one.name: one.value for one in self.parameters}
 
     def words(self) -> tuple[str, ...]:
-        """What the result is worth."""
+        """Sentences on the reliability of the optimum: parameters at bounds or without effect, peaks, fixed points."""
         found = [*(self._about(one) for one in self.parameters), self._held_by()]
         if self.fixed_points:
             where = " and ".join(f"{one.point:.5g}" for one in self.fixed_points)
             text = f"whatever the damping, the level at {where} {self.of[1]} is the same"
             only = all(one.is_damping for one in self.parameters)
-            reached = self.fixed_points[0].level >= self.after.level * (1 - EQUAL)
+            reached = self.fixed_points[0].level >= self.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
             found.append(f"{text}: none has a smaller maximum" if only and reached else text)
         return tuple(found)
 
     def _about(self, one: DesignParameter) -> str:
         levels = self.effects[one.name][:, 1]
-        if levels.max() < INDIFFERENT * levels.min():
+        if levels.max() < INDIFFERENT_LEVEL_RATIO * levels.min():
             return f"the maximum hardly depends on {one.name}: by {levels.max() / levels.min() - 1:.2g} of itself"
         if one.bound:
             return f"{one.name} is at its {one.bound} bound; beyond it the maximum may be smaller still"
@@ -135,7 +136,7 @@ class DamperOptimum:
         return f"the maximum is at {where} {self.of[1]}" + (", equally high" if len(self.peaks) > 1 else "")
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Values, then the largest level before and after, with where it is."""
+        """Table of the values, then of the largest level before and after with its frequency or speed."""
         scale, unit = conventions.scale(self.channel.unit), conventions.unit(self.channel.unit)
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, one.start, one.value, one.lower, one.upper) for one in self.parameters
@@ -148,7 +149,7 @@ class DamperOptimum:
         return Table(f"{self.title}: best damper", tuple(map(Column, names)), tuple(rows), self.words())
 
     def effect_table(self, conventions: Conventions = SI) -> Table:
-        """The largest level over the values of every parameter."""
+        """Table of the largest level over the values of each parameter."""
         scale = conventions.scale(self.channel.unit)
         columns = (
             Column("parameter"),

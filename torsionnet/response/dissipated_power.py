@@ -1,4 +1,4 @@
-"""What the vibration of running machinery turns into heat, by speed and element."""
+"""Mean power that the vibration of running machinery dissipates, by speed and element."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ FORMULA = "P = sum over frequencies of Re(T conj(dgamma/dt))/2, T the whole torq
 
 @dataclass(frozen=True, eq=False)
 class DissipatedPower:
-    """Mean power by speed and element.
+    """Mean dissipated power by speed and element, W.
 
     Attributes
     ----------
     speeds : (n_speeds,) array
-        Of the reference shaft, rad/s.
+        Speeds of the reference shaft, rad/s.
     reference : str
-        Its node.
+        Node of the reference shaft.
     elements : tuple of str
     values : (n_speeds, n_elements) array
-        W.
+        Mean power, W.
     title : str
-        The model with its configuration.
+        Name of the model with its configuration.
     """
 
     speeds: FloatArray
@@ -43,12 +43,12 @@ class DissipatedPower:
         return np.asarray(self.speeds * RPM)
 
     def of(self, element: str) -> FloatArray:
-        """W over speed, shape (n_speeds,).
+        """Power of an element over speed in W, shape (n_speeds,).
 
         Raises
         ------
         UsageError
-            The element was not asked for.
+            No power of this element was calculated.
         """
         if element not in self.elements:
             hint = did_you_mean(element, self.elements)
@@ -56,7 +56,7 @@ class DissipatedPower:
         return np.asarray(self.values[:, self.elements.index(element)])
 
     def table(self) -> Table:
-        """One row for every speed."""
+        """Table with a row for each speed and a column for each element, W."""
         columns = (Column("speed", "rpm"), *(Column(name, "W") for name in self.elements))
         rows = tuple((rpm, *row) for rpm, row in zip(self.rpm.tolist(), self.values.tolist(), strict=True))
         notes = (f"speeds of {self.reference}; {FORMULA}", "heat of a steady slip is not in it")

@@ -1,4 +1,4 @@
-"""Amplitudes with engines that are not fixed to each other at the angle that makes the most, or the least, of them."""
+"""Order amplitudes with engines on unconnected crankshafts at the angle with the largest, or smallest, half range."""
 
 from __future__ import annotations
 
@@ -14,26 +14,27 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.worst_angle import Shares, worst_angles
 
-TOGETHER = 50
-"""Speeds that are searched together, which bounds the memory."""
-FLAT = 1e-5
-"""rad, or share of a period: a largest or smallest value does not say where it is more closely."""
-NOTHING = 1e-6
-"""Share of the largest amplitude of an engine below which an order makes no difference between angles."""
+SPEEDS_PER_SEARCH = 50
+"""Speeds that are searched together, which limits the memory."""
+EQUAL_ANGLE = 1e-5
+"""Angle difference in rad, and as a share of a period, below which angles are equal: at an extremum the half range
+varies too little to determine the angle any better."""
+NEGLIGIBLE_AMPLITUDE = 1e-6
+"""Share of an engine's largest amplitude below which an order is ignored when the period of the angle is determined."""
 
 
 @dataclass(frozen=True, eq=False)
 class EngineAngle:
-    """How much later an engine fires than another one.
+    """Angle by which an engine fires later than another one, by speed and output.
 
     Attributes
     ----------
     engine, after : str
     angle : (n_speeds, n_out) array
-        rad of the engine's crankshaft, from 0 to less than ``period``.
+        Angle of the engine's crankshaft in rad, from 0 to less than ``period``.
     period : (n_speeds, n_out) array
-        rad of the engine's crankshaft after which the sum of both is the same: its cycle or, as of equal cylinders on
-        one throw, a part of it.
+        Angle of the engine's crankshaft in rad after which the sum of both repeats: its cycle or, with equal cylinders
+        on one throw, a part of it.
     """
 
     engine: str
@@ -43,38 +44,38 @@ class EngineAngle:
 
     @property
     def degrees(self) -> FloatArray:
-        """The angle in degrees."""
+        """Angle in degrees, shape (n_speeds, n_out)."""
         return np.degrees(self.angle)
 
     def at(self, speed: int, output: int) -> str:
-        """In words, at places among the speeds and outputs."""
+        """Sentence such as 'port fires 30 deg after starboard', for indices of a speed and an output."""
         period = round(math.degrees(self.period[speed, output]), 1)
         degrees = round(float(self.degrees[speed, output]), 1) % period
         return f"{self.engine} fires {degrees:g} deg after {self.after}"
 
     def part(self, speeds: Sequence[int], outputs: Sequence[int]) -> EngineAngle:
-        """At some speeds, of some outputs."""
+        """Copy for some speeds and outputs, by their indices."""
         angle, period = (of[list(speeds)][:, list(outputs)] for of in (self.angle, self.period))
         return replace(self, angle=angle, period=period)
 
     def joined(self, others: Sequence[EngineAngle], order: NDArray[np.intp]) -> EngineAngle:
-        """With those at other speeds."""
+        """Copy joined with the angles at other speeds, sorted by ``order``."""
         angles, periods = ([getattr(one, name) for one in (self, *others)] for name in ("angle", "period"))
         return replace(self, angle=np.concatenate(angles)[order], period=np.concatenate(periods)[order])
 
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """Amplitudes at an angle by speed and output.
+    """Order amplitudes with all engine angles decided, by speed and output.
 
     Attributes
     ----------
     values : (n_speeds, n_lines, n_out) complex array
     lines : tuple of OrderLine
-        The same ones; engines of one speed are one engine now.
+        Lines as before, with engines of one speed marked as one engine.
     angles : tuple of EngineAngle
     signs : tuple of (n_speeds, n_out, n_shares) arrays of int
-        By shares.
+        Signs chosen for each set of shares.
     """
 
     values: ComplexArray
@@ -84,7 +85,7 @@ class Settled:
 
 
 def settled(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = ()) -> Settled:
-    """At every speed the angles, and the signs of what is up or down, with which an output swings most."""
+    """Order amplitudes with the engine angles, and signs of scattered shares, that give the largest half range."""
     signs = [np.ones((len(values), values.shape[2], len(own)), dtype=np.int8) for _, own in shares]
     delays: dict[EngineBlock, FloatArray] = {}
     for blocks in equally_fast(lines):
@@ -92,8 +93,8 @@ def settled(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = (
         searched = [at for at, (own, _) in enumerate(shares) if any(own.start in places for places in grid.places)]
         if len(blocks) == 1 and not searched:
             continue
-        for start in range(0, len(values), TOGETHER):
-            part = slice(start, start + TOGETHER)
+        for start in range(0, len(values), SPEEDS_PER_SEARCH):
+            part = slice(start, start + SPEEDS_PER_SEARCH)
             found = worst_angles(
                 values[part], lines, grid, [(shares[at][0], shares[at][1][:, part]) for at in searched]
             )
@@ -113,22 +114,22 @@ def standing(
     delays: Mapping[EngineBlock, FloatArray],
     signs: tuple[NDArray[np.int8], ...] = (),
 ) -> Settled:
-    """Amplitudes with engines later by angles (n_speeds, n_out) in rad of the reference shaft."""
+    """Order amplitudes with engines delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
     angles = []
     for blocks in equally_fast(lines):
         for block in blocks[1:]:
             period = _period(values, lines, [blocks[0], block] if len(blocks) == 2 else [block])
             delay = delays[block] % period
-            delay[np.isclose(delay, period, rtol=FLAT, atol=FLAT)] = 0.0
+            delay[np.isclose(delay, period, rtol=EQUAL_ANGLE, atol=EQUAL_ANGLE)] = 0.0
             ratio = _ratio(lines, block)
             angles.append(EngineAngle(block.engine, blocks[0].engine, delay * ratio, period * ratio))
     return Settled(turned(values, lines, angles), as_one(lines), tuple(angles), signs)
 
 
 def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> FloatArray:
-    """Rad of the reference shaft (n_speeds, n_out) after which the sum of one engine and another is the same again.
+    """Angle of the reference shaft in rad, (n_speeds, n_out), after which the sum of two engines repeats.
 
-    That is the largest angle of which the periods of both are multiples; orders that do next to nothing do not count.
+    It is the largest angle of which the periods of both are multiples; orders of negligible amplitude are ignored.
     """
     moving = [[at for at in block.places if lines[at].relative] for block in blocks]
     whole = common_factor(lines[at].relative for places in moving for at in places)
@@ -136,20 +137,20 @@ def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[E
     for places in moving:
         counts = np.array([int(lines[at].relative / whole) for at in places])
         sizes = np.abs(values[:, places])
-        acts = sizes > NOTHING * sizes.max(axis=1, keepdims=True)
+        acts = sizes > NEGLIGIBLE_AMPLITUDE * sizes.max(axis=1, keepdims=True)
         repeats = np.lcm(repeats, np.gcd.reduce(np.where(acts, counts[:, None], 0), axis=1).clip(min=1))
     return np.asarray(2 * np.pi / float(whole) / repeats)
 
 
 def _ratio(lines: Sequence[OrderLine], block: EngineBlock) -> float:
-    """Revolutions of an engine for one of the reference shaft."""
+    """Revolutions of an engine per revolution of the reference shaft."""
     return next(float(lines[at].ratio) for at in block.places if lines[at].engine == block.engine)
 
 
 def turned(
     values: ComplexArray, lines: Sequence[OrderLine], angles: Sequence[EngineAngle], sense: float = 1.0
 ) -> ComplexArray:
-    """Amplitudes with some engines later by angles, or with ``sense=-1`` earlier."""
+    """Order amplitudes with some engines delayed by their angles, or advanced with ``sense=-1``."""
     found = values.copy()
     known = {one.engine: one.angle for one in angles}
     for block in engine_blocks(lines):
@@ -160,6 +161,6 @@ def turned(
 
 
 def as_one(lines: Sequence[OrderLine]) -> tuple[OrderLine, ...]:
-    """The lines with engines of one speed as one engine."""
+    """Order lines in which engines of one speed are marked as one engine."""
     first = {block.engine: blocks[0].engine for blocks in equally_fast(lines) for block in blocks}
     return tuple(replace(line, engine=first[line.engine]) if line.engine else line for line in lines)

@@ -1,4 +1,4 @@
-"""Lines of engines between which no angle is known: which keep their phases, and whose angle is to be sought."""
+"""Blocks of order lines with known phases between them, for engines whose angle to each other is not given."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from fractions import Fraction
 
 from torsionnet.response.order_line import OrderLine
 
-PER_PERIOD = 8
-"""Points for each period of the highest order on the grid of a search."""
-MOST_POINTS = 2000
-"""Of a grid; where it would have more, lines that do not repeat with the engines are left out of the search."""
+GRID_POINTS_PER_PERIOD = 8
+"""Grid points for each period of the highest order in a search of engine angles."""
+MOST_GRID_POINTS = 2000
+"""Most points of a grid; beyond, lines that do not repeat with the engines are left out of the search."""
 
 
 @dataclass(frozen=True)
 class EngineBlock:
-    """Places of the lines whose phases to each other are known, and the first engine among them."""
+    """Block of order lines whose phases to each other are known: their indices, and the first engine among them."""
 
     engine: str
     places: tuple[int, ...]
 
 
 def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
-    """All lines as one, or apart those of engines not fixed to each other; what is no engine goes with the first.
+    """Blocks of order lines, one for each engine of unknown angle; lines of other excitations are in the first block.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
 
 
 def equally_fast(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
-    """The blocks, those of engines of one speed together: between these an angle makes the most of a sum."""
+    """Blocks grouped by the speed of their engines: within a group an angle changes the sum of the orders."""
     found: list[tuple[set[Fraction], list[EngineBlock]]] = []
     for block in engine_blocks(lines):
         ratios = {lines[place].ratio for place in block.places if lines[place].engine == block.engine}
@@ -52,24 +52,24 @@ def equally_fast(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
 
 
 def is_unsettled(lines: Sequence[OrderLine]) -> bool:
-    """Whether engines of one speed are at an angle that is to be sought."""
+    """Whether engines of one speed are at an unknown angle, so that the worst one has to be searched."""
     return any(len(blocks) > 1 for blocks in equally_fast(lines))
 
 
 @dataclass(frozen=True)
 class BlockGrid:
-    """Even steps along the cycle of some blocks.
+    """Grid of even angle steps along the common cycle of some blocks of order lines.
 
     Attributes
     ----------
     places : tuple of tuple of int
-        By block, the lines that count in the search.
+        By block, indices of the lines that take part in the search.
     periods : tuple of int
-        By block, the steps after which it repeats.
+        By block, number of steps after which its sum repeats.
     points : int
-        Steps after which all of them repeat.
+        Number of steps after which all blocks repeat.
     cycle : Fraction
-        Revolutions of the reference shaft that these are.
+        Revolutions of the reference shaft in ``points`` steps.
     """
 
     places: tuple[tuple[int, ...], ...]
@@ -79,10 +79,10 @@ class BlockGrid:
 
     @classmethod
     def of(cls, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> BlockGrid:
-        """All lines that follow the speed, or those alone that repeat within two revolutions of the engines."""
+        """Grid for all lines that follow the speed, or only those that repeat within two revolutions of the engines."""
         moving = [tuple(at for at in block.places if not lines[at].fixed and lines[at].order) for block in blocks]
         found = cls._through(lines, moving)
-        if found.points <= MOST_POINTS:
+        if found.points <= MOST_GRID_POINTS:
             return found
         half = min(lines[at].ratio for at in moving[-1]) / 2
         own = [tuple(at for at in places if (lines[at].relative / half).denominator == 1) for places in moving]
@@ -95,12 +95,12 @@ class BlockGrid:
         repeats = [max(1, int(one / whole)) for one in slowest]
         step = math.lcm(*repeats)
         highest = max(lines[at].relative for places in moving for at in places)
-        points = math.ceil(PER_PERIOD * highest / whole / step) * step
+        points = math.ceil(GRID_POINTS_PER_PERIOD * highest / whole / step) * step
         return cls(tuple(moving), tuple(points // count for count in repeats), points, 1 / whole)
 
 
 def common_factor(relatives: Iterable[Fraction]) -> Fraction:
-    """The largest number of which all are multiples; 0 of none."""
+    """Greatest common divisor of fractions; 0 if there are none."""
     found = Fraction(0)
     for one in relatives:
         a, b = found, one

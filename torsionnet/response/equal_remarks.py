@@ -1,17 +1,17 @@
-"""What is said of several limits and in several configurations in the same words, said once."""
+"""Grouping of equal remarks on several limits and configurations, so that each is shown once."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-FEW_NAMES = 3
-"""Configurations that are named rather than those left."""
+MOST_LISTED_CONFIGURATIONS = 3
+"""Most configurations that a remark names one by one; beyond, it may name those left out ('all but ...')."""
 
 
 def gathered(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], list[str], str]]:
-    """Equal texts once, from (what a text is about, the configuration, the text), in the order they come in.
+    """Groups of equal remarks, from triples (subject, configuration, text): subjects, configurations and text of each.
 
-    A text stands once for all that it says of the same configurations.
+    A text occurs once for all subjects that it concerns in the same configurations.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def gathered(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], 
 
 
 def concerned(names: Sequence[str], known: Sequence[str]) -> str:
-    """Some of the known configurations in words, by what they have in common on their axes where that says which.
+    """Configurations in words, by their common alternatives on the axes where these identify them.
 
     Examples
     --------
@@ -43,13 +43,13 @@ def concerned(names: Sequence[str], known: Sequence[str]) -> str:
     """
     rest = [name for name in known if name not in names]
     by_axes = _by_axes(names, known)
-    if not by_axes and len(names) > FEW_NAMES and 0 < len(rest) < len(names):
+    if not by_axes and len(names) > MOST_LISTED_CONFIGURATIONS and 0 < len(rest) < len(names):
         return f"all but {concerned(rest, known)}"
     return by_axes or ", ".join(names)
 
 
 def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
-    """The alternatives of axes that single out the names; empty where they do not, or where there are no axes."""
+    """Alternatives on axes that identify the names; empty where they do not, or where there are no axes."""
     if not all("=" in part for name in known for part in name.split(",")):
         return ""
     every = _alternatives(known)
@@ -59,7 +59,7 @@ def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _alternatives(names: Sequence[str]) -> dict[str, dict[str, None]]:
-    """Alternatives by axis, each once, in the order of the names."""
+    """Alternatives of each axis that occur in the names, each once, in their order."""
     found: dict[str, dict[str, None]] = {}
     for axis, alternative in (pair for name in names for pair in _choice(name).items()):
         found.setdefault(axis, {})[alternative] = None

@@ -1,4 +1,4 @@
-"""How a frequency response was estimated from records, which says how certain it is."""
+"""Averaging data of an estimated frequency response, from which its uncertainty follows."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NOTE = re.compile(
 
 @dataclass(frozen=True, eq=False)
 class Estimation:
-    """Averaging by Welch's method.
+    """Averaging by Welch's method behind an estimated frequency response.
 
     Attributes
     ----------
@@ -26,24 +26,24 @@ class Estimation:
     seconds : float
         Length of a segment.
     overlap : float
-        Share of a segment that the next one repeats.
+        Overlap of neighbouring segments as a share of a segment.
     detrend : str
     averages : int
         Number of segments.
     effective_averages : float
-        Number of segments without overlap that would be as certain.
+        Number of independent segments with the same uncertainty.
     swept : bool
-        Whether the input was a sine that is swept.
+        Whether the input was a swept sine.
     settled_from : float
-        Hz; what is below, the sweep passed before the first segment had ended.
+        Lowest frequency in Hz that the sweep passed after the end of the first segment.
     record : Recording, optional
-        The signals that were averaged, after decimation; kept in memory, not in files.
+        Signals that were averaged, after decimation; in memory only, not in files.
     steps : mapping of str to float
-        Steps of the sensors in it, SI.
+        Step (resolution) of the sensor of each signal in the record, SI.
     decimation : int
-        Samples that the sensors took for one of it.
+        Samples taken by the sensors for each sample of the record.
     references : tuple of str
-        Signals that ``Hr`` went by.
+        Reference signals of the estimator ``Hr``.
     """
 
     estimator: str
@@ -61,7 +61,7 @@ class Estimation:
     references: tuple[str, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
-        """What a file keeps."""
+        """Fields that are written to files, as plain data."""
         return {
             one.name: getattr(self, one.name)
             for one in fields(self)
@@ -70,7 +70,7 @@ class Estimation:
 
 
 def read_estimation(data: Mapping[str, Any]) -> Estimation:
-    """From :meth:`Estimation.to_data`; ``KeyError``, ``TypeError`` or ``ValueError`` where that is damaged."""
+    """Estimation from the data of :meth:`Estimation.to_data`; KeyError, TypeError or ValueError if damaged."""
     return Estimation(
         estimator=str(data["estimator"]),
         window=str(data["window"]),
@@ -86,7 +86,7 @@ def read_estimation(data: Mapping[str, Any]) -> Estimation:
 
 
 def estimation_in(notes: Iterable[str]) -> Estimation | None:
-    """What a note of an estimate says, for files that hold nothing but lines of text.
+    """Estimation described in the notes of a response, for files that hold only text; None if no note does.
 
     >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
     8.0

@@ -12,20 +12,20 @@ from torsionnet.response.frequency_response import Channel, ComplexArray, FloatA
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponses:
-    """Transfer functions of variants; a sequence of :class:`FrequencyResponse`.
+    """Frequency responses of variants of a model, a sequence of :class:`FrequencyResponse`.
 
     Attributes
     ----------
     parameters : dict
-        Name -> (n_variants,) array of values in SI: what distinguishes the variants.
+        By name, values (n_variants,) in SI of the parameters that differ between the variants.
     frequencies : (n_f,) array
-        Hz.
+        Frequencies, Hz.
     values : (n_variants, n_f, n_out, n_in) complex array
         SI units, rad for angles.
     outputs, inputs : tuple of Channel
     title : str
     conditioning : (n_variants, n_f) array, optional
-        As of :class:`FrequencyResponse`.
+        As in :class:`FrequencyResponse`.
     notes : tuple of str
     """
 

@@ -1,4 +1,4 @@
-"""Frequency response functions, calculated from a model or estimated from a test."""
+"""Frequency responses (transfer functions over frequency), calculated from a model or estimated from a test."""
 
 from __future__ import annotations
 
@@ -22,13 +22,16 @@ FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
 SIGN_NOTE = "motion ~ exp(+j omega t): a lag is a negative phase; torque at a cut is positive when it drives"
-ORDERS = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
-KINDS = {"rad": "receptance", "rad/s": "mobility", "rad/s^2": "accelerance"}
+"""Note on sign conventions below tables and in files of responses."""
+DERIVATIVE_ORDERS = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
+"""Order of the time derivative of an angle by unit of motion."""
+KINDS_BY_UNIT = {"rad": "receptance", "rad/s": "mobility", "rad/s^2": "accelerance"}
+"""Name of a response to torque by unit of its output."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One signal of a frequency response: its name and SI unit (rad, rad/s, rad/s^2 or N*m).
+    """Signal of a frequency response with name and SI unit (rad, rad/s, rad/s^2 or N*m).
 
     Examples
     --------
@@ -48,22 +51,23 @@ class FrequencyResponse:
     Attributes
     ----------
     frequencies : (n_f,) array
-        Hz.
+        Frequencies, Hz.
     values : (n_f, n_out, n_in) complex array
         SI units, rad for angles.
     outputs, inputs : tuple of Channel
     title : str
-        The model or test, with its configuration.
+        Name of the model or test, with its configuration.
     conditioning : (n_f,) array, optional
-        Of a measured input: its size against the sum of its terms; near 0 the response there cannot be trusted.
+        Size of a measured input over the sum of its terms; near 0 the response at this frequency is unreliable.
     coherence : (n_f, n_out, n_in) array, optional
-        Of an estimate.
+        Coherence of an estimated response, 0 to 1.
     notes : tuple of str
         Provenance and remarks.
     usable_up_to : float, optional
-        Hz; of an estimate: above, the motion was too small for the steps of its sensor, or folds in decimation.
+        Highest usable frequency of an estimate in Hz: above, the motion is too small for the steps of its sensor, or
+        decimation aliases.
     estimation : Estimation, optional
-        How it was estimated from records.
+        Averaging by which the response was estimated from records.
     has_phase : bool
         False where only magnitudes are known; the values are then real.
 
@@ -126,7 +130,7 @@ class FrequencyResponse:
         return np.degrees(np.angle(self.values)) if self.has_phase else np.full(self.values.shape, np.nan)
 
     def decibels(self, conventions: Conventions = SI) -> FloatArray:
-        """20 log10 of the magnitude in the unit shown over the dB reference."""
+        """Magnitude in dB, 20 log10 of its value in the unit shown over the dB reference, shape (n_f, n_out, n_in)."""
         scale = np.array(
             [[self.scale(conventions, o, i) for i in range(len(self.inputs))] for o in range(len(self.outputs))]
         )
@@ -134,20 +138,20 @@ class FrequencyResponse:
             return np.asarray(20 * np.log10(self.magnitude * scale / conventions.db_reference))
 
     def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:
-        """Factor from SI to the unit shown for one pair."""
+        """Factor from SI to the unit shown for one output over one input."""
         above, below = self.outputs[output].unit, self.inputs[input].unit
         return conventions.scale(above) / conventions.scale(below)
 
     def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
-        """Unit of one pair, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""
+        """Unit of one output over one input, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""
         above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
         return quotient_unit(above, below)
 
     def kind(self, output: int = 0, input: int = 0) -> str:
-        """The field's word for one pair: receptance, mobility, accelerance, dynamic stiffness, torque ratio, ..."""
+        """Kind of transfer function of one output over one input: receptance, mobility, dynamic stiffness, ..."""
         above, below = self.outputs[output].unit, self.inputs[input].unit
         if below == "N*m":
-            return KINDS.get(above, "torque ratio")
+            return KINDS_BY_UNIT.get(above, "torque ratio")
         if above == "N*m":
             return "dynamic stiffness" if below == "rad" else "transfer function"
         return "motion ratio" if above == below else "transfer function"
@@ -155,7 +159,7 @@ class FrequencyResponse:
     def select(
         self, output: str | Sequence[str] | None = None, input: str | Sequence[str] | None = None
     ) -> FrequencyResponse:
-        """The part with the named outputs and inputs."""
+        """Copy with the named outputs and inputs only."""
         rows, columns = _indices(output, self.outputs, "output"), _indices(input, self.inputs, "input")
         pick = np.ix_(range(len(self.frequencies)), rows, columns)
         return replace(
@@ -167,7 +171,7 @@ class FrequencyResponse:
         )
 
     def between(self, start: float, stop: float | None = None) -> FrequencyResponse:
-        """Only the frequencies from ``start`` to ``stop`` Hz, both included; to the last one where ``stop`` is None.
+        """Copy with the frequencies from ``start`` to ``stop`` Hz, both included; to the last if ``stop`` is None.
 
         Examples
         --------
@@ -179,7 +183,7 @@ class FrequencyResponse:
         return self.at_lines((self.frequencies >= start) & (self.frequencies <= last))
 
     def at_lines(self, kept: NDArray[np.bool_]) -> FrequencyResponse:
-        """Only the frequencies that ``kept`` (n_f,) marks."""
+        """Copy with the frequencies that the mask ``kept`` (n_f,) marks."""
         return replace(
             self,
             frequencies=self.frequencies[kept],
@@ -189,25 +193,25 @@ class FrequencyResponse:
         )
 
     def receptance(self) -> FrequencyResponse:
-        """Angle per torque: every output of motion integrated or kept."""
+        """Receptance (angle per torque), with outputs of velocity or acceleration integrated."""
         return self._of_order("rad")
 
     def mobility(self) -> FrequencyResponse:
-        """Angular velocity per torque, j omega times the receptance."""
+        """Mobility (angular velocity per torque), j omega times the receptance."""
         return self._of_order("rad/s")
 
     def accelerance(self) -> FrequencyResponse:
-        """Angular acceleration per torque, -omega^2 times the receptance."""
+        """Accelerance (angular acceleration per torque), -omega^2 times the receptance."""
         return self._of_order("rad/s^2")
 
     def _of_order(self, unit: str) -> FrequencyResponse:
-        wrong = [channel.name for channel in self.outputs if channel.unit not in ORDERS]
+        wrong = [channel.name for channel in self.outputs if channel.unit not in DERIVATIVE_ORDERS]
         if wrong:
             raise UsageError(
-                f"{', '.join(wrong)} is no angle, velocity or acceleration; select the outputs of motion first"
+                f"{', '.join(wrong)} is not an angle, velocity or acceleration; select the outputs of motion first"
             )
         s: ComplexArray = (2j * np.pi * self.frequencies[:, None]).astype(complex)
-        steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
+        steps = np.array([DERIVATIVE_ORDERS[unit] - DERIVATIVE_ORDERS[channel.unit] for channel in self.outputs])
         with np.errstate(divide="ignore", invalid="ignore"):
             values = np.asarray(self.values * (s**steps)[:, :, None], dtype=np.complex128)
         values = values if self.has_phase else np.abs(values).astype(np.complex128)
@@ -216,12 +220,12 @@ class FrequencyResponse:
         return replace(self, values=values, outputs=outputs, estimation=estimation)
 
     def dynamic_stiffness(self) -> FrequencyResponse:
-        """Torque per angle: the inverse of the receptance *matrix* at every frequency.
+        """Dynamic stiffness (torque per angle), the inverse of the receptance *matrix* at every frequency.
 
         Raises
         ------
         UsageError
-            There are not as many outputs as inputs.
+            The receptance matrix is not square, or not finite.
         """
         receptance = self.receptance()
         if len(self.outputs) != len(self.inputs):
@@ -248,7 +252,7 @@ class FrequencyResponse:
         return np.asarray(response * scales * conventions.amplitude_scale)
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Frequency, magnitude, phase if it is known, and coherence where there is one, of every pair."""
+        """Table with frequency, magnitude, phase if known and coherence if there is one, for each output and input."""
         columns = [Column("frequency", conventions.frequency)]
         data: list[FloatArray] = [self.frequencies * conventions.frequency_scale]
         for o, out in enumerate(self.outputs):
@@ -266,15 +270,15 @@ class FrequencyResponse:
         return Table(self.title, tuple(columns), rows, (*self.notes, *filter(None, [limit_line(self)]), SIGN_NOTE))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """The table as CSV text, also written to ``path``."""
+        """Table as CSV text, also written to ``path``."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """The table as JSON text, also written to ``path``."""
+        """Table as JSON text, also written to ``path``."""
         return self.table(conventions).to_json(path)
 
     def to_control(self) -> control.FrequencyResponseData:
-        """python-control's FrequencyResponseData with named signals, omega in rad/s."""
+        """Response as FrequencyResponseData of python-control with named signals, omega in rad/s."""
         import control
 
         return control.FrequencyResponseData(
@@ -297,7 +301,7 @@ class FrequencyResponse:
 
 
 def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """The array in the wanted shape; of one output over one input, the axes of length one may be missing."""
+    """Array in the shape wanted; for one output over one input, axes of length one may be missing."""
     if array.shape == shape:
         return array
     if array.shape == shape[:1] and shape[1:] == (1, 1):
@@ -307,7 +311,7 @@ def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[A
 
 
 def limit_line(response: FrequencyResponse) -> str:
-    """Up to where a response can be used, for files and tables; empty where nothing is said.
+    """Text on the highest usable frequency of a response, for files and tables; empty without a limit.
 
     >>> limit_line(FrequencyResponse([1.0], [[[1j]]], [Channel("y", "rad")], [Channel("u", "N*m")], usable_up_to=16.8))
     'usable up to 16.8 Hz'
@@ -327,7 +331,7 @@ def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], w
 
 
 def quotient_unit(above: str, below: str) -> str:
-    """The unit of one quantity over another.
+    """Unit of one quantity over another.
 
     >>> quotient_unit("rad", "N*m"), quotient_unit("N*m", "N*m"), quotient_unit("N*m", "rad")
     ('rad/(N*m)', '1', 'N*m/rad')

@@ -1,4 +1,4 @@
-"""A Holzer table: amplitudes and torques along a drivetrain at one frequency, station by station."""
+"""Holzer table: amplitudes and torques along a drivetrain at one frequency, station by station."""
 
 from __future__ import annotations
 
@@ -10,24 +10,27 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.response.table import Column, Table
 
 AMPLITUDE = Value("amplitude of the first station", "angle", exclusive=True)
+"""Specification of the amplitude of the first station, for options and arguments."""
 FREQUENCY = Value("frequency of a trial", "frequency", exclusive=True)
-MEGA = 1e-6
-ROUNDING = 1e-9
-"""Torque over the largest one in a table that is shown as none."""
+"""Specification of a trial frequency, for options and arguments."""
+MPA_PER_PA = 1e-6
+"""Factor from Pa to MPa."""
+NEGLIGIBLE_TORQUE = 1e-9
+"""Torque over the largest one of a table below which 0 is shown: it is what rounding leaves."""
 
 
 @dataclass(frozen=True)
 class HolzerLink:
-    """What carries the torque on to the next station.
+    """Connection between a station of a Holzer table and the next one.
 
     Attributes
     ----------
     elements : tuple of str
-        Those between the two stations.
+        Names of the elements between the two stations.
     stiffness : float
-        N m/rad at the near station; infinite for a rigid connection.
+        Stiffness referred to the near station, N m/rad; infinite for a rigid connection.
     twist : float
-        rad at the near station.
+        Twist referred to the near station, rad.
     stress : float
         Nominal shear stress in Pa of a shaft with a diameter; nan for others.
     ratio : float
@@ -43,23 +46,23 @@ class HolzerLink:
 
 @dataclass(frozen=True)
 class HolzerStation:
-    """One node: real quantities of its own shaft, SI units, peak values.
+    """Station of a Holzer table: one node, with real quantities of its own shaft, SI units, peak values.
 
     Attributes
     ----------
     node : str
     ratio : float
-        Speed over that of the shaft everything is referred to; nan where there is no fixed one.
+        Speed over that of the shaft that quantities are referred to; nan without a fixed ratio.
     inertia : float
-        kg m^2, with the half of shafts that have inertia.
+        Inertia in kg m^2, with half of that of adjacent shafts.
     amplitude : float
-        rad.
+        Angle, rad.
     inertia_torque : float
         ``J omega^2 theta``, N m.
     joined : float
         Torque of branches that join here, and of what holds the node, N m.
     torque : float
-        Sum of torques up to here, N m: what the link carries, or the remainder at the end of a branch.
+        Sum of torques up to this station, N m: the torque of the link, or the remainder at the end of a branch.
     link : HolzerLink or None
         To the next station, for the last station of a branch to the one it joins.
     """
@@ -76,7 +79,7 @@ class HolzerStation:
 
 @dataclass(frozen=True)
 class HolzerBranch:
-    """Stations from a free end to where the branch joins another, or to the last station.
+    """Branch of a Holzer table: stations from a free end to where it joins another branch, or to the last station.
 
     ``joins`` is the node it joins, empty for a main line.
     """
@@ -86,13 +89,14 @@ class HolzerBranch:
 
     @property
     def title(self) -> str:
+        """Heading of the branch, such as 'pump to gearbox, which it joins'."""
         first, last = self.stations[0].node, self.joins or self.stations[-1].node
         return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
 
 
 @dataclass(frozen=True, eq=False)
 class HolzerTable:
-    """Branches at one frequency, main lines first.
+    """Holzer table of a drivetrain at one frequency: its branches, main lines first.
 
     Attributes
     ----------
@@ -140,22 +144,22 @@ class HolzerTable:
         return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
 
     def station(self, node: str) -> HolzerStation:
-        """The station of a node."""
+        """Station of a node."""
         return next(one for one in self._stations() if one.node == node)
 
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
-        """One table per branch; with ``referred`` amplitudes, torques, stiffnesses as on one shaft."""
+        """Tables of the branches; with ``referred`` all quantities are referred to one shaft."""
         return tuple(self._table(number, branch, referred=referred) for number, branch in enumerate(self.branches, 1))
 
     def table(self, *, referred: bool = False) -> Table:
-        """All branches in one table, the number of the branch in front."""
+        """Table of all branches, with the number of the branch in the first column."""
         tables = self.tables(referred=referred)
         rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
         return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())
 
     @property
     def heading(self) -> str:
-        """What the table is of."""
+        """Heading of the table with model, mode or trial, and frequency."""
         what = f"mode {self.mode}, " if self.mode else "trial at "
         return f"{self.title}: {what}{self.frequency:.6g} Hz, {self.frequency * 60:.6g} per minute"
 
@@ -178,7 +182,7 @@ class HolzerTable:
             Column("stress", "MPa", 5),
             Column("to the next by"),
         )
-        rows = tuple(_row(one, ROUNDING * self._largest, referred=referred) for one in branch.stations)
+        rows = tuple(_row(one, NEGLIGIBLE_TORQUE * self._largest, referred=referred) for one in branch.stations)
         name = f"branch {number}, " if len(self.branches) > 1 else ""
         last = number == len(self.branches)
         heading = f"{self.heading}\n" if number == 1 else ""
@@ -187,7 +191,7 @@ class HolzerTable:
     def _notes(self) -> tuple[str, ...]:
         at = self.branches[0].stations[-1].node
         remainder = f"{self.remainder:.5g} N*m remain at {at}, {self.relative_remainder:.2g} of the largest torque"
-        if self.relative_remainder < ROUNDING:
+        if self.relative_remainder < NEGLIGIBLE_TORQUE:
             remainder = f"nothing but rounding remains at {at}"
         return (f"{remainder}; referred to {self.referred_to}", *self.notes)
 
@@ -202,4 +206,4 @@ def _row(one: HolzerStation, rounding: float, *, referred: bool) -> tuple[object
     stiff = not math.isinf(link.stiffness)
     stiffness = (link.stiffness, link.stiffness * one.ratio**2) if stiff else (None, None)
     names = ", ".join(link.elements) if stiff else f"{', '.join(link.elements)} (rigid)"
-    return (*own, *stiffness, link.twist * angle if stiff else None, link.stress * MEGA, names)
+    return (*own, *stiffness, link.twist * angle if stiff else None, link.stress * MPA_PER_PA, names)

@@ -1,4 +1,4 @@
-"""The angle between engines that are not fixed to each other with which a sum of orders swings least."""
+"""Search of the angles between engines of unknown phase that give the smallest half range of the sum of orders."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from torsionnet.response.engine_blocks import BlockGrid, EngineBlock, equally_fa
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.synthesis import extremes
-from torsionnet.response.worst_angle import LIKE, highest_maxima
+from torsionnet.response.worst_angle import EQUAL_SHARE, highest_maxima
 
-CANDIDATES = {2: 3, 3: 1}
-"""Smallest minima on the grid that are followed, of two engines and of more."""
-SWEEPS, STARTS = 2, 5
-"""Over more than two engines, and places they begin from."""
-ROUNDS, FINER = 4, 4
-"""Of ever finer steps, and how much finer each is."""
+REFINED_MINIMA = {2: 3, 3: 1}
+"""Smallest minima on the grid that are refined, for two engines and for more."""
+ENGINE_SWEEPS, START_POSITIONS = 2, 5
+"""Sweeps over more than two engines, and their start positions; more find the smallest minimum more surely."""
+STEP_REFINEMENTS, STEP_DIVISOR = 4, 4
+"""Refinements of the angle step, and the factor by which each divides the step."""
 
 
 def at_least(case: OrderResponse) -> Settled:
-    """The amplitudes of one case at the angles with the smallest half range by speed and output.
+    """Order amplitudes of one case at the engine angles with the smallest half range, by speed and output.
 
-    Of two engines it is the smallest of all angles; of more of them the smallest found.
+    For two engines it is the global minimum; for more the smallest that the search finds.
     """
     delays: dict[EngineBlock, FloatArray] = {}
     for blocks in equally_fast(case.lines):
@@ -38,24 +38,27 @@ def at_least(case: OrderResponse) -> Settled:
 
 
 Delays: TypeAlias = dict[EngineBlock, FloatArray]
+"""Delay (n_speeds, n_out) of each block of lines, rad of the reference shaft."""
 
 
 def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
-    """The best delays that sweeps over the engines come to from several places."""
+    """Best delays that sweeps over the engines reach from several start positions."""
     turn = 2 * np.pi * float(BlockGrid.of(case.lines, blocks).cycle)
     found = []
-    for number in range(STARTS):
+    for number in range(START_POSITIONS):
         start = {
-            block: np.full((len(case.speeds), len(case.outputs)), turn * ((number * place / STARTS + place / 3) % 1))
+            block: np.full(
+                (len(case.speeds), len(case.outputs)), turn * ((number * place / START_POSITIONS + place / 3) % 1)
+            )
             for place, block in enumerate(blocks[1:], 1)
         }
-        found.append(_swept(case, blocks, start, SWEEPS))
+        found.append(_swept(case, blocks, start, ENGINE_SWEEPS))
     best = np.argmin([_half_range(case, one) for one in found], axis=0)
     return {block: np.choose(best, [one[block] for one in found]) for block in blocks[1:]}
 
 
 def _swept(case: OrderResponse, blocks: Sequence[EngineBlock], start: Delays, sweeps: int) -> Delays:
-    """Each engine in turn where the sum is least while the others stay."""
+    """Delays after sweeps in which each engine in turn is moved to the smallest half range."""
     delays, grid = {**start}, BlockGrid.of(case.lines, blocks)
     still = np.zeros((len(case.speeds), len(case.outputs)))
     for _ in range(sweeps):
@@ -71,7 +74,7 @@ def _half_range(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -
 def _least(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, grid: BlockGrid, number: int
 ) -> FloatArray:
-    """The delay of one block at which the half range is least while the others stay."""
+    """Delay (n_speeds, n_out) of one block with the smallest half range while the others are fixed."""
     step = 2 * np.pi * float(grid.cycle) / grid.points
     values = _later(case, {**delays, block: np.zeros_like(delays[block])})
     waves = [_wave(case, values, places, np.asarray(step * np.arange(grid.points))) for places in grid.places]
@@ -79,14 +82,14 @@ def _least(
     moved = (others + np.roll(waves[number], steps, axis=2) for steps in range(grid.periods[number]))
     ranges = np.stack([np.subtract(*extremes(wave)) for wave in moved], axis=2)
     best, size = delays[block], np.full(delays[block].shape, np.inf)
-    for steps in highest_maxima(ranges.max(axis=2, keepdims=True) - ranges)[: CANDIDATES[min(len(waves), 3)]]:
+    for steps in highest_maxima(ranges.max(axis=2, keepdims=True) - ranges)[: REFINED_MINIMA[min(len(waves), 3)]]:
         found, own = _refined(case, delays, block, np.asarray(step * steps), step)
-        best, size = np.where(own < size * (1 - LIKE), found, best), np.minimum(size, own)
+        best, size = np.where(own < size * (1 - EQUAL_SHARE), found, best), np.minimum(size, own)
     return best
 
 
 def _later(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> ComplexArray:
-    """Amplitudes with blocks later by angles (n_speeds, n_out) of the reference shaft."""
+    """Order amplitudes with blocks delayed by angles (n_speeds, n_out) of the reference shaft, rad."""
     found = case.values.copy()
     for block, delay in delays.items():
         rates = np.array([float(case.lines[at].relative) for at in block.places])
@@ -103,12 +106,12 @@ def _wave(case: OrderResponse, values: ComplexArray, places: Sequence[int], angl
 def _refined(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, start: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """The best delay near one and the half range there, summed finely."""
+    """Best delay near a start value, and the half range there, both (n_speeds, n_out)."""
     best, size = start, np.full(start.shape, np.inf)
-    for _ in range(ROUNDS):
-        for place in range(-FINER, FINER + 1):
-            one = start + step * place / FINER
+    for _ in range(STEP_REFINEMENTS):
+        for place in range(-STEP_DIVISOR, STEP_DIVISOR + 1):
+            one = start + step * place / STEP_DIVISOR
             own = _half_range(case, {**delays, block: one})
-            best, size = np.where(own < size * (1 - LIKE), one, best), np.minimum(size, own)
-        start, step = best, step / FINER
+            best, size = np.where(own < size * (1 - EQUAL_SHARE), one, best), np.minimum(size, own)
+        start, step = best, step / STEP_DIVISOR
     return best, size

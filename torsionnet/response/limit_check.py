@@ -1,4 +1,4 @@
-"""What a check of limits found: worst speed, utilisation and verdict of every criterion, speeds to be barred."""
+"""Result of a check of limits: worst speed, utilisation and verdict of each criterion, and speeds to be barred."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from torsionnet.response.speed_spans import SpeedSpan, joined_spans
 from torsionnet.response.table import Column, Table
 
 PASS, BARRED, INCOMPLETE, OPEN, FAIL = "pass", "barred range", "incomplete", "not judged", "fail"
-"""Verdicts by gravity: holds at every speed; holds outside of speeds that are barred; holds, but not all was examined;
-data are missing; does not hold."""
+"""Verdicts from best to gravest: the limit holds at every speed; outside of barred speeds; at all that was examined;
+data are missing; it does not hold."""
 
 MOST_NAMES = 6
-"""Configurations that a sentence names."""
+"""Most configurations that a sentence names; of more, the first are named."""
 
 
 def gravest(verdicts: Iterable[str]) -> str:
-    """The gravest of verdicts, "pass" where there are none.
+    """Gravest of some verdicts, "pass" if there are none.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def gravest(verdicts: Iterable[str]) -> str:
 
 
 def unexamined(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
-    """Which of the known configurations were not examined, in words; nothing where none is missing.
+    """Sentence on the configurations that were not examined, as a list of one; empty if none is missing.
 
     Examples
     --------
@@ -48,24 +48,24 @@ def unexamined(missing: Sequence[str], known: Sequence[str], examined: Sequence[
     lead = f"{len(missing)} of {len(known)} configurations not examined"
     kept = [name for name in known if name not in missing]
     if not kept:
-        return [f"{lead}, but {few([name or 'the model as written' for name in examined])}"]
-    return [f"{lead}: " + (f"all but {few(kept)}" if len(kept) < len(missing) else few(missing))]
+        return [f"{lead}, but {listed_names([name or 'the model as written' for name in examined])}"]
+    return [f"{lead}: " + (f"all but {listed_names(kept)}" if len(kept) < len(missing) else listed_names(missing))]
 
 
-def few(names: Sequence[str]) -> str:
-    """Names in a sentence, of many the first."""
+def listed_names(names: Sequence[str]) -> str:
+    """Names joined for a sentence; of more than MOST_NAMES the first."""
     return comma_list(names, MOST_NAMES)
 
 
-def used(values: FloatArray, allowed: FloatArray) -> FloatArray:
-    """Value over value allowed; NaN where nothing is allowed or covered."""
+def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
+    """Utilisation, value over value allowed; NaN where a rule gives no allowed value."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
 
 
 @dataclass(frozen=True)
 class RuleText:
-    """Where a rule comes from, what it says as a formula, and what it leaves out."""
+    """Text on the rule of a limit: its source, its formula, and what it does not cover."""
 
     source: str
     formula: str
@@ -74,31 +74,31 @@ class RuleText:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LimitVerdict:
-    """One criterion of one limit over speed.
+    """Verdict on one criterion of one limit, with values and allowed values over speed.
 
     Attributes
     ----------
     limit : str
-        Its name in the model.
+        Name of the limit in the model.
     of : str
-        Element, node or output it is about.
+        Element, node or output that is limited.
     criterion : str
-        The symbol of the value allowed, as tau_C.
+        Symbol of the allowed value, such as tau_C.
     quantity : str
-        What is compared with it.
+        Quantity that is compared with the allowed value.
     unit : str
-        SI.
+        SI unit.
     values, allowed : (n_speeds,) arrays
-        NaN in ``allowed`` at speeds that the rule does not cover; both empty where nothing could be judged.
+        ``allowed`` is NaN at speeds that the rule does not cover; both are empty if the limit could not be judged.
     verdict : {"pass", "barred range", "fail", "not judged"}
     text : RuleText
     barred : tuple of SpeedSpan
-        Speeds to be barred so that the limit holds everywhere else.
+        Speeds to be barred so that the limit holds at all others.
     remarks : tuple of str
     orders : (n_speeds, n_lines) array, optional
-        Amplitudes of the orders that make ``values``.
+        Amplitudes of the orders behind ``values``.
     absent : bool
-        Whether it is not judged since what it is about is switched off.
+        Whether the limit is not judged because its element is switched off.
     """
 
     limit: str
@@ -117,26 +117,26 @@ class LimitVerdict:
 
     @property
     def utilisation(self) -> FloatArray:
-        """Value over value allowed, (n_speeds,); NaN where nothing is allowed or covered."""
-        return used(self.values, self.allowed)
+        """Utilisation, value over value allowed, (n_speeds,); NaN where the rule gives no allowed value."""
+        return utilisation_of(self.values, self.allowed)
 
     @property
     def worst(self) -> int | None:
-        """Place of the speed with the largest utilisation."""
+        """Index of the speed with the largest utilisation; None if there is none."""
         found = self.utilisation
         return None if not np.isfinite(found).any() else int(np.nanargmax(found))
 
 
 @dataclass(frozen=True, eq=False)
 class LimitCheck:
-    """Verdicts on all limits of a model in one condition.
+    """Check of all limits of a model in one configuration, with their verdicts.
 
     Attributes
     ----------
     speeds : (n_speeds,) array
-        Of the reference shaft, rad/s: those asked for, and between them those at which more had to be known.
+        Speeds of the reference shaft, rad/s: those asked for and those added to resolve peaks and crossings.
     reference : str
-        Its node.
+        Node of the reference shaft.
     verdicts : tuple of LimitVerdict
     lines : tuple of str
         Names of the orders in ``LimitVerdict.orders``.
@@ -145,9 +145,9 @@ class LimitCheck:
         Whether a cylinder misfires in this condition.
     notes : tuple of str
     configurations : tuple of str
-        All of the model.
+        All configurations of the model.
     others : tuple of str
-        Those that this check is not about.
+        Configurations that this check is not about.
     left_out : tuple of str
         Limits and excitations that were left out, in words.
     """
@@ -171,27 +171,27 @@ class LimitCheck:
 
     @property
     def verdict(self) -> str:
-        """The gravest of all verdicts on this configuration.
+        """Gravest of all verdicts on this configuration.
 
-        "incomplete" instead of "pass" and "barred range" where no configuration was chosen although there are others.
+        "incomplete" instead of "pass" and "barred range" if no configuration was chosen although there are some.
         """
         found = [one.verdict for one in self.verdicts]
         return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
-        """Speeds that any limit wants barred, joined where they overlap."""
+        """Speeds to be barred by any limit, joined where they overlap."""
         return joined_spans([span for one in self.verdicts for span in one.barred])
 
     @property
     def conclusion(self) -> str:
-        """In a sentence: what was not examined, if anything, and what follows from all verdicts."""
+        """Conclusion from all verdicts in a sentence, with what was not examined."""
         missing = [*unexamined(self.others, self.configurations, [self.configuration]), *self.left_out]
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
         return "; ".join([*missing, self.finding(where)])
 
     def finding(self, where: str = "") -> str:
-        """What follows from all verdicts on this configuration, in a sentence; ``where`` names it."""
+        """Conclusion from all verdicts on this configuration in a sentence, with ``where`` as its name in the text."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
         unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
         barred = ", ".join(map(str, self.barred))
@@ -209,12 +209,12 @@ class LimitCheck:
         return "the limits examined" if self.left_out else "all limits"
 
     def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
-        """The verdict on a limit, on one of its criteria where there are several.
+        """Verdict on a limit, or on one of its criteria if it has several.
 
         Raises
         ------
         UsageError
-            There is none, or there are several and no criterion is named.
+            There is no such limit, or it has several criteria and none is named.
         """
         found = [one for one in self.verdicts if one.limit == limit and criterion in (None, one.criterion)]
         if len(found) == 1:
@@ -225,7 +225,7 @@ class LimitCheck:
         raise UsageError(f"{what}; there are {', '.join(known)}")
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row for every criterion, at its worst speed; what it rests on below."""
+        """Table with a row for each criterion at its worst speed, and the rules as notes."""
         columns = (
             Column("limit"),
             Column("of"),
@@ -247,7 +247,7 @@ class LimitCheck:
         return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))
 
     def texts(self) -> dict[RuleText, list[str]]:
-        """Names of the limits by the text of their rule."""
+        """Names of the limits, grouped by the text of their rule."""
         found: dict[RuleText, list[str]] = {}
         for one in self.verdicts:
             names = found.setdefault(one.text, [])
@@ -265,7 +265,7 @@ class LimitCheck:
         return (one.limit, one.of, one.criterion, *numbers, one.verdict, barred)
 
     def long_table(self) -> Table:
-        """Value and value allowed at every speed, SI."""
+        """Table with value, allowed value and utilisation of each criterion at every speed, SI."""
         columns = (
             Column("limit"), Column("of"), Column("criterion"), Column("speed", "rpm"), Column("value"),
             Column("allowed"), Column("unit"), Column("utilisation"),

@@ -1,4 +1,4 @@
-"""What follows from the limits of all configurations of a model: no pass while one of them was not examined."""
+"""Conclusion on the limits of a model from checks of its configurations; no pass while one was not examined."""
 
 from __future__ import annotations
 
@@ -6,18 +6,27 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from torsionnet.core.errors import UsageError
-from torsionnet.response.limit_check import FAIL, INCOMPLETE, OPEN, LimitCheck, LimitVerdict, few, gravest, unexamined
+from torsionnet.response.limit_check import (
+    FAIL,
+    INCOMPLETE,
+    OPEN,
+    LimitCheck,
+    LimitVerdict,
+    gravest,
+    listed_names,
+    unexamined,
+)
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans
 
 
 @dataclass(frozen=True, eq=False)
 class LimitConclusion:
-    """The verdict on a model from checks in its configurations.
+    """Conclusion on the limits of a model from checks in its configurations.
 
     Attributes
     ----------
     checks : tuple of LimitCheck
-        One for each configuration that was examined, all of one model.
+        Checks of one model, one for each configuration that was examined.
 
     Examples
     --------
@@ -32,11 +41,11 @@ class LimitConclusion:
 
     def __post_init__(self) -> None:
         if not self.checks:
-            raise UsageError("nothing was examined: a conclusion rests on at least one check of limits")
+            raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
 
     @property
     def configurations(self) -> tuple[str, ...]:
-        """All of the model, examined or not."""
+        """All configurations of the model, examined or not."""
         return self.checks[0].configurations
 
     @property
@@ -51,7 +60,7 @@ class LimitConclusion:
 
     @property
     def verdict(self) -> str:
-        """The gravest of all; "incomplete" instead of "pass" and "barred range" where not all was examined."""
+        """Gravest of all verdicts; "incomplete" instead of "pass" or "barred range" if not all was examined."""
         found = [one.verdict for _, one in self._verdicts()]
         return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
 
@@ -62,7 +71,7 @@ class LimitConclusion:
 
     @property
     def sentence(self) -> str:
-        """What was not examined, if anything, and what follows from all checks."""
+        """Conclusion from all checks in a sentence, with what was not examined."""
         if len(self.checks) == 1:
             return self.checks[0].conclusion
         examined = [one.configuration for one in self.checks]
@@ -71,7 +80,7 @@ class LimitConclusion:
         )
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
-        """All but those on what a configuration switches off and another one has."""
+        """Verdicts with their checks, without those on elements that are switched off here and judged elsewhere."""
         judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
         for check in self.checks:
             yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
@@ -98,7 +107,7 @@ class LimitConclusion:
         return self.checks[0].reference
 
     def _of(self, verdict: str) -> dict[str, str]:
-        """Limits of a verdict, and the configurations in which they have it."""
+        """Limits with a verdict, and the text on the configurations in which they have it."""
         found: dict[str, list[str]] = {}
         for check, one in self._verdicts():
             if one.verdict == verdict:
@@ -117,4 +126,4 @@ class LimitConclusion:
             return ""
         if len(self.configurations) > 1 and len(named) == len(self.configurations):
             return f" in all {len(named)} configurations"
-        return f" in {few(named)}"
+        return f" in {listed_names(named)}"

@@ -1,4 +1,4 @@
-"""How far a controlled drivetrain is from becoming unstable: the loop opened at a controller, and its margins."""
+"""Stability margins of a controlled drivetrain, from the loop opened at a controller."""
 
 from __future__ import annotations
 
@@ -10,15 +10,19 @@ from numpy.typing import NDArray
 
 from torsionnet.response.table import Column, Table
 
-STABLE = "the drivetrain is stable"
-UNSTABLE = "the closed loop is unstable, so these are no margins: they say where a pole would reach the imaginary axis"
-_KEPT = ("gain may grow by the factor", "gain may fall to the factor", "phase margin", "delay margin")
-_LOST = ("gain grown by the factor", "gain fallen to the factor", "phase lag added", "delay added")
+STABLE_NOTE = "the drivetrain is stable"
+"""Note below the margins of a stable drivetrain."""
+UNSTABLE_NOTE = (
+    "the closed loop is unstable, so these are no margins: they say where a pole would reach the imaginary axis"
+)
+"""Note below the margins of an unstable drivetrain."""
+_STABLE_ROWS = ("gain may grow by the factor", "gain may fall to the factor", "phase margin", "delay margin")
+_UNSTABLE_ROWS = ("gain grown by the factor", "gain fallen to the factor", "phase lag added", "delay added")
 
 
 @dataclass(frozen=True)
 class Margin:
-    """A value at a frequency in Hz; nan where there is none."""
+    """Stability margin with the frequency in Hz at which the loop has it; nan where there is none."""
 
     value: float = math.nan
     frequency: float = math.nan
@@ -26,27 +30,27 @@ class Margin:
 
 @dataclass(frozen=True, eq=False)
 class LoopMargins:
-    """The loop L(j omega) opened at the torque of a controller, all other loops closed, and its margins.
+    """Open loop L(j omega) at the torque of a controller, all other loops closed, with its stability margins.
 
-    The drivetrain with the loop closed has its poles where 1 + L(s) = 0, so that L is what would come back, with the
-    sign of negative feedback, of one N m applied in the place of the controller.
+    The drivetrain with the loop closed has its poles where 1 + L(s) = 0: L is the torque of the controller, with the
+    sign of negative feedback, in response to 1 N m applied in its place.
 
     Attributes
     ----------
     controller : str
     frequencies : (n,) array
-        Hz.
+        Frequencies, Hz.
     loop : (n,) complex array
-        L.
+        Open loop L at the frequencies.
     stable : bool
-        Whether no mode grows. Of a drivetrain that is not stable the values below are no margins: they say where a pole
-        reaches the imaginary axis, which need not be the one that grows.
+        Whether no mode grows. For an unstable drivetrain the values below are no margins: they say where a pole reaches
+        the imaginary axis, which need not be the unstable one.
     gain_increase, gain_decrease : Margin
         Factors > 1 and < 1 of the gain of the controller at which a pole reaches the imaginary axis.
     phase : Margin
-        Degrees that L may lag (lead, where negative) further, where its magnitude is one; the smallest.
+        Smallest phase margin in degrees: lag (lead if negative) that L may gain where its magnitude is 1.
     delay : Margin
-        Further delay in s.
+        Additional delay in s at which a pole reaches the imaginary axis.
     modulus : Margin
         Smallest distance of L from -1.
     title : str
@@ -64,9 +68,11 @@ class LoopMargins:
     title: str = ""
 
     def table(self) -> Table:
-        """The margins with the frequencies at which they are met; of an unstable loop, where a pole meets the axis."""
+        """Table of the margins and their frequencies; for an unstable loop, where a pole reaches the axis."""
         names, what, note = (
-            (_KEPT, "margin", STABLE) if self.stable else (_LOST, "a pole reaches the axis with", UNSTABLE)
+            (_STABLE_ROWS, "margin", STABLE_NOTE)
+            if self.stable
+            else (_UNSTABLE_ROWS, "a pole reaches the axis with", UNSTABLE_NOTE)
         )
         rows = (
             (names[0], self.gain_increase.value, "1", self.gain_increase.frequency),
@@ -78,4 +84,4 @@ class LoopMargins:
         columns = (Column(what), Column("value"), Column("unit"), Column("at", "Hz"))
         shown = tuple(tuple(None if cell != cell else cell for cell in row) for row in rows)
         title = f"{self.title}: loop opened at {self.controller}"
-        return Table(title if self.stable else f"{title}, UNSTABLE when closed", columns, shown, (note,))
+        return Table(title if self.stable else f"{title}, UNSTABLE_NOTE when closed", columns, shown, (note,))

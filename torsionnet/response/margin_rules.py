@@ -1,4 +1,4 @@
-"""How far natural frequencies have to stay from what excites them: rules as small tables, each with its source."""
+"""Separation margin rules between natural frequencies and excitation frequencies, each with its source."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 from torsionnet.core.errors import UsageError, suggestion_or
 
-CITED = "as commonly cited; check your edition"
-MOST = 1.0
+CITED_REMARK = "as commonly cited; check your edition"
+"""Remark on the source of rules that are not copied from a standard."""
+LARGEST_MARGIN = 1.0
+"""Largest margin as a share of the excitation frequency; a larger number is probably meant in percent."""
 
 
 @dataclass(frozen=True)
 class MarginClause:
-    """A margin for orders from ``lowest`` to ``highest``; with ``whole`` only for whole multiples of the speed."""
+    """Margin required for orders from ``lowest`` to ``highest``; with ``whole`` only for whole orders."""
 
     lowest: float
     highest: float
@@ -21,22 +23,23 @@ class MarginClause:
     whole: bool = False
 
     def covers(self, order: float) -> bool:
+        """Whether the clause applies to an order."""
         return self.lowest <= order <= self.highest and not (self.whole and order != round(order))
 
 
 @dataclass(frozen=True)
 class MarginRule:
-    """Least distance of a natural frequency from an excitation frequency, over the excitation frequency.
+    """Rule for the least distance of natural from excitation frequencies, relative to the excitation frequency.
 
     Attributes
     ----------
     name : str
     source : str
-        Where the numbers come from, and what the rule leaves out.
+        Source of the numbers, and what the rule leaves out.
     clauses : tuple of MarginClause
-        By order of the shaft of the excitation.
+        Margins by order of the shaft of the excitation.
     fixed : float or None
-        For excitation at a fixed frequency such as that of the line; None where the rule says nothing.
+        Margin for excitation at a fixed frequency such as the line frequency; None if not covered.
 
     Examples
     --------
@@ -51,7 +54,7 @@ class MarginRule:
     fixed: float | None = None
 
     def required(self, order: float) -> float | None:
-        """The margin for an order, 0 for a fixed frequency, below 0 for a slip; None where the rule covers none."""
+        """Margin required for an order (0: a fixed frequency, negative: a slip); None if the rule does not cover it."""
         if order <= 0:
             return self.fixed
         return next((clause.margin for clause in self.clauses if clause.covers(order)), None)
@@ -65,23 +68,23 @@ _TEN = "10 % from every excitation frequency in the operating range, 1x and 2x l
 PRESETS: Mapping[str, MarginRule] = {
     rule.name: rule
     for rule in (
-        MarginRule("api610", f"API 610 / ISO 13709, torsional analysis of pumps: {_TEN}; {CITED}", _ANY, 0.10),
-        MarginRule("api617", f"API 617, train torsional analysis of compressors: {_TEN}; {CITED}", _ANY, 0.10),
+        MarginRule("api610", f"API 610 / ISO 13709, torsional analysis of pumps: {_TEN}; {CITED_REMARK}", _ANY, 0.10),
+        MarginRule("api617", f"API 617, train torsional analysis of compressors: {_TEN}; {CITED_REMARK}", _ANY, 0.10),
         MarginRule(
             "api618",
             "API 618, reciprocating compressors: 10 % at 1x, 5 % at its whole multiples up to 10x, 10 % from 1x "
-            f"and 2x line frequency; half orders and orders above 10 are not covered; {CITED}",
+            f"and 2x line frequency; half orders and orders above 10 are not covered; {CITED_REMARK}",
             (MarginClause(1, 1, 0.10), MarginClause(2, 10, 0.05, whole=True)),
             0.10,
         ),
-        MarginRule("api684", f"API RP 684 (now TR 684-1), rotordynamic tutorial: {_TEN}; {CITED}", _ANY, 0.10),
+        MarginRule("api684", f"API RP 684 (now TR 684-1), rotordynamic tutorial: {_TEN}; {CITED_REMARK}", _ANY, 0.10),
         MarginRule("line_frequency", "10 % from 1x and 2x line frequency only; no standard is meant", (), 0.10),
     )
 }
 
 
 def margin_rule(given: str | float | MarginRule | None) -> MarginRule | None:
-    """The rule meant by a name of a preset, by a share such as 0.15 or ``15 %``, or the rule itself.
+    """Margin rule from the name of a preset, a share such as 0.15 or ``15 %``, or a rule.
 
     Raises
     ------
@@ -101,7 +104,7 @@ def margin_rule(given: str | float | MarginRule | None) -> MarginRule | None:
     if share is None:
         hint = suggestion_or(str(given), PRESETS, f"there are {', '.join(PRESETS)}, or give a share as 15 %")
         raise UsageError(f'no margin rule is named "{given}"{hint}')
-    if not 0 < share < MOST:
+    if not 0 < share < LARGEST_MARGIN:
         raise UsageError(f"a margin is a share between 0 and 1, as 10 % or 0.1; got {given}")
     return MarginRule("own", f"{100 * share:g} % from every excitation frequency, as given", _every(share), share)
 
@@ -111,7 +114,7 @@ def _every(share: float) -> tuple[MarginClause, ...]:
 
 
 def _share(given: str | float) -> float | None:
-    """The number meant by ``15 %`` or ``0.15``."""
+    """Number from a text such as ``15 %`` or ``0.15``; None if it is not a number."""
     text = str(given).strip()
     try:
         return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)

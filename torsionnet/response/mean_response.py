@@ -1,4 +1,4 @@
-"""What the mean torques of running machinery make of a drivetrain, over its speed."""
+"""Mean response of a drivetrain to the mean torques of running machinery, over speed."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class MeanResponse:
-    """Mean values by speed and output.
+    """Mean values of outputs (torques, twists, stresses) over speed.
 
     Attributes
     ----------
     speeds : (n_speeds,) array
-        Of the reference shaft, rad/s.
+        Speeds of the reference shaft, rad/s.
     reference : str
-        Its node.
+        Node of the reference shaft.
     values : (n_speeds, n_out) array
-        SI units.
+        Mean values, SI.
     outputs : tuple of Channel
     title : str
-        The model with its configuration.
+        Name of the model with its configuration.
     notes : tuple of str
-        What the values rest on.
+        Remarks on what the values are based on.
     """
 
     speeds: FloatArray
@@ -45,12 +45,12 @@ class MeanResponse:
         return np.asarray(self.speeds * RPM)
 
     def of(self, output: str) -> FloatArray:
-        """Values over speed, shape (n_speeds,), of an output by its name.
+        """Mean values of an output over speed, shape (n_speeds,), SI.
 
         Raises
         ------
         UsageError
-            No such output.
+            There is no such output.
         """
         names = [channel.name for channel in self.outputs]
         if output not in names:
@@ -60,7 +60,7 @@ class MeanResponse:
         return np.asarray(self.values[:, names.index(output)])
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row a speed."""
+        """Table with a row for each speed and a column for each output."""
         columns = [Column("speed", "rpm")]
         columns += [Column(channel.name, conventions.unit(channel.unit)) for channel in self.outputs]
         scales = np.array([conventions.scale(channel.unit) for channel in self.outputs])

@@ -1,4 +1,4 @@
-"""Which number a mode has: one way of counting for tables, pictures, files, questions and studies."""
+"""Numbers and names of modes, counted in one way for tables, pictures, files and studies."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from torsionnet.core.errors import UsageError
 
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
-COUNTING = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
-"""What tables of modes say below."""
+"""Kinds of modes."""
+COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
+"""Note below tables of modes on how they are counted."""
 
 
 def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
@@ -29,7 +30,7 @@ def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
 
 
 def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
-    """What modes are called in headings: their number, or what they are, counted where there are several.
+    """Names of modes in headings: their number, or their kind, with a letter if there are several of it.
 
     Examples
     --------
@@ -45,18 +46,18 @@ def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def _letters(number: int) -> str:
-    """A to z, then aa, ab and so on."""
+    """Letters for a number from 1: a to z, then aa, ab and so on."""
     whole, rest = divmod(number - 1, 26)
     return (_letters(whole) if whole else "") + chr(ord("a") + rest)
 
 
 def place_of(number: int, kinds: Sequence[str]) -> int:
-    """Where the mode of a number stands among all.
+    """Index of the mode with a number among all modes.
 
     Raises
     ------
     UsageError
-        There is none.
+        There is no mode of this number.
     """
     numbers = mode_numbers(kinds)
     if number in numbers:

@@ -1,4 +1,4 @@
-"""Complex modes of a drivetrain as a result: table, shapes, energies."""
+"""Complex modes of a drivetrain: eigenvalues, shapes and energy shares, with their tables."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.mode_numbers import COUNTING, OSCILLATORY, REAL, RIGID, mode_names, mode_numbers
+from torsionnet.response.mode_numbers import COUNTING_NOTE, OSCILLATORY, REAL, RIGID, mode_names, mode_numbers
 from torsionnet.response.table import Column, Table
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -23,30 +23,30 @@ __all__ = ["OSCILLATORY", "REAL", "RIGID", "ComplexArray", "FloatArray", "Modes"
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Modes: one entry per conjugate pair, one per real pole, one per rigid-body mode; in the order of ``|lambda|``.
+    """Complex modes of a drivetrain, one per conjugate pair, real pole or rigid-body mode, sorted by ``|lambda|``.
 
     Attributes
     ----------
     eigenvalues : (n_modes,) complex array
-        lambda in rad/s, Im >= 0.
+        Eigenvalues lambda in rad/s, Im >= 0.
     kinds : tuple of str
         ``"rigid body"``, ``"real pole"`` or ``"oscillatory"``.
     nodes : tuple of str
-        Names to the rows of ``shapes``.
+        Node of each row of ``shapes``.
     shapes : (n_nodes, n_modes) complex array
         Angles, scaled to 1 at the node that moves most; nan at nodes that are not part of a cut system.
     undamped_natural_frequencies : (n,) array
-        Hz, of M and K alone, ascending, rigid-body modes as 0.
+        Natural frequencies of M and K alone, Hz, ascending, rigid-body modes as 0.
     elements : tuple of str
-        Names to the rows of the energy shares.
+        Element of each row of the energy shares.
     kinetic, strain, dissipated : (n_elements, n_modes) arrays
-        Share of each element in the kinetic energy, strain energy and dissipated power of a mode. The sizes of the
-        shares sum to 1 where there are any: those of an element that feeds the vibration, as a controller, are
-        negative in ``dissipated``, those of a stiffness or inertia below zero likewise.
+        Share of each element in the kinetic energy, strain energy and dissipated power of a mode. The magnitudes of
+        the shares sum to 1, unless all are 0. Shares of elements that feed energy into the vibration, such as
+        controllers, are negative in ``dissipated``, those of negative stiffnesses or inertias in the energies.
     converged : (n_modes,) bool array
         False where the iteration for a frequency-dependent law did not settle.
     descriptions : tuple of str
-        A sentence about each mode.
+        Sentence on each mode.
     title : str
     notes : tuple of str
 
@@ -79,29 +79,29 @@ class Modes:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What every mode is called in headings: its number, or "rigid body", "real pole"."""
+        """Name of every mode in headings: its number, or "rigid body", "real pole"."""
         return mode_names(self.kinds)
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
         return np.asarray(np.abs(self.eigenvalues) / (2 * np.pi))
 
     @cached_property
     def damped_frequencies(self) -> FloatArray:
-        """Im lambda / 2 pi in Hz, the frequency of a free vibration; 0 for real poles and rigid-body modes."""
+        """Damped natural frequencies Im lambda / 2 pi in Hz; 0 for real poles and rigid-body modes."""
         return np.asarray(self.eigenvalues.imag / (2 * np.pi))
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """``-Re lambda / |lambda|``; 1 for a stable real pole, nan for a rigid-body mode, which has none."""
+        """Damping ratios ``-Re lambda / |lambda|``; 1 for a stable real pole, nan for a rigid-body mode."""
         size = np.abs(self.eigenvalues)
         ratios = np.full(len(size), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
         return ratios + 0.0
 
     def first(self, count: int | None) -> Modes:
-        """Only the first modes and undamped natural frequencies."""
+        """Copy with the first ``count`` modes and undamped natural frequencies."""
         cut = {
             name: getattr(self, name)[..., :count]
             for name in ("eigenvalues", "shapes", "kinetic", "strain", "dissipated", "converged")
@@ -118,18 +118,18 @@ class Modes:
         return len(self.eigenvalues)
 
     def shape_at(self, node: str) -> ComplexArray:
-        """The row of ``shapes`` of a node."""
+        """Complex angle of a node in every mode, (n_modes,), the row of ``shapes``."""
         if node not in self.nodes:
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, self.nodes)}')
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
-        """(kinetic, strain, dissipated) share of every element in the mode at this place of the arrays."""
+        """Shares (kinetic, strain, dissipated) of every element in a mode, given by its index in the arrays."""
         shares = np.stack([self.kinetic[:, mode], self.strain[:, mode], self.dissipated[:, mode]], axis=1)
         return {name: (float(k), float(s), float(d)) for name, (k, s, d) in zip(self.elements, shares, strict=True)}
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row per mode: natural and damped frequency, damping ratio, eigenvalue, kind, description."""
+        """Table with a row per mode: natural and damped frequency, damping ratio, eigenvalue, kind, description."""
         columns = (
             Column("mode"),
             Column("natural frequency |lambda|/2pi", conventions.frequency),
@@ -155,12 +155,12 @@ class Modes:
             for index, value in enumerate(self.eigenvalues)
         )
         undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
-        counting = [COUNTING] if None in self.numbers else []
+        counting = [COUNTING_NOTE] if None in self.numbers else []
         notes = (*counting, f"undamped natural frequencies [{conventions.frequency}]: {undamped}", *self.notes)
         return Table(self.title, columns, rows, notes)
 
     def shape_table(self) -> Table:
-        """One row per node: magnitude and phase of every shape."""
+        """Table with a row per node: magnitude and phase of every mode shape."""
         columns = [Column("node")]
         for name in self.names:
             columns += [Column(f"|shape {name}|", "rad"), Column(f"phase {name}", "deg")]
@@ -175,7 +175,7 @@ class Modes:
         )
 
     def energy_table(self) -> Table:
-        """One row per element: its share in kinetic energy, strain energy and dissipation of every mode, in percent."""
+        """Table with a row per element: share in kinetic and strain energy and dissipation of each mode, percent."""
         columns = [Column("element")]
         for name in self.names:
             columns += [Column(f"{what} {name}", "%", 4) for what in ("kinetic", "strain", "dissipated")]
@@ -190,11 +190,11 @@ class Modes:
         return Table(f"{self.title}: energy shares", tuple(columns), tuple(rows))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """The table as CSV text, also written to ``path``."""
+        """Table as CSV text, also written to ``path``."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """The table as JSON text, also written to ``path``."""
+        """Table as JSON text, also written to ``path``."""
         return self.table(conventions).to_json(path)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Measured amplitudes of orders over speed, beside the calculated ones."""
+"""Comparison of measured order amplitudes over speed with calculated ones."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.table import Column, Table
 
-SAME = 1e-3
-"""Relative difference up to which two orders are one: a tracked order has few digits."""
+SAME_ORDER_DIFFERENCE = 1e-3
+"""Relative difference up to which two orders are the same: a tracked order has few digits."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOrder:
-    """What a test gave of one order.
+    """Measured amplitude of one order over speed.
 
     Attributes
     ----------
     order : float
         Vibrations per revolution of the reference shaft.
     speeds : (n,) array
-        rad/s, rising.
+        Speeds in rad/s, rising.
     amplitude : (n,) array
-        Peak values, SI.
+        Peak amplitudes, SI.
     """
 
     order: float
@@ -40,16 +40,16 @@ class MeasuredOrder:
 
 @dataclass(frozen=True, eq=False)
 class ComparedOrder:
-    """A measured order with the amplitude calculated at its speeds.
+    """Measured order with the calculated amplitude at the same speeds.
 
     Attributes
     ----------
     measured : MeasuredOrder
-        Of it those speeds that were calculated.
+        Measured order, at speeds within the calculated range.
     calculated : (n,) array
-        SI; straight between the calculated speeds.
+        Amplitude at the measured speeds, SI; linear between the calculated speeds.
     curve : (n_speeds,) array
-        At all calculated speeds.
+        Amplitude at all calculated speeds, SI.
     """
 
     measured: MeasuredOrder
@@ -60,19 +60,19 @@ class ComparedOrder:
 def compared_orders(
     response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder]
 ) -> tuple[ComparedOrder, ...]:
-    """Those measured orders that were calculated; excitations with the same order are added with their phases.
+    """Measured orders that were also calculated; excitations with the same order are added with their phases.
 
     Raises
     ------
     UsageError
-        No such output, or nothing that was measured was calculated.
+        There is no such output, or no measured order was calculated.
     """
     place, found = response.output(output), []
     for one in measured:
         lines = [
             number
             for number, line in enumerate(response.lines)
-            if not line.fixed and math.isclose(float(line.relative), one.order, rel_tol=SAME)
+            if not line.fixed and math.isclose(float(line.relative), one.order, rel_tol=SAME_ORDER_DIFFERENCE)
         ]
         low, high = response.speeds.min(), response.speeds.max()
         inside = (one.speeds >= low * (1 - 1e-9)) & (one.speeds <= high * (1 + 1e-9))
@@ -91,7 +91,7 @@ def compared_orders(
 def order_comparison(
     response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder], conventions: Conventions = SI
 ) -> Table:
-    """The largest amplitude of every order, measured and calculated, and how far they are apart over speed."""
+    """Table of the largest amplitude of each order, measured and calculated, and their RMS difference over speed."""
     channel = response.outputs[response.output(output)]
     scale, unit = conventions.scale(channel.unit), conventions.unit(channel.unit)
     rows, pairs = [], compared_orders(response, output, measured)

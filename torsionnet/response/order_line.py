@@ -1,4 +1,4 @@
-"""What one line of an order response is: which frequency, at which speed."""
+"""Order line: one order or fixed frequency of an excitation, and its frequency at each speed."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ import numpy as np
 
 from torsionnet.response.frequency_response import FloatArray
 
-FINEST = 10**6
-"""Largest denominator of an order."""
+LARGEST_DENOMINATOR = 10**6
+"""Largest denominator of an order as a fraction; finer ones are taken for rounding."""
 
 
 @dataclass(frozen=True)
 class OrderLine:
-    """One order of one excitation, or a frequency of it that does not follow the speed.
+    """Line of an order response: one order of one excitation, or a fixed frequency of it.
 
     Attributes
     ----------
     excitation : str
     order : float
-        Vibrations per revolution of the shaft the excitation runs with.
+        Vibrations per revolution of the shaft of the excitation.
     ratio : Fraction
         Revolutions of that shaft per revolution of the reference shaft, not negative.
     fixed : float
-        Hz, added to what follows the speed: all of it where ``order`` is 0; with an order below 0 a slip.
+        Frequency in Hz added to that of the order: the whole frequency if ``order`` is 0; a slip if it is negative.
     engine : str
-        Where angles between engines are not known: the engine this is of, or the first of those fixed to it.
+        Engine of the line, or the first of those fixed to it, if angles between engines are unknown.
     """
 
     excitation: str
@@ -39,15 +39,16 @@ class OrderLine:
 
     @property
     def exact_order(self) -> Fraction:
+        """Order as a fraction."""
         return near_fraction(float(self.order))
 
     @property
     def relative(self) -> Fraction:
-        """Vibrations per revolution of the reference shaft."""
+        """Order of the reference shaft: vibrations per revolution of it, as a fraction."""
         return self.exact_order * self.ratio
 
     def frequency(self, speeds: FloatArray) -> FloatArray:
-        """Hz at speeds of the reference shaft in rad/s; below 0 where a slip has changed its sign."""
+        """Frequency in Hz at speeds of the reference shaft in rad/s; negative where a slip has changed its sign."""
         return np.asarray(float(self.relative) * speeds / (2 * math.pi) + self.fixed)
 
     def __str__(self) -> str:
@@ -59,5 +60,5 @@ class OrderLine:
 
 
 def near_fraction(value: float) -> Fraction:
-    """The fraction of at most ``FINEST`` parts that an order or a frequency stands for."""
-    return Fraction(value).limit_denominator(FINEST)
+    """Nearest fraction to an order or a frequency with a denominator of at most ``LARGEST_DENOMINATOR``."""
+    return Fraction(value).limit_denominator(LARGEST_DENOMINATOR)

@@ -1,4 +1,4 @@
-"""What excitation by orders makes of a drivetrain over its speed: complex amplitudes, and what they sum up to."""
+"""Order response of a drivetrain: complex amplitudes by speed, order and output, and their sum over a cycle."""
 
 from __future__ import annotations
 
@@ -14,24 +14,26 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.crests import COARSE, LONG, crests
+from torsionnet.response.crests import COARSE_POINTS_PER_PERIOD, LONG_CYCLE_PERIODS, crests
 from torsionnet.response.engine_angles import settled
 from torsionnet.response.engine_blocks import engine_blocks, is_unsettled
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
 from torsionnet.response.order_sums import lines_of_one_frequency, sum_name, summed_sizes, sums_of_lines
-from torsionnet.response.synthesis import PER_PERIOD, common_cycle, extremes, synthesised
+from torsionnet.response.synthesis import POINTS_PER_PERIOD, common_cycle, extremes, synthesised
 from torsionnet.response.table import Column, Table
 
-MOST_POINTS = 4_000_000
-"""Points of waveforms that are held at a time."""
-SUMS = "sums of lines of one frequency, with their phases, are what a test measures"
+MOST_WAVEFORM_POINTS = 4_000_000
+"""Points of waveforms that are held in memory at a time; speeds are processed in parts accordingly."""
+SUMS_NOTE = "sums of lines of one frequency, with their phases, are what a test measures"
+"""Note below tables with sums of lines."""
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
+"""Note on the phase of orders below tables."""
 
 
 @runtime_checkable
 class MeanValues(Protocol):
-    """Mean values of outputs by speed; outputs and speeds as in an order response."""
+    """Protocol of mean values (n_speeds, n_out) with their speeds and outputs, such as a mean response."""
 
     @property
     def speeds(self) -> FloatArray: ...
@@ -45,20 +47,20 @@ class MeanValues(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class OrderResponse:
-    """Complex amplitudes by speed, order and output.
+    """Order response of a drivetrain: complex amplitudes by speed, order line and output.
 
     Attributes
     ----------
     speeds : (n_speeds,) array
-        Of the reference shaft, rad/s.
+        Speeds of the reference shaft, rad/s.
     reference : str
-        Its node.
+        Node of the reference shaft.
     lines : tuple of OrderLine
     values : (n_speeds, n_lines, n_out) complex array
         Peak amplitudes X_h of x(t) = Re sum_h X_h exp(j h phi), SI units.
     outputs : tuple of Channel
     title : str
-        The model with its configuration.
+        Name of the model with its configuration.
     """
 
     speeds: FloatArray
@@ -75,40 +77,40 @@ class OrderResponse:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Hz, shape (n_speeds, n_lines); below 0 where a line turns backwards, as that of a slip above synchronism."""
+        """Frequencies in Hz, shape (n_speeds, n_lines); negative for a slip above synchronism."""
         relative = np.array([float(line.relative) for line in self.lines])
         fixed = np.array([line.fixed for line in self.lines])
         return np.asarray(self.speeds[:, None] * relative / (2 * math.pi) + fixed)
 
     @property
     def sizes(self) -> FloatArray:
-        """Amplitude of every line, shape (n_speeds, n_lines, n_out); of several cases the largest."""
+        """Amplitude of each line, shape (n_speeds, n_lines, n_out); the largest one if there are several cases."""
         return np.abs(self.values)
 
     @property
     def coherent(self) -> tuple[OrderResponse, ...]:
-        """Responses of which all outputs belong to one case: this one where there is no other."""
+        """Responses of single cases (firing conditions), or this response if there is one case only."""
         return (self,)
 
     @property
     def single_cases(self) -> tuple[ComplexArray, ...]:
-        """Values of each case alone where there are several."""
+        """Complex amplitudes of each case (firing condition); empty if there is one case only."""
         return ()
 
     @cached_property
     def revolutions(self) -> int | None:
-        """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""
+        """Revolutions of the reference shaft after which the sum of all lines repeats; None without a short cycle."""
         if any(line.fixed for line in self.lines) or len(engine_blocks(self.lines)) > 1:
             return None
         return common_cycle([line.relative for line in self.lines])
 
     def output(self, name: str | None = None) -> int:
-        """Place of an output by its name; of the only one without.
+        """Index of an output by its name, or of the only output without one.
 
         Raises
         ------
         UsageError
-            No such output, or several and no name.
+            There is no such output, or there are several and none is named.
         """
         names = [channel.name for channel in self.outputs]
         if name is None and len(names) == 1:
@@ -119,12 +121,12 @@ class OrderResponse:
         return names.index(name)
 
     def of_order(self, order: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
-        """Amplitudes over speed, shape (n_speeds,), of an order; several excitations of one shaft are added.
+        """Complex amplitudes of an order over speed, shape (n_speeds,); several excitations of one shaft are added.
 
         Raises
         ------
         UsageError
-            Nothing has this order, or shafts of different speeds have it and no excitation is named.
+            No excitation has this order, or shafts of different speeds have it and no excitation is named.
         """
         found = [
             place
@@ -139,16 +141,16 @@ class OrderResponse:
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def amplitude_of_order(self, order: float, output: str | None = None) -> FloatArray:
-        """Largest amplitude over speed, shape (n_speeds,), that an order can have in the sum of all excitations.
+        """Largest possible amplitude of an order over speed, shape (n_speeds,), in the sum of all excitations.
 
-        What has it of engines between which no angle is known is added by its size, all else with its phase.
+        Excitations are added with their phases, engines without a known angle between them by their magnitudes.
 
         Raises
         ------
         UsageError
             As of :meth:`of_order`.
         """
-        own = self.of_order(order, output)  # refuses what is none, and what is not one frequency
+        own = self.of_order(order, output)  # refuses unknown orders and orders of several frequencies
         blocks = engine_blocks(self.lines)
         if len(blocks) == 1:
             return np.abs(own)
@@ -158,12 +160,12 @@ class OrderResponse:
         return np.asarray(np.abs(each).sum(axis=0))
 
     def of_frequency(self, hertz: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
-        """Amplitudes over speed, shape (n_speeds,), of a frequency that does not follow it.
+        """Complex amplitudes of a fixed frequency over speed, shape (n_speeds,).
 
         Raises
         ------
         UsageError
-            Nothing has this frequency.
+            No excitation has this frequency.
         """
         found = [
             place
@@ -175,12 +177,12 @@ class OrderResponse:
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
-        """The sum of all orders over the common cycle, with their phases.
+        """Waveform of an output: sum of all orders over the common cycle, with their phases.
 
         Returns
         -------
         angle : (n,) array
-            Of the reference shaft, rad.
+            Angle of the reference shaft, rad.
         values : (n_speeds, n) array
 
         Raises
@@ -198,9 +200,9 @@ class OrderResponse:
     def bounds(self) -> FloatArray:
         """Largest and smallest value of the sum of all lines over the common cycle, shape (2, n_speeds, n_out).
 
-        Where there is none, shafts and sources of fixed frequencies take every position to each other sooner or later:
-        their extremes add up. What has no cycle of its own adds the sum of its magnitudes. Engines of one speed between
-        which no angle is known stand as makes the most of (max - min)/2; of other engines the extremes add up, too.
+        Without a common cycle, shafts and sources of fixed frequencies take every position to each other sooner or
+        later: their extremes add up. Lines without a cycle of their own add their magnitudes. Engines of one speed with
+        an unknown angle between them are at the angle of largest (max - min)/2; extremes of other engines add up.
         """
         if is_unsettled(self.lines):
             worst = settled(self.values, self.lines)
@@ -212,10 +214,10 @@ class OrderResponse:
         return found
 
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
-        """Lines whose phases stay together, and their periods in a cycle of theirs, if they have one.
+        """Groups of lines with fixed phases between them, each with their periods in a common cycle, None without one.
 
-        These are all lines of engines at known angles if they repeat; or those of each shaft, those of all fixed
-        frequencies, which are taken to come from one line, and each slip alone.
+        A group holds all lines of engines at known angles if these have a cycle; otherwise the lines of each shaft,
+        those of all fixed frequencies (assumed to come from one electrical line), and each slip alone.
         """
         for block in engine_blocks(self.lines):
             relatives = [self.lines[place].relative for place in block.places]
@@ -247,8 +249,12 @@ class OrderResponse:
 
     def _bounds(self, places: Sequence[int], counts: Sequence[int]) -> FloatArray:
         spectrum = self._spectrum(places, counts)
-        is_long = max(counts) >= LONG
-        together = max(1, MOST_POINTS // ((COARSE if is_long else PER_PERIOD) * spectrum.shape[1] * spectrum.shape[2]))
+        is_long = max(counts) >= LONG_CYCLE_PERIODS
+        together = max(
+            1,
+            MOST_WAVEFORM_POINTS
+            // ((COARSE_POINTS_PER_PERIOD if is_long else POINTS_PER_PERIOD) * spectrum.shape[1] * spectrum.shape[2]),
+        )
         found = []
         for start in range(0, len(spectrum), together):
             part = slice(start, start + together)
@@ -258,26 +264,26 @@ class OrderResponse:
 
     @property
     def half_range(self) -> FloatArray:
-        """(max - min)/2 of the sum of all lines, from ``bounds``, shape (n_speeds, n_out)."""
+        """Half range (max - min)/2 of the sum of all lines, shape (n_speeds, n_out)."""
         return np.asarray((self.bounds[0] - self.bounds[1]) / 2)
 
     @property
     def peak_to_peak(self) -> FloatArray:
-        """Twice the half range, shape (n_speeds, n_out)."""
+        """Range (max - min) of the sum of all lines, twice the half range, shape (n_speeds, n_out)."""
         return 2 * self.half_range
 
     @property
     def peak(self) -> FloatArray:
-        """Largest distance from the mean to either side, shape (n_speeds, n_out)."""
+        """Largest deviation of the sum of all lines from the mean, shape (n_speeds, n_out)."""
         return np.asarray(np.abs(self.bounds).max(axis=0))
 
     def extremes(self, mean: ArrayLike | MeanValues) -> tuple[FloatArray, FloatArray]:
-        """Largest and smallest value with the mean, each of shape (n_speeds, n_out).
+        """Largest and smallest value of mean plus vibration, each of shape (n_speeds, n_out).
 
         Parameters
         ----------
         mean : MeanResponse, or (n_speeds, n_out) or (n_out,) array
-            Of the outputs, SI units.
+            Mean values of the outputs, SI.
 
         Raises
         ------
@@ -287,11 +293,13 @@ class OrderResponse:
         if isinstance(mean, MeanValues):
             same = len(mean.speeds) == len(self.speeds) and np.allclose(mean.speeds, self.speeds, rtol=1e-9)
             if not same or [one.name for one in mean.outputs] != [one.name for one in self.outputs]:
-                raise UsageError("the mean values are of other speeds or outputs; ask for the same ones")
+                raise UsageError(
+                    "the mean values have other speeds or outputs than the order response; calculate both for the same"
+                )
         given = np.asarray(mean.values if isinstance(mean, MeanValues) else mean, dtype=float)
         if given.shape not in (self.bounds.shape[1:], self.bounds.shape[2:]):
-            text = f"{len(self.speeds)} speeds and {len(self.outputs)} outputs, the mean has the shape {given.shape}"
-            raise UsageError(f"the response has {text}")
+            size = f"{len(self.speeds)} speeds and {len(self.outputs)} outputs"
+            raise UsageError(f"the response has {size}, but the mean has the shape {given.shape}")
         high, low = self.bounds + given
         return np.asarray(high), np.asarray(low)
 
@@ -301,7 +309,7 @@ class OrderResponse:
         return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
-        """Worst speed of an output and the orders that make it, and the worst speed of each of these orders."""
+        """Table of the worst speed of an output, the largest orders there, and the worst speed of each of them."""
         place = self.output(output)
         channel, total = self.outputs[place], self.half_range[:, place]
         scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
@@ -330,7 +338,7 @@ class OrderResponse:
         else:
             notes.append(self.no_cycle)
         if sums:
-            notes.append(SUMS)
+            notes.append(SUMS_NOTE)
         if len(chosen) < len(self.lines):
             notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
         return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
@@ -342,10 +350,10 @@ class OrderResponse:
         return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
 
     def long_table(self) -> Table:
-        """Every amplitude: speed, excitation, order, then real and imaginary part of each output; SI.
+        """Table of all complex amplitudes: speed, excitation, order, then real and imaginary part of each output; SI.
 
-        Lines of one frequency, as of an engine and of the propeller on its shaft, stand apart and, below the others of
-        their speed, as their sum with its order by the reference.
+        Lines of one frequency, such as of an engine and of the propeller on its shaft, have a row each and, after the
+        other lines of that speed, a row for their sum with its order of the reference shaft.
         """
         names = [(channel.name, part) for channel in self.outputs for part in ("real", "imag")]
         columns = [Column("speed", "rpm"), Column("excitation"), Column("order"), Column("frequency", "Hz")]
@@ -360,12 +368,12 @@ class OrderResponse:
                 parts = [part for value in cells.tolist() for part in (value.real, value.imag)]
                 f = abs(speed * float(line.relative) / (2 * math.pi) + line.fixed)
                 rows.append((speed * RPM, name, order, f, *parts))
-        notes = [f"speeds of {self.reference}; {self._phases}", *([SUMS] if sums else [])]
+        notes = [f"speeds of {self.reference}; {self._phases}", *([SUMS_NOTE] if sums else [])]
         return Table(f"{self.title}: order response", tuple(columns), tuple(rows), tuple(notes))
 
     @property
     def no_cycle(self) -> str:
-        """Why there is no common cycle, where there is none."""
+        """Sentence on why there is no common cycle, for responses without one."""
         engines = [block.engine for block in engine_blocks(self.lines)]
         if len(engines) > 1:
             return f"{' and '.join(engines)} turn at unequal speeds with no phase between them: half ranges are added"
@@ -375,7 +383,7 @@ class OrderResponse:
 
     @property
     def engine_notes(self) -> tuple[str, ...]:
-        """What was taken for angles between engines that the model does not give."""
+        """Notes on the angles assumed between engines where the model gives none."""
         return (self.no_cycle,) if len(engine_blocks(self.lines)) > 1 else ()
 
     @property
@@ -394,7 +402,7 @@ class OrderResponse:
         return self.revolutions
 
     def by_frequency(self) -> ComplexArray:
-        """Amplitudes with the lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
+        """Complex amplitudes with lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
         frequencies = [(line.relative, line.fixed) for line in self.lines]
         places = {one: number for number, one in enumerate(dict.fromkeys(frequencies))}
         found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
@@ -403,7 +411,7 @@ class OrderResponse:
         return found
 
     def _spectrum(self, places: Sequence[int], counts: Sequence[int]) -> ComplexArray:
-        """Amplitudes of some lines by their periods in a cycle."""
+        """Complex amplitudes of some lines sorted by their periods in a cycle, (n_speeds, highest count + 1, n_out)."""
         shape = (len(self.speeds), max(counts, default=0) + 1, len(self.outputs))
         found = np.zeros(shape, dtype=complex)
         for place, count in zip(places, counts, strict=True):
@@ -412,8 +420,8 @@ class OrderResponse:
 
 
 def _on_a_fine_grid(spectrum: ComplexArray) -> FloatArray:
-    """Largest and smallest values (2, n_speeds, n_out) of waves, a few at a time."""
-    together = max(1, MOST_POINTS // (PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
+    """Largest and smallest values (2, n_speeds, n_out) of waveforms on a fine grid."""
+    together = max(1, MOST_WAVEFORM_POINTS // (POINTS_PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
     found = []
     for start in range(0, len(spectrum), together):
         waves = synthesised(spectrum[start : start + together])

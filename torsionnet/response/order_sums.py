@@ -1,4 +1,4 @@
-"""Lines of one frequency, as order 4 of an engine and of the propeller on its shaft: a test measures their sum."""
+"""Sums of order lines of one frequency, such as order 4 of engine and propeller on a shaft, as a test measures them."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 
-AND = " + "
-"""Between the lines of a sum."""
+SUM_SEPARATOR = " + "
+"""Text between the names of the lines of a sum."""
 
 
-class Summable(Protocol):
-    """An order response, of one case or of several."""
+class LinesWithCases(Protocol):
+    """Protocol of an order response of one or several cases: lines, values, sizes."""
 
     @property
     def lines(self) -> tuple[OrderLine, ...]: ...
@@ -32,7 +32,7 @@ class Summable(Protocol):
 
 
 def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
-    """Places of the lines of every frequency, in the order of the first of each.
+    """Indices of the lines of each frequency, sorted by the first line of each.
 
     Examples
     --------
@@ -49,18 +49,18 @@ def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
 
 @dataclass(frozen=True)
 class LineSum:
-    """Several lines of one frequency.
+    """Sum of several order lines of one frequency.
 
     Attributes
     ----------
     name : str
-        As ``engine 4 + propeller 4``.
+        Name of the sum, such as ``engine 4 + propeller 4``.
     order : float
-        Periods per revolution of the reference shaft.
+        Vibrations per revolution of the reference shaft.
     fixed : float
-        Frequency that is added to that of the order, Hz.
+        Frequency added to that of the order, Hz.
     places : tuple of int
-        Of the lines among all.
+        Indices of the lines among all lines.
     """
 
     name: str
@@ -70,7 +70,7 @@ class LineSum:
 
 
 def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
-    """The frequencies that more than one line has.
+    """Sums of the lines that share a frequency, for each frequency of more than one line.
 
     Examples
     --------
@@ -87,17 +87,17 @@ def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
 
 
 def sum_name(lines: Sequence[OrderLine]) -> str:
-    """What the sum of some lines is called, as ``engine 4 + propeller 4``."""
-    return AND.join(map(str, lines))
+    """Name of the sum of some lines, such as ``engine 4 + propeller 4``."""
+    return SUM_SEPARATOR.join(map(str, lines))
 
 
 def is_sum_name(name: str) -> bool:
     """Whether a row of a written table is the sum of others; excitations have names without spaces."""
-    return AND in name
+    return SUM_SEPARATOR in name
 
 
-def summed_sizes(run: Summable) -> FloatArray:
-    """Amplitudes (n_speeds, n_frequencies, n_out), lines of one frequency added; of several cases the largest."""
+def summed_sizes(run: LinesWithCases) -> FloatArray:
+    """Amplitudes (n_speeds, n_frequencies, n_out) with lines of one frequency added; the largest of several cases."""
     found = []
     for places in lines_of_one_frequency(run.lines):
         if len(places) == 1:

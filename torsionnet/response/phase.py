@@ -1,4 +1,4 @@
-"""Phase over frequency as one draws it."""
+"""Phase of frequency responses in degrees, continuous over frequency."""
 
 from __future__ import annotations
 
@@ -10,24 +10,25 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import FloatArray
 
 HALF_TURN = 180.0
-ROUNDING = 1e-12
-"""Of the magnitude: an imaginary part below it is what rounding left of none."""
+"""Half a turn in degrees."""
+NEGLIGIBLE_IMAGINARY_PART = 1e-12
+"""Share of the real part below which an imaginary part is rounding."""
 
 
 def phase_at_rest(value: complex) -> float:
-    """Phase in degrees of a value at 0 Hz, where an imaginary part of rounding is none; nan where it has none.
+    """Phase in degrees of a response at 0 Hz, without imaginary parts by rounding; nan if it is not finite.
 
     >>> phase_at_rest(2 + 1e-66j), phase_at_rest(-2 - 1e-66j), phase_at_rest(1j)
     (0.0, 180.0, 90.0)
     """
     if not math.isfinite(abs(value)):
         return math.nan
-    imaginary = value.imag if abs(value.imag) > ROUNDING * abs(value.real) else 0.0
+    imaginary = value.imag if abs(value.imag) > NEGLIGIBLE_IMAGINARY_PART * abs(value.real) else 0.0
     return math.degrees(math.atan2(imaginary, value.real))
 
 
 def unwrapped(values: NDArray[np.complex128]) -> FloatArray:
-    """Continuous phase in degrees; -180 rather than +180, since a response lags. nan for zero and infinite values.
+    """Continuous (unwrapped) phase in degrees, -180 rather than +180; nan for zero and infinite values.
 
     >>> unwrapped(np.array([1, -1j, -1, 1j, 1])).tolist()
     [0.0, -90.0, -180.0, -270.0, -360.0]

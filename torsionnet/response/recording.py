@@ -1,4 +1,4 @@
-"""A recording: signals sampled together on a test bench, real or simulated."""
+"""Recording of signals sampled together on a test bench, real or simulated."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from torsionnet.response.table import Column, Table
 FloatArray = NDArray[np.float64]
 
 QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "stress": "Pa"}
-"""What a signal may be, and the SI unit it is kept in."""
+"""Quantities of signals and the SI units of their values."""
 
-SLOWEST, FASTEST = 1e-15, 1e15
-"""Hz; one sample in thirty million years, and one while light goes a third of a micrometre."""
+LOWEST_SAMPLING_RATE, HIGHEST_SAMPLING_RATE = 1e-15, 1e15
+"""Sampling rates in Hz beyond which a rate is a mistake."""
 
 
 def is_rate(sampling_rate: float) -> bool:
-    """Whether anything is sampled at so many Hz.
+    """Whether a number is a possible sampling rate in Hz.
 
     >>> is_rate(10e3), is_rate(0.0), is_rate(1e300), is_rate(float("nan"))
     (True, False, False, False)
     """
-    return SLOWEST <= sampling_rate <= FASTEST
+    return LOWEST_SAMPLING_RATE <= sampling_rate <= HIGHEST_SAMPLING_RATE
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """One channel of a recording.
+    """Signal of a recording: name, quantity and values of one channel.
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class Signal:
     quantity : str
         A key of ``QUANTITY_UNITS``, or empty where it is not known.
     values : (n,) array
-        In the SI unit of the quantity.
+        Values in the SI unit of the quantity.
     notes : tuple of str
-        Where the values come from and what was done to them.
+        Origin and processing of the values.
     """
 
     name: str
@@ -51,27 +51,27 @@ class Signal:
 
     @property
     def unit(self) -> str:
-        """SI unit; empty where the quantity is not known."""
+        """SI unit of the values; empty where the quantity is not known."""
         return QUANTITY_UNITS.get(self.quantity, "")
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Signals with common time stamps.
+    """Recording of signals with a common sampling rate.
 
     Attributes
     ----------
     signals : tuple of Signal
-        All of one length.
+        Signals, all of one length.
     sampling_rate : float
-        Hz.
+        Sampling rate, Hz.
     start : float
         Time of the first sample, s.
     times : (n,) array, optional
         Time stamps in s where sampling is not uniform; the sampling rate is then their mean rate.
     title : str
     notes : tuple of str
-        Provenance: file, what was assumed in reading it, what was done since.
+        Origin: file, assumptions made in reading it, processing since.
 
     Examples
     --------
@@ -97,6 +97,7 @@ class Recording:
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Names of the signals."""
         return tuple(signal.name for signal in self.signals)
 
     def __len__(self) -> int:
@@ -125,17 +126,17 @@ class Recording:
         return self.start + np.arange(len(self)) / self.sampling_rate if self.times is None else self.times
 
     def select(self, names: Iterable[str]) -> Recording:
-        """Only the signals named, in that order."""
+        """Copy with the signals named, in that order."""
         return replace(self, signals=tuple(self[name] for name in names))
 
     def with_signals(self, *signals: Signal) -> Recording:
-        """With signals added, or exchanged for those of the same name."""
+        """Copy with signals added, or replaced where one of the same name exists."""
         new = {signal.name: signal for signal in signals}
         kept = [new.pop(signal.name, signal) for signal in self.signals]
         return replace(self, signals=(*kept, *new.values()))
 
     def noted(self, *notes: str) -> Recording:
-        """With more notes."""
+        """Copy with notes added."""
         return replace(self, notes=(*self.notes, *notes))
 
     def __repr__(self) -> str:
@@ -143,7 +144,7 @@ class Recording:
         return f"<Recording {', '.join(self.names)}: {size}>"
 
     def table(self) -> Table:
-        """Its signals: unit, mean, standard deviation and range of each.
+        """Table of the signals with unit, mean, standard deviation and range of each.
 
         >>> Recording((Signal("T_T", "torque", np.array([0.0, 2.0])),), sampling_rate=10).table().rows
         (('T_T', 'torque', 'N*m', 1.0, 1.0, 0.0, 2.0),)

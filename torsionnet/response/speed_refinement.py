@@ -1,7 +1,7 @@
-"""Between which speeds curves have to be looked at again, so that their step is of no account.
+"""Refinement of speeds at which curves are calculated, until maxima and crossings no longer depend on the speed step.
 
-What counts of a curve over speed is its highest value, and where it comes to a level. Either is known once the speeds
-around it lie close enough together; until then, these are the speeds to be looked at next.
+Of a curve over speed the highest value matters, and where it crosses a level. Both are known once the speeds around
+them lie close enough together; until then, these functions give the speeds to calculate next.
 """
 
 from __future__ import annotations
@@ -16,28 +16,29 @@ from numpy.typing import NDArray
 
 from torsionnet.response.frequency_response import FloatArray
 
-KNOWN = 0.004
-"""Share by which the speeds on both sides of a maximum are lower at most: between them it is higher by 1/8 of that."""
-END = 2e-4
-"""Share of a speed: between two so close to each other, a straight line gives the crossing."""
-FINEST = 1e-9
-"""Share of a speed below which two of them are one."""
-FAR = 0.01
-"""Share of a speed: a longer interval with a crossing is halved as well."""
-HIDDEN = 0.5
-"""A maximum between speeds is higher than the highest of them by this share of the fall to its neighbours at most."""
-WIDEST = 0.02
-"""Largest share of a speed from one to the next before anything is known."""
-ROUNDS = 10
+RESOLVED_DROP = 0.004
+"""Largest relative drop from a maximum to its neighbours at which it is resolved: its error is 1/8 of that."""
+RESOLVED_INTERVAL = 2e-4
+"""Relative distance of two speeds within which a straight line gives the crossing of a level."""
+SAME_SPEED_DISTANCE = 1e-9
+"""Relative distance of two speeds below which they are the same."""
+LONG_INTERVAL = 0.01
+"""Relative length of an interval with a crossing above which its middle is calculated as well."""
+HIDDEN_RISE_SHARE = 0.5
+"""Share of the drop to its neighbours by which the true maximum may exceed the highest calculated value."""
+WIDEST_START_STEP = 0.02
+"""Largest relative step between speeds at the start."""
+MOST_REFINEMENTS = 10
+"""Largest number of refinements; each shortens the intervals around maxima and crossings several times."""
 
 T = TypeVar("T")
 S = TypeVar("S", bound=Sized)
 
 
 def refined(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
-    """What is known at last, of what is known at first, which speeds it asks for, and what those add to it."""
+    """Result refined until ``wanted`` gives no more speeds for it; ``looked`` adds the values at wanted speeds."""
     found = first
-    for _ in range(ROUNDS):
+    for _ in range(MOST_REFINEMENTS):
         more = wanted(found)
         if not len(more):
             break
@@ -46,7 +47,7 @@ def refined(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> 
 
 
 def filled(speeds: FloatArray) -> FloatArray:
-    """Rising speeds, with others in gaps of more than 2 %.
+    """Rising speeds with more of them in gaps of more than 2 %.
 
     Examples
     --------
@@ -55,34 +56,34 @@ def filled(speeds: FloatArray) -> FloatArray:
     """
     rising = np.unique(speeds)
     parts = [
-        np.linspace(low, high, max(1, math.ceil((high / low - 1) / WIDEST)), endpoint=False)
+        np.linspace(low, high, max(1, math.ceil((high / low - 1) / WIDEST_START_STEP)), endpoint=False)
         for low, high in pairwise(rising.tolist())
     ]
     return np.concatenate([*parts, rising[-1:]])
 
 
 def added(speeds: FloatArray, more: FloatArray) -> FloatArray:
-    """Those of other speeds, rising, that lie between the first and the last and are none of them but for rounding."""
+    """Speeds of ``more``, rising, that lie inside the range of ``speeds`` and differ from all of them."""
     inside = np.unique(more[(more > speeds[0]) & (more < speeds[-1])])
     if not len(inside):
         return inside
-    inside = inside[np.append(True, np.diff(inside) > FINEST * inside[1:])]
+    inside = inside[np.append(True, np.diff(inside) > SAME_SPEED_DISTANCE * inside[1:])]
     after = np.searchsorted(speeds, inside)
     apart = np.minimum(speeds[after] - inside, inside - speeds[after - 1])
-    return np.asarray(inside[apart > FINEST * inside])
+    return np.asarray(inside[apart > SAME_SPEED_DISTANCE * inside])
 
 
 def speeds_wanted(speeds: FloatArray, curves: FloatArray, level: float | None = None) -> FloatArray:
-    """Speeds, rising, at which to look next; none where all that counts is known.
+    """Speeds, rising, at which curves have to be calculated next; empty once maxima and crossings are known.
 
     Parameters
     ----------
     speeds : (n_speeds,) array
-        Rising.
+        Calculated speeds, rising.
     curves : (n_speeds, n_curves) array
-        Not negative; NaN where a curve has no value.
+        Curves over speed, not negative; NaN where a curve has no value.
     level : float, optional
-        What curves may come to: crossings of it are wanted, and peaks and valleys that may reach it.
+        Limit whose crossings are wanted, and peaks and valleys that may reach it.
 
     Examples
     --------
@@ -97,7 +98,7 @@ def speeds_wanted(speeds: FloatArray, curves: FloatArray, level: float | None = 
 
 
 def vertex(speeds: FloatArray, values: FloatArray, at: int) -> float:
-    """Speed of the maximum next to the place of the highest of some values, by the speeds on both sides of it."""
+    """Speed of the maximum near the highest value, by a parabola through its neighbours."""
     if not 0 < at < len(speeds) - 1:
         return float(speeds[at])
     with np.errstate(all="ignore"):
@@ -125,46 +126,48 @@ def _around_maxima(x: FloatArray, u: FloatArray, best: float, level: float | Non
         middle = min(max(at, 1), len(x) - 2)
         three = slice(middle - 1, middle + 2)
         drop = float(u[at] - u[three].min())
-        if max(u[at] - u[max(at - 1, 0)], u[at] - u[min(at + 1, len(x) - 1)]) <= KNOWN * u[at] or u[at] <= 0:
+        if max(u[at] - u[max(at - 1, 0)], u[at] - u[min(at + 1, len(x) - 1)]) <= RESOLVED_DROP * u[at] or u[at] <= 0:
             continue
         with np.errstate(all="ignore"):
             place, top, bend = _parabola(x[three], u[three] ** -2.0)
-        highest = max(top**-0.5 if top > 0 else math.inf, float(u[at]) + HIDDEN * drop)
+        highest = max(top**-0.5 if top > 0 else math.inf, float(u[at]) + HIDDEN_RISE_SHARE * drop)
         if highest < best and not (level is not None and u[at] < level <= highest):
             continue
-        yield from _in_bracket(x, at, place, math.sqrt(KNOWN * top / bend) if top > 0 and bend > 0 else 0.0)
+        yield from _in_bracket(x, at, place, math.sqrt(RESOLVED_DROP * top / bend) if top > 0 and bend > 0 else 0.0)
 
 
 def _around_minima(x: FloatArray, u: FloatArray, level: float) -> Iterator[float]:
-    """Of valleys whose lowest speed lies above the level, and that may come below it."""
+    """Speeds to calculate around minima above the level that may fall below it."""
     for at in _maxima(-u):
         if not 0 < at < len(x) - 1 or u[at] <= level:
             continue
         three = slice(at - 1, at + 2)
         rise = float(u[three].max() - u[at])
-        if rise <= KNOWN * u[at] or u[at] - HIDDEN * rise > level:
+        if rise <= RESOLVED_DROP * u[at] or u[at] - HIDDEN_RISE_SHARE * rise > level:
             continue
         place, bottom, bend = _parabola(x[three], u[three] ** 2.0)
-        yield from _in_bracket(x, at, place, math.sqrt(KNOWN * u[at] ** 2 / bend) if bottom > 0 and bend > 0 else 0.0)
+        yield from _in_bracket(
+            x, at, place, math.sqrt(RESOLVED_DROP * u[at] ** 2 / bend) if bottom > 0 and bend > 0 else 0.0
+        )
 
 
 def _around_crossings(x: FloatArray, u: FloatArray, level: float) -> Iterator[float]:
     above = u > level
     for at in np.flatnonzero(above[1:] != above[:-1]).tolist():
         low, high = float(x[at]), float(x[at + 1])
-        if high - low <= END * high:
+        if high - low <= RESOLVED_INTERVAL * high:
             continue
         before, after = (float(np.log(max(value, 1e-6 * level) / level)) for value in u[at : at + 2])
         place = low + (high - low) * before / (before - after)
-        reach = END / 2 * high
+        reach = RESOLVED_INTERVAL / 2 * high
         yield min(max(place - reach, low), high)
         yield min(max(place + reach, low), high)
-        if high - low > FAR * high:
+        if high - low > LONG_INTERVAL * high:
             yield (low + high) / 2
 
 
 def _in_bracket(x: FloatArray, at: int, place: float, reach: float) -> Iterator[float]:
-    """Speeds between those next to the highest: around the vertex of the parabola if that lies there, else halfway."""
+    """Speeds to calculate between the neighbours of an extremum: around the vertex of the parabola, else halfway."""
     low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, len(x) - 1)])
     is_end = at in (0, len(x) - 1)
     if reach and low < place < high:
@@ -176,14 +179,14 @@ def _in_bracket(x: FloatArray, at: int, place: float, reach: float) -> Iterator[
 
 
 def _maxima(u: FloatArray) -> NDArray[np.intp]:
-    """Places of values that none next to them exceeds, ends among them; of equal ones the first."""
+    """Indices of local maxima, ends included; the first of equal values."""
     rim = np.array([-np.inf])
     before, after = np.concatenate([rim, u[:-1]]), np.concatenate([u[1:], rim])
     return np.flatnonzero((u > before) & (u >= after))
 
 
 def _parabola(x: FloatArray, g: FloatArray) -> tuple[float, float, float]:
-    """Place, value and half curvature of the lowest point of a parabola; NaN where it has none."""
+    """Position, value and half curvature of the minimum of the parabola through three points; NaN if it has none."""
     h, k = float(x[1] - x[0]), float(x[2] - x[1])
     left, right = float(g[1] - g[0]) / h, float(g[2] - g[1]) / k
     bend = (right - left) / (h + k)

@@ -1,4 +1,4 @@
-"""Ranges of speed: where something is exceeded, and what has to be barred."""
+"""Ranges of speed: where a limit is exceeded, and which speeds have to be barred."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.response.frequency_response import FloatArray
 
 @dataclass(frozen=True)
 class SpeedSpan:
-    """Speeds from ``low`` to ``high`` of the reference shaft, rad/s.
+    """Range of speeds of the reference shaft from ``low`` to ``high``, rad/s.
 
     Examples
     --------
@@ -27,15 +27,15 @@ class SpeedSpan:
     high: float
 
     def holds(self, speed: float) -> bool:
-        """Whether a speed lies in it."""
+        """Whether a speed in rad/s lies in the range."""
         return self.low <= speed <= self.high
 
     def widened(self, tolerance: float) -> SpeedSpan:
-        """With a share of the speeds more on both sides."""
+        """Range widened on both sides by a share of the speeds."""
         return SpeedSpan(self.low * (1 - tolerance), self.high * (1 + tolerance))
 
     def within(self, other: SpeedSpan) -> SpeedSpan:
-        """The part of it that lies in another one."""
+        """Part of the range that lies in another one."""
         return SpeedSpan(max(self.low, other.low), min(self.high, other.high))
 
     def __str__(self) -> str:
@@ -43,7 +43,7 @@ class SpeedSpan:
 
 
 def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
-    """Rising spans, those that touch as one.
+    """Speed ranges in rising order, with overlapping ones joined.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
 
 
 def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> tuple[SpeedSpan, ...]:
-    """Where values exceed what is allowed, with straight lines between the speeds; NaN exceeds nothing.
+    """Speed ranges in which values exceed the allowed ones, linear between the speeds; NaN exceeds nothing.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
 
 
 def cut_off(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple[str, ...]:
-    """What has to be said of a span that comes to where speeds end, as "no lower speed was examined", or beyond.
+    """Remarks on a speed range that reaches an end of the examined speeds, with the texts for either end.
 
     Examples
     --------
@@ -94,13 +94,13 @@ def cut_off(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple
 
 
 def _runs(places: NDArray[np.integer[Any]]) -> list[tuple[int, int]]:
-    """First and last of places without a gap."""
+    """First and last index of each run of consecutive indices."""
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [(int(piece[0]), int(piece[-1])) for piece in pieces if len(piece)]
 
 
 def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -> float:
-    """Speed at which the straight line to a speed outside comes down to nothing over."""
+    """Speed at which the excess falls to 0 on the straight line to a speed outside the range."""
     if not np.isfinite(over[outside]):
         return float(speeds[inside])
     share = over[inside] / (over[inside] - over[outside])

@@ -1,4 +1,4 @@
-"""Phase-vector (star) diagrams: how the torques of cylinders add up on the shape of a mode."""
+"""Phase-vector (star) diagrams, which show how the torques of cylinders add up on a mode shape."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class StarDiagram:
-    """Vectors ``a_i exp(-j h alpha_i)`` of one order: relative amplitude ``a_i`` of the mode, firing angle ``alpha_i``.
+    """Star diagram of one order: vectors ``a_i exp(-j h alpha_i)`` of relative amplitude a_i and firing angle alpha_i.
 
     Attributes
     ----------
     excitation : str
     order : float
     labels, nodes : tuple of str
-        What acts (the numbers of cylinders) and where.
+        Numbers of the cylinders (or names of other torques) and their nodes.
     vectors : (n,) complex array
-        The largest amplitude of the mode at these nodes is 1; what is out of action has 0.
+        Vectors, where the largest amplitude of the mode at these nodes is 1; 0 for cylinders that do not act.
     title : str
     """
 
@@ -34,11 +34,11 @@ class StarDiagram:
 
     @property
     def sum(self) -> complex:
-        """The vector sum: as many cylinders as act together at the largest amplitude."""
+        """Vector sum, as a number of cylinders that act together at the largest amplitude."""
         return complex(self.vectors.sum())
 
     def table(self) -> Table:
-        """One row per cylinder, and the sum."""
+        """Table with a row per cylinder, length and phase of its vector, and the sum."""
         columns = (Column("cylinder"), Column("node"), Column("length", "1"), Column("phase", "deg"))
         rows = [
             (label, node, float(abs(vector)), float(np.degrees(np.angle(vector))) if vector else None)

@@ -13,18 +13,18 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, kw_only=True)
 class ElementLoad:
-    """What an element carries at one of its ports.
+    """Mean load of an element at one of its ports: speed, torque, twist, stress.
 
     Attributes
     ----------
     element, port : str
-        ``port`` is the node there.
+        Name of the element, and the node of the port.
     speed : float or None
-        Of that node, rad/s, positive like the angle; None where nothing determines it.
+        Speed of that node, rad/s, positive like the angle; None where it is undetermined.
     torque : float or None
-        N m, as the sensor ``torque(element, port)`` reads it; None where it is statically indeterminate.
+        Torque in N m, as by the sensor ``torque(element, port)``; None where it is statically indeterminate.
     twist : float or None
-        rad; at the first port of what has stiffness.
+        Twist in rad; at the first port of elements with stiffness.
     stress : float or None
         Nominal shear stress in N/m^2; at the first port of a shaft with diameters.
     """
@@ -38,22 +38,22 @@ class ElementLoad:
 
     @property
     def power(self) -> float | None:
-        """Torque times speed in W: into the element at its first port, out of it at the others."""
+        """Power in W, torque times speed: into the element at its first port, out of it at the others."""
         return None if self.torque is None or self.speed is None else self.torque * self.speed
 
 
 @dataclass(frozen=True)
 class StaticState:
-    """A drivetrain under its mean torques.
+    """Static state of a drivetrain: mean torque, twist, stress and power of every element at one speed.
 
     Attributes
     ----------
     reference : str
-        The node whose speed is given.
+        Node whose speed is given.
     speed : float
-        rad/s.
+        Speed of that node, rad/s.
     external : mapping
-        Node -> mean torque from outside, N m.
+        By node, mean torque from outside, N m.
     loads : tuple of ElementLoad
     title : str
     notes : tuple of str
@@ -67,11 +67,11 @@ class StaticState:
     notes: tuple[str, ...] = ()
 
     def of(self, element: str) -> ElementLoad:
-        """What an element carries at its first port."""
+        """Mean load of an element at its first port."""
         return next(one for one in self.loads if one.element == element)
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """One row an element and port."""
+        """Table with a row for each element and port."""
         columns = (
             Column("element"),
             Column("at"),
@@ -103,7 +103,7 @@ class StaticState:
         return Table(f"{self.title}: mean torques", columns, rows, notes)
 
     def to_data(self) -> dict[str, Json]:
-        """Plain values in SI."""
+        """Static state as plain data in SI."""
         names = ("element", "port", "speed", "torque", "twist", "stress", "power")
         return {
             "title": self.title,

@@ -1,4 +1,4 @@
-"""From amplitudes by order to the waveform they sum up to, over a cycle that holds whole periods of all of them."""
+"""Synthesis of waveforms from order amplitudes, over a common cycle with whole periods of all orders."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from numpy.typing import NDArray
 from torsionnet.core.errors import UsageError
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
-PER_PERIOD = 64
-"""Points on a waveform for each period of its highest order."""
-FEW_PERIODS = 40
-"""Up to so many periods a product with cosines is faster than the Fourier transform."""
-MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 5000
-"""A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
+POINTS_PER_PERIOD = 64
+"""Points of a waveform for each period of its highest order."""
+MOST_PERIODS_BY_PRODUCT = 40
+"""Periods in a cycle up to which a product with cosines is faster than the Fourier transform."""
+MOST_REVOLUTIONS, MOST_PERIODS = 1000, 5000
+"""Most revolutions of a common cycle and most periods in it; a longer one is too long to occur or to calculate."""
 
 
 def common_cycle(relatives: Sequence[Fraction]) -> int | None:
-    """Revolutions that hold a whole number of periods of each; None where that is too many."""
+    """Revolutions with a whole number of periods of each order; None if there are too many."""
     cycle = math.lcm(*(relative.denominator for relative in relatives))
     highest = max(relatives, default=Fraction(0))
-    return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= HIGHEST_LINE else None
+    return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= MOST_PERIODS else None
 
 
 def synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
-    """Re sum_k X_k exp(j k phi) at even steps, shape (n_speeds, n_out, n)."""
+    """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi, shape (n_speeds, n_out, n)."""
     highest = spectrum.shape[1] - 1
-    n = points or _even_steps(PER_PERIOD * max(highest, 1))
+    n = points or _even_steps(POINTS_PER_PERIOD * max(highest, 1))
     if n <= 2 * highest:
-        raise UsageError(f"{n} points do not show {highest} periods; take more than {2 * highest}")
+        raise UsageError(f"{n} points are too few for a waveform with {highest} periods; take more than {2 * highest}")
     # Waves that lie in one piece are made and searched in less than half the time.
     rows = np.ascontiguousarray(spectrum.transpose(0, 2, 1))
-    if highest > FEW_PERIODS:
+    if highest > MOST_PERIODS_BY_PRODUCT:
         return np.asarray(np.fft.irfft(rows, n) * (n / 2))
     parts = np.concatenate([rows.real, rows.imag], axis=-1)
     return np.asarray(parts @ _cosines(highest, n))
@@ -44,7 +44,7 @@ def synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray
 
 @lru_cache(maxsize=8)
 def _cosines(highest: int, n: int) -> FloatArray:
-    """What real and imaginary parts of the amplitudes, and half of a mean value, are multiplied with."""
+    """Matrix of cosines and sines that maps real and imaginary parts of amplitudes to waveforms."""
     angle = 2 * np.pi * np.outer(np.arange(highest + 1), np.arange(n)) / n
     cosine = np.cos(angle)
     cosine[0] /= 2
@@ -52,12 +52,12 @@ def _cosines(highest: int, n: int) -> FloatArray:
 
 
 def _even_steps(least: int) -> int:
-    """At least so many, and a number for which the Fourier transform is fast."""
+    """Number of at least ``least`` points for which the Fourier transform is fast."""
     return min(factor << max(0, math.ceil(math.log2(least / factor))) for factor in (1, 3, 5))
 
 
 def extremes(waves: FloatArray) -> FloatArray:
-    """Largest and smallest values (2, ...) along the cycle, by parabolas through the outermost points."""
+    """Largest and smallest values (2, ...) of waveforms over a cycle, by parabolas through the extreme points."""
     return np.array([_outermost(waves, np.argmax(waves, axis=-1)), _outermost(waves, np.argmin(waves, axis=-1))])
 
 

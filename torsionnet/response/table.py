@@ -1,4 +1,4 @@
-"""A small table of results: columns with units, shown as text, CSV, JSON or HTML."""
+"""Table of results: columns with units, as text, CSV, JSON or HTML."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.core.number_text import csv_value, json_finite, screen_text, uni
 
 @dataclass(frozen=True)
 class Column:
-    """Heading of a column; numbers shown as text have so many significant digits, and at most so many decimals."""
+    """Column of a table: name, unit, and significant digits and most decimals of its numbers as text."""
 
     name: str
     unit: str = ""
@@ -26,17 +26,18 @@ class Column:
 
     @property
     def heading(self) -> str:
+        """Name with the unit in brackets."""
         return f"{self.name} {unit_in_brackets(self.unit)}".rstrip()
 
     def text(self, value: Any) -> str:
-        """A cell of this column as text."""
+        """Value of this column as text."""
         rounded = isinstance(value, float) and self.decimals is not None
         return screen_text(round(value, self.decimals) if rounded else value, self.digits)
 
 
 @dataclass(frozen=True)
 class Table:
-    """Columns, rows of plain values, a title and notes (conventions) that go along into every form."""
+    """Table of results: title, columns, rows of plain values, and notes that are part of every output format."""
 
     title: str
     columns: tuple[Column, ...]
@@ -44,23 +45,24 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def with_digits(self, digits: int) -> Table:
-        """The same with so many significant digits in every column."""
+        """Copy with a number of significant digits in every column."""
         return replace(self, columns=tuple(replace(one, digits=digits, decimals=None) for one in self.columns))
 
     def chosen(self, indices: Sequence[int]) -> Table:
-        """Some of the columns."""
+        """Copy with some of the columns, by their indices."""
         rows = tuple(tuple(row[index] for index in indices) for row in self.rows)
         return replace(self, columns=tuple(self.columns[index] for index in indices), rows=rows)
 
     def is_numeric(self, index: int) -> bool:
-        """Whether nothing but numbers stands in a column, which then goes to the right."""
+        """Whether a column holds only numbers or empty cells, so that it is aligned to the right."""
         return all(row[index] is None or isinstance(row[index], (int, float)) for row in self.rows)
 
     def cells(self) -> list[list[str]]:
-        """Every cell as text with the digits of its column."""
+        """Cells of every row as text, with the digits of their columns."""
         return [[column.text(value) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
 
     def to_text(self) -> str:
+        """Table as text with aligned columns."""
         headings = [column.heading for column in self.columns]
         cells = self.cells()
         widths = [max(len(row[i]) for row in [headings, *cells]) for i in range(len(headings))]
@@ -70,7 +72,7 @@ class Table:
         return "\n".join([self.title, *lines, *self.notes])
 
     def to_csv(self, path: str | Path | None = None) -> str:
-        """Text with the notes as ``#`` lines, a heading with units and full precision; also written to ``path``."""
+        """Table as CSV text in full precision, notes as ``#`` lines; also written to ``path``."""
         buffer = io.StringIO()
         for note in (self.title, *self.notes):
             buffer.write(f"# {note}\n")
@@ -80,7 +82,7 @@ class Table:
         return _written(buffer.getvalue(), path)
 
     def to_json(self, path: str | Path | None = None) -> str:
-        """JSON object with title, columns (name, unit), rows and notes; numbers that JSON lacks become null."""
+        """Table as JSON text with title, columns (name, unit), rows and notes; numbers that JSON lacks are null."""
         data = {
             "title": self.title,
             "columns": [{"name": column.name, "unit": column.unit} for column in self.columns],
@@ -93,6 +95,8 @@ class Table:
         return _written(json.dumps(data, indent=1, ensure_ascii=False) + "\n", path)
 
     def to_html(self) -> str:
+        """Table as HTML."""
+
         def line(cells: Sequence[str], tag: str) -> str:
             return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 

@@ -1,4 +1,4 @@
-"""A mode of vibration as seen with and without damping."""
+"""Mode of vibration with its frequencies with and without damping."""
 
 from __future__ import annotations
 
@@ -7,27 +7,28 @@ from dataclasses import dataclass
 
 from torsionnet.response.frequency_response import ComplexArray
 
-SHIFTED = 0.01
+SHIFTED_SHARE = 0.01
+"""Relative difference of natural and undamped frequency above which damping shifts a mode."""
 
 
 @dataclass(frozen=True, eq=False)
 class VibrationMode:
-    """An undamped mode and the damped one whose strain is most alike; either may be missing.
+    """Undamped mode paired with the damped mode of the most similar strain; either may be missing.
 
     Attributes
     ----------
     number : int
-        Of the damped vibration, from 1 by rising ``|lambda|``, as in every table of modes; undamped modes that damping
-        leaves no vibration are counted behind all of them.
+        Number of the damped mode, from 1 by rising ``|lambda|``, as in every table of modes; undamped modes that are
+        overdamped follow after them.
     undamped_frequency : float
-        Hz, of M and K alone; nan where a mode exists only with damping.
+        Frequency in Hz from M and K alone; nan where a mode exists only with damping.
     natural_frequency, damped_frequency : float
-        ``|lambda|/2pi`` and ``Im lambda/2pi`` in Hz; nan where damping leaves no vibration.
+        ``|lambda|/2pi`` and ``Im lambda/2pi`` in Hz; nan for an overdamped mode.
     damping_ratio : float
     similarity : float
-        Modal assurance criterion of the two shapes, weighted with the stiffness; nan for a single one.
+        Modal assurance criterion of the two shapes, weighted with the stiffness; nan where one is missing.
     shape : (n_nodes,) complex array
-        Angles, 1 at the node that moves most; the undamped shape where there is one.
+        Angles, 1 at the node that moves most; the undamped shape if there is one.
     """
 
     number: int
@@ -40,19 +41,19 @@ class VibrationMode:
 
     @property
     def amplification(self) -> float:
-        """``1/(2 zeta)``, nan without a damped mode; infinite where nothing damps."""
+        """Amplification at resonance, ``1/(2 zeta)``; nan without a damped mode, infinite without damping."""
         if math.isnan(self.damping_ratio):
             return math.nan
         return 1 / (2 * self.damping_ratio) if self.damping_ratio > 0 else math.inf
 
     @property
     def is_shifted(self) -> bool:
-        """Whether damping moves its natural frequency by more than a hundredth."""
-        return abs(self.natural_frequency - self.undamped_frequency) > SHIFTED * self.undamped_frequency
+        """Whether damping shifts the natural frequency by more than 1 %."""
+        return abs(self.natural_frequency - self.undamped_frequency) > SHIFTED_SHARE * self.undamped_frequency
 
     @property
     def remark(self) -> str:
-        """Why one of its frequencies is missing."""
+        """Remark on why a frequency is missing (overdamped, or only with damping); empty if none is."""
         if math.isnan(self.natural_frequency):
             return "overdamped: none with damping"
         return "exists with damping only" if math.isnan(self.undamped_frequency) else ""

@@ -1,7 +1,7 @@
-"""The angle between engines that are not fixed to each other with which a sum of orders swings most.
+"""Search of the angles between engines of unknown phase that give the largest half range of the sum of orders.
 
-Between two instants that are tau apart every engine rises as it does alone, and whichever of its own instants these are
-is free with the angle. So the largest range is the maximum over tau of the sum of what each rises at most within tau:
+Between two instants tau apart each engine rises as it would alone, and as the angles are free, it may be at any of its
+own instants. So the largest range is the maximum over tau of the sum of the largest rises of all engines within tau:
 one search, however many engines there are.
 """
 
@@ -18,28 +18,28 @@ from torsionnet.response.engine_blocks import BlockGrid
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 
-CANDIDATES = 4
-"""Highest maxima over tau that are followed to their tops."""
-STEPS = 5
-"""Of Newton's method, from within a sixteenth of a period."""
-LIKE = 1e-9
-"""Share of a value within which another one is no larger: of equal maxima the first is taken on every machine."""
+REFINED_MAXIMA = 4
+"""Highest maxima over tau that are refined by Newton's method."""
+NEWTON_STEPS = 5
+"""Steps of Newton's method, enough from within a sixteenth of a period."""
+EQUAL_SHARE = 1e-9
+"""Relative difference up to which maxima are equal, so that the first is taken on every machine."""
 
 Shares: TypeAlias = Sequence[tuple[slice, ComplexArray]]
-"""Lines, and values (n_shares, n_speeds, n_lines, n_out), of contributions that come with factors from -1 to 1."""
+"""Contributions with free factors from -1 to 1: lines, and values (n_shares, n_speeds, n_lines, n_out)."""
 IntArray: TypeAlias = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class WorstAngles:
-    """Where some blocks stand with which their sum swings most.
+    """Delays of blocks of order lines, and signs of shares, with the largest half range of their sum.
 
     Attributes
     ----------
     delays : tuple of (n_speeds, n_out) arrays
-        By block, how much later it comes than the first one, rad of the reference shaft.
+        By block, delay after the first block, rad of the reference shaft.
     signs : tuple of (n_speeds, n_out, n_shares) arrays of int
-        By shares, 1 where it is up and -1 where it is down.
+        For each set of shares, 1 where a share is up and -1 where it is down.
     """
 
     delays: tuple[FloatArray, ...]
@@ -47,7 +47,7 @@ class WorstAngles:
 
 
 def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGrid, shares: Shares = ()) -> WorstAngles:
-    """Of amplitudes (n_speeds, n_lines, n_out) of all lines, with what is up or down in them as it is worst."""
+    """Delays and signs with the largest half range, for amplitudes (n_speeds, n_lines, n_out) and free shares."""
     motions = [_Motion.of(values, lines, grid, number, shares) for number in range(len(grid.places))]
     rises = sum(np.tile(one.rises, grid.points // one.rises.shape[2]) for one in motions)
     best: _Found | None = None
@@ -67,11 +67,11 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """One block along its cycle.
+    """Sum of the order lines of one block along its cycle.
 
     ``amplitudes`` (n_speeds, n_own, n_out) and ``rates``, vibrations per revolution of the reference shaft; ``free``
     has contributions (n_free, n_speeds, n_own, n_out) of either sign. ``wave`` (n_speeds, n_out, period) and ``waves``
-    (n_free, n_speeds, n_out, period) are both on the grid, ``rises`` what it rises at most by steps in between.
+    (n_free, n_speeds, n_out, period) are on the grid, ``rises`` the largest rises by the number of steps in between.
     """
 
     amplitudes: ComplexArray
@@ -107,7 +107,7 @@ class _Motion:
         return cls(amplitudes, free, rates, wave, waves, _rises(wave, waves), of_shares)
 
     def at(self, apart: IntArray) -> tuple[IntArray, NDArray[np.int8]]:
-        """Step (n_speeds, n_out) from which it rises most within so many steps, and the signs with which it does."""
+        """Start step (n_speeds, n_out) of the largest rise within ``apart`` steps, and the signs of the free shares."""
         period = self.wave.shape[2]
         later = (np.arange(period) + apart[..., None]) % period
         changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
@@ -123,14 +123,14 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """A range (n_speeds, n_out), and by block where it begins, in rad of the reference shaft, and the signs."""
+    """Range (n_speeds, n_out), its start in each block in rad of the reference shaft, and the signs of shares."""
 
     size: FloatArray
     starts: tuple[FloatArray, ...]
     signs: tuple[NDArray[np.int8], ...]
 
     def or_if_larger(self, other: _Found) -> _Found:
-        better = other.size > self.size * (1 + LIKE)
+        better = other.size > self.size * (1 + EQUAL_SHARE)
         return _Found(
             np.where(better, other.size, self.size),
             tuple(np.where(better, new, old) for new, old in zip(other.starts, self.starts, strict=True)),
@@ -139,7 +139,7 @@ class _Found:
 
 
 def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
-    """Largest rise (n_speeds, n_out, period) of a periodic wave by the steps within which it rises."""
+    """Largest rise (n_speeds, n_out, period) of a periodic wave for each number of steps."""
     period = wave.shape[2]
     found = np.empty_like(wave)
     twice = np.concatenate([wave, wave], axis=2)
@@ -153,32 +153,32 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
 
 
 def highest_maxima(rises: FloatArray) -> list[IntArray]:
-    """Steps (n_speeds, n_out) of the highest maxima, the highest one first."""
+    """Steps (n_speeds, n_out) of the highest local maxima along the last axis, the highest first."""
     top = rises.max(axis=2, keepdims=True)
-    level = np.round(rises / np.where(top > 0, top, 1) / LIKE) * LIKE
+    level = np.round(rises / np.where(top > 0, top, 1) / EQUAL_SHARE) * EQUAL_SHARE
     is_crest = (level >= np.roll(level, 1, axis=2)) & (level >= np.roll(level, -1, axis=2))
     order = np.argsort(-np.where(is_crest, level, -1), axis=2, kind="stable")
-    return [order[:, :, rank] for rank in range(min(CANDIDATES, order.shape[2]))]
+    return [order[:, :, rank] for rank in range(min(REFINED_MAXIMA, order.shape[2]))]
 
 
 def _first_of_largest(values: FloatArray) -> IntArray:
-    """The first place along the last axis that has the largest value but for rounding."""
+    """Index along the last axis of the first value that is the largest within rounding."""
     top, bottom = values.max(axis=-1, keepdims=True), values.min(axis=-1, keepdims=True)
-    return np.asarray(np.argmax(values >= top - LIKE * (top - bottom), axis=-1))
+    return np.asarray(np.argmax(values >= top - EQUAL_SHARE * (top - bottom), axis=-1))
 
 
 def _followed(motions: Sequence[_Motion], apart: IntArray, step: float) -> _Found:
-    """From a maximum on the grid to its top, by Newton's method in tau and the starts of all blocks."""
+    """Maximum refined from the grid by Newton's method in tau and the start angles of all blocks."""
     found = [one.at(apart) for one in motions]
     amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
     starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
     tau: FloatArray = step * apart.astype(float)
     size = _range(motions, amplitudes, starts, tau)
     best, top = [*starts], size
-    for _ in range(STEPS):
+    for _ in range(NEWTON_STEPS):
         starts, tau = _newton(motions, amplitudes, starts, tau, step)
         size = _range(motions, amplitudes, starts, tau)
-        better = size > top * (1 + LIKE)
+        better = size > top * (1 + EQUAL_SHARE)
         best = [np.where(better, new, old) for new, old in zip(starts, best, strict=True)]
         top = np.maximum(size, top)
     return _Found(top, tuple(best), tuple(signs for _, signs in found))
@@ -200,7 +200,7 @@ def _newton(
     tau: FloatArray,
     step: float,
 ) -> tuple[list[FloatArray], FloatArray]:
-    """One step towards the top: the starts each have a curvature of their own, and meet in tau alone."""
+    """Start angles and tau after one Newton step; the Hessian couples the start angles only through tau."""
     slope, curvature = np.zeros_like(tau), np.zeros_like(tau)
     each = []
     for one, own, start in zip(motions, amplitudes, starts, strict=True):
@@ -222,6 +222,6 @@ def _newton(
 
 
 def _derivative(rates: FloatArray, amplitudes: ComplexArray, angle: FloatArray, order: int) -> FloatArray:
-    """Of Re sum X exp(j r angle) by the angle, (n_speeds, n_out)."""
+    """Derivative of Re sum X exp(j r angle) by the angle, of a given order, (n_speeds, n_out)."""
     turned = amplitudes * (1j * rates[:, None]) ** order * np.exp(1j * rates[:, None] * angle[:, None, :])
     return np.asarray(turned.real.sum(axis=1))

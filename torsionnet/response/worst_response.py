@@ -1,4 +1,4 @@
-"""An order response of which several cases were calculated: each output has that of its worst at every speed."""
+"""Order response of several cases (firing conditions): at every speed each output has its worst case."""
 
 from __future__ import annotations
 
@@ -16,35 +16,36 @@ from torsionnet.response.least_angle import at_least
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.table import Column, Table
 
-ALIKE = "all cases alike"
-ROUNDING = 1e-9
-"""Share by which half ranges differ that are the same."""
-SEARCHED = 1e-5
-"""The same where angles between engines were searched."""
+ALL_CASES_EQUAL = "all cases alike"
+"""Name of the case where all cases have the same half range."""
+EQUAL_HALF_RANGE = 1e-9
+"""Relative difference up to which half ranges are equal."""
+EQUAL_SEARCHED_HALF_RANGE = 1e-5
+"""Relative difference up to which half ranges are equal if angles between engines were searched."""
 
 
 @dataclass(frozen=True, eq=False)
 class WorstResponse(OrderResponse):
-    """The largest half range of several cases: by output and speed the amplitudes of the case that has it.
+    """Order response of several cases: for each output and speed the amplitudes of the case of largest half range.
 
     Attributes
     ----------
     labels : tuple of str
-        The cases, as ``misfire of cylinder 4``.
+        Names of the cases, such as ``misfire of cylinder 4``.
     chosen : (n_speeds, n_out) array of int
-        Which case the amplitudes are of.
+        Index of the case that the amplitudes are of.
     alternatives : mapping
-        Label -> response of that case alone, nothing scattered; a single case has no label.
+        By label, response of that case without scatter; a single case has no label.
     each : tuple of OrderResponse
-        The response of every case alone, by output and speed with its worst combination of what is scattered.
+        Response of each case with its worst combination of scattered values, by output and speed.
     scattered : tuple of str
-        What differs from its rated value, up or down.
+        Values that scatter about their rated value, up or down.
     signs : (n_speeds, n_out, n_scattered) array of int
-        1 where that is up in the worst combination, -1 where it is down.
+        1 where a value is up in the worst combination, -1 where it is down.
     largest : (n_speeds, n_lines, n_out) array
-        Largest amplitude that each order has in any case and combination, which may be another than the one chosen.
+        Largest amplitude of each order in any case and combination, not only in the one chosen.
     angles : tuple of EngineAngle
-        Where engines stand that are not fixed to the first one; their amplitudes are those at these angles.
+        Angles of engines of unknown phase after the first one; the amplitudes are those at these angles.
     """
 
     labels: tuple[str, ...] = ()
@@ -70,9 +71,9 @@ class WorstResponse(OrderResponse):
 
     @cached_property
     def least(self) -> WorstResponse:
-        """The cases chosen with engines at the angles that make the smallest half range by output and speed.
+        """Response of the same cases with engines at the angles of smallest half range, by output and speed.
 
-        Where all angles between engines are known, or there is one engine, that is this response itself.
+        This response itself if all angles between engines are known, or there is one engine.
         """
         if not self.angles:
             return self
@@ -82,7 +83,7 @@ class WorstResponse(OrderResponse):
         return replace(self, values=found.values, angles=found.angles)
 
     def least_at(self, speed: int, output: str | None = None) -> WorstResponse:
-        """``least`` at one speed, by its place, and of one output alone."""
+        """Response at the angles of smallest half range (``least``) for one speed, by its index, and one output."""
         at, out = [speed], [self.output(output)]
         single = replace(
             self,
@@ -103,7 +104,7 @@ class WorstResponse(OrderResponse):
         return (*((text,) if pairs else ()), *super().engine_notes)
 
     def angle_range(self, speed: int, output: str | None = None) -> str:
-        """Angles of engines with the largest and the smallest half range, by the place of a speed; in words."""
+        """Sentence on the engine angles with the largest and the smallest half range, by the index of a speed."""
         place = self.output(output)
         words = ", ".join(one.at(speed, place) for one in self.angles)
         least = self.least_at(speed, output)
@@ -112,12 +113,12 @@ class WorstResponse(OrderResponse):
         return f"largest where {words}; smallest, {share:.3g} of that, where {fewest}"
 
     def cases(self, output: str | None = None) -> tuple[str, ...]:
-        """What is worst for an output at each speed."""
+        """Name of the worst case of an output at each speed."""
         place = self.output(output)
         return tuple(self._case(at, place) for at in range(len(self.speeds)))
 
     def case_at(self, speed: int, output: str | None = None) -> str:
-        """As ``cases``, at one speed by its place."""
+        """Name of the worst case of an output at one speed, by its index."""
         return self._case(speed, self.output(output))
 
     def _case(self, at: int, place: int) -> str:
@@ -129,17 +130,17 @@ class WorstResponse(OrderResponse):
         return "; ".join(parts)
 
     def _alike(self, at: int, place: int) -> str:
-        """The case chosen, and those that are as bad as it but for rounding: among them it is no choice."""
+        """Names of the cases that are worst within rounding, or ALL_CASES_EQUAL if all are."""
         chosen = self.labels[int(self.chosen[at, place])]
         if self.scattered:
             return chosen
         sizes = {label: float(one.half_range[at, place]) for label, one in self.alternatives.items()}
-        rounding = SEARCHED if self.angles else ROUNDING
+        rounding = EQUAL_SEARCHED_HALF_RANGE if self.angles else EQUAL_HALF_RANGE
         same = [label for label in self.labels if sizes[label] >= (1 - rounding) * sizes[chosen]]
-        return ALIKE if 1 < len(same) == len(self.labels) else " or ".join(same)
+        return ALL_CASES_EQUAL if 1 < len(same) == len(self.labels) else " or ".join(same)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
-        """As of any order response, with the case that is worst at the worst speed."""
+        """Table as of an order response, with the worst case at the worst speed."""
         found = super().table(output, conventions, most)
         worst = int(np.argmax(self.half_range[:, self.output(output)]))
         count = f" of {len(self.labels)} cases" if self.labels else ""
@@ -148,7 +149,7 @@ class WorstResponse(OrderResponse):
         return replace(found, notes=(*found.notes, note, *self.engine_notes, *angles))
 
     def long_table(self) -> Table:
-        """As of any order response, with the case of each output."""
+        """Table of all amplitudes as of an order response, with the worst case of each output."""
         found = super().long_table()
         names = [channel.name for channel in self.outputs]
         by_output = [self.cases(name) for name in names]
@@ -159,7 +160,7 @@ class WorstResponse(OrderResponse):
 
 
 def joined(parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str) -> OrderResponse:
-    """One response out of those at parts of the speeds, each with the places of its own among them."""
+    """Response at all speeds, joined from responses at parts of the speeds with the indices of these."""
     order = np.argsort(np.concatenate([places for _, places in parts]))
     found = [part for part, _ in parts]
     whole = replace(found[0], speeds=speeds, values=np.concatenate([part.values for part in found])[order], title=title)
@@ -190,7 +191,7 @@ def joined(parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: Floa
 
 
 def _bounded(whole: OrderResponse, parts: Sequence[OrderResponse], order: NDArray[np.intp]) -> OrderResponse:
-    """The response with its bounds, which every speed has for itself, where they are known of all parts."""
+    """Response with its cached bounds joined from the parts, if all parts have them."""
     known = [vars(part)["bounds"] for part in parts if "bounds" in vars(part)]
     if len(known) == len(parts):
         vars(whole)["bounds"] = np.concatenate(known, axis=1)[:, order]

@@ -96,13 +96,13 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
 
 def _largest(table: Table) -> Table:
     """Table of the effects that change an eigenvalue most relative to its size, with the notes on their modes."""
-    from torsionnet.response.mode_numbers import COUNTING
+    from torsionnet.response.mode_numbers import COUNTING_NOTE
 
     if len(table.rows) <= EFFECTS_SHOWN:
         return table
     rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:EFFECTS_SHOWN]
     seen = tuple({f"{'real pole' if row[0] is None else f'mode {row[0]}'} ({row[1]:.4g} Hz" for row in rows})
-    notes = [note for note in table.notes if note.startswith(seen) or note == COUNTING]
+    notes = [note for note in table.notes if note.startswith(seen) or note == COUNTING_NOTE]
     rest = f"the {EFFECTS_SHOWN} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
 

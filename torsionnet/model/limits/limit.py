@@ -17,9 +17,9 @@ from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, used
+from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, utilisation_of
 from torsionnet.response.speed_spans import SpeedSpan, cut_off, joined_spans, spans_above
-from torsionnet.response.worst_response import ALIKE
+from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
@@ -219,7 +219,7 @@ class LimitLine:
     @property
     def utilisation(self) -> FloatArray:
         """Value over value allowed, (n_speeds,); NaN where no value is allowed or the rule does not apply."""
-        return used(self.values, self.allowed)
+        return utilisation_of(self.values, self.allowed)
 
     @property
     def each(self) -> FloatArray:
@@ -252,7 +252,7 @@ def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[st
         return ()
     at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))
     case = evidence.worst_case(sensor, at)
-    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case not in ("", ALIKE) else ()
+    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case not in ("", ALL_CASES_EQUAL) else ()
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import capital, named, pair_latex, plain, sentence
-from torsionnet.response.mode_numbers import COUNTING, OSCILLATORY
+from torsionnet.response.mode_numbers import COUNTING_NOTE, OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -161,7 +161,7 @@ def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
     listed = "; ".join(str(note[0]) for note in notes)
     remarks = dict.fromkeys(note for modes in found for note in modes.notes)
     lead = ("Undamped natural frequencies: ", listed)
-    counting: list[Text] = [(capital(COUNTING) + ".",)] if any(None in modes.numbers for modes in found) else []
+    counting: list[Text] = [(capital(COUNTING_NOTE) + ".",)] if any(None in modes.numbers for modes in found) else []
     return [*counting, lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
 
 

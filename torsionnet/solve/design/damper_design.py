@@ -18,7 +18,7 @@ from torsionnet.core.units import parse_unit
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import (
-    EQUAL,
+    EQUAL_PEAK_DIFFERENCE,
     DamperOptimum,
     DesignParameter,
     FixedPoint,
@@ -166,7 +166,7 @@ def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
     points = levels.maxima(values)
     sizes = levels.at(values, points)
     found = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
-    return tuple(LevelPeak(point, level) for point, level in found if level >= sizes[0] * (1 - EQUAL))
+    return tuple(LevelPeak(point, level) for point, level in found if level >= sizes[0] * (1 - EQUAL_PEAK_DIFFERENCE))
 
 
 def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArray:

@@ -17,7 +17,7 @@ from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.model.speeds import speeds_with
-from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
+from torsionnet.response.critical_speeds import FREQUENCY_FIELDS, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.vibration_mode import VibrationMode
@@ -202,7 +202,7 @@ class _CrossingSearch:
         if not one.order:
             return one.margin < max(self.reach, one.required or 0)
         low, high = self.limits
-        return any(low <= one.speed(which) <= high for which in FREQUENCIES)
+        return any(low <= one.speed(which) <= high for which in FREQUENCY_FIELDS)
 
     def _with_forces(
         self, near: Sequence[CriticalSpeed], excitation: OrderExcitation, known: tuple[float, float]

@@ -26,7 +26,7 @@ from torsionnet.model.limits.limit import LimitLine, merged_line
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import LimitCheck, few
+from torsionnet.response.limit_check import LimitCheck, listed_names
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import refined, speeds_wanted
 from torsionnet.response.speed_spans import spans_above
@@ -83,7 +83,7 @@ def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterab
     }
     known = {"limits": definition.limits, "excitations": definition.excitations}
     missing = {what: [name for name in known[what] if name not in examined[what]] for what in known}
-    return tuple(f"{what} not examined: {few(names)}" for what, names in missing.items() if names)
+    return tuple(f"{what} not examined: {listed_names(names)}" for what, names in missing.items() if names)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from torsionnet.response.engine_angles import EngineAngle, settled
 from torsionnet.response.engine_blocks import is_unsettled
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.worst_response import ROUNDING, SEARCHED, WorstResponse
+from torsionnet.response.worst_response import EQUAL_HALF_RANGE, EQUAL_SEARCHED_HALF_RANGE, WorstResponse
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes, worst_combination
 
 MOST_CASES = 400
@@ -73,7 +73,7 @@ def worst_case(
         found[label] = _at_its_worst(case, free)
     worst = [case for case, _, _ in found.values()]
     sizes = np.array([case.half_range for case in worst])
-    same = 1 - (SEARCHED if any(angles for _, _, angles in found.values()) else ROUNDING)
+    same = 1 - (EQUAL_SEARCHED_HALF_RANGE if any(angles for _, _, angles in found.values()) else EQUAL_HALF_RANGE)
     chosen = np.argmax(sizes >= same * sizes.max(axis=0), axis=0)  # the first of equal cases
     values = _picked([case.values.swapaxes(1, 2) for case in worst], chosen).swapaxes(1, 2)
     return WorstResponse(

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Column, Table
-from torsionnet.response.mode_numbers import COUNTING, RIGID
+from torsionnet.response.mode_numbers import COUNTING_NOTE, RIGID
 from torsionnet.solve.dynamic_stiffness.transfer_request import driven
 from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
@@ -121,7 +121,7 @@ class ModeSensitivities:
 
     @property
     def _counting(self) -> list[str]:
-        return [COUNTING] if None in self.numbers else []
+        return [COUNTING_NOTE] if None in self.numbers else []
 
     def table(self) -> Table:
         """A row for each mode and parameter."""

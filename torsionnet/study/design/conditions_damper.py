@@ -16,7 +16,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel, Column, Table
-from torsionnet.response.damper_optimum import EQUAL, DesignParameter, LevelPeak
+from torsionnet.response.damper_optimum import EQUAL_PEAK_DIFFERENCE, DesignParameter, LevelPeak
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
 from torsionnet.solve.design.levels import Levels, OrderLevels
@@ -79,7 +79,7 @@ class DamperOverConditions:
     @property
     def holding(self) -> tuple[str, ...]:
         """Names of the conditions whose level is within a thousandth of the largest."""
-        top = self.worst.after.level * (1 - EQUAL)
+        top = self.worst.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
         return tuple(one.condition for one in self.conditions if one.after.level >= top)
 
     @property
