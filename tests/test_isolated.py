@@ -6,7 +6,7 @@ import pytest
 
 from torsionnet.assembly.rows import Rows
 from torsionnet.solve.modes.ehrlich_aberth import polynomial
-from torsionnet.solve.modes.rayleigh_quotient import free_space, isolated_root
+from torsionnet.solve.modes.rayleigh_quotient import isolated_root, isolation_radii
 
 J, C, SOFT, STIFF = 2.0, 3e-7, 5e-3, 7e11
 ROWS = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))
@@ -45,7 +45,7 @@ def test_a_start_that_leaves_its_free_space_is_refused():
 
 def test_free_space_is_what_uncertainty_leaves():
     roots = np.array([1.0, 2.0, 2.0 + 1e-6, 50.0])
-    np.testing.assert_allclose(free_space(roots, np.zeros(4)), [1.0, 1e-6, 1e-6, 48.0], rtol=1e-6)
-    np.testing.assert_array_equal(free_space(roots, np.array([0, 1e-9, 0, 0])) > 0, [True, False, False, True])
-    np.testing.assert_array_equal(free_space(roots, np.array([0, 0, 0, np.inf])) > 0, [False] * 4)
-    np.testing.assert_array_equal(free_space(np.array([3.0]), np.array([0.5])), [0.0])
+    np.testing.assert_allclose(isolation_radii(roots, np.zeros(4)), [1.0, 1e-6, 1e-6, 48.0], rtol=1e-6)
+    np.testing.assert_array_equal(isolation_radii(roots, np.array([0, 1e-9, 0, 0])) > 0, [True, False, False, True])
+    np.testing.assert_array_equal(isolation_radii(roots, np.array([0, 0, 0, np.inf])) > 0, [False] * 4)
+    np.testing.assert_array_equal(isolation_radii(np.array([3.0]), np.array([0.5])), [0.0])

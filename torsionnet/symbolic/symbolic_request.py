@@ -13,7 +13,7 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
-from torsionnet.solve.modes.cut_drivetrain import beyond_cut, cut_definition
+from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
 from torsionnet.symbolic.active_mechanism import mechanism
 from torsionnet.symbolic.algebra.zero_tests import vanishes
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
@@ -84,7 +84,7 @@ def resolve(
         felt = f"{request.names} does not feel the {request.excitations[0]}"
         raise UsageError(f"{felt}: the transfer function against it does not exist; choose another excitation")
     whole = replace(whole, measured=measured[0])
-    kept = beyond_cut(drivetrain, request)
+    kept = elements_beyond_cut(drivetrain, request)
     return whole if kept is None else _of_cut(drivetrain, kept, request, whole, referred_to)
 
 

@@ -28,7 +28,7 @@ ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
 """Modes, and texts of warnings about uncertain modes."""
 
 
-def poles_of_measured(
+def poles_against_measured(
     drivetrain: AssembledModel, request: TransferRequest, natural_modes: Callable[[AssembledModel], ModesAndWarnings]
 ) -> ModesAndWarnings:
     """Modes of the drivetrain cut at a measured input, and texts of warnings about uncertain modes.
@@ -44,7 +44,7 @@ def poles_of_measured(
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     if not request.is_measured:
         raise UsageError(f'"{request.names}" is no sensor; name a sensor as measured input')
-    kept = beyond_cut(drivetrain, request)
+    kept = elements_beyond_cut(drivetrain, request)
     if kept is None:
         from torsionnet.solve.modes.bordered_poles import measured_poles
 
@@ -52,7 +52,7 @@ def poles_of_measured(
     return _of_cut_system(drivetrain, kept, request.names, natural_modes)
 
 
-def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
+def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
     """Names of the elements left when the drivetrain is cut at the measured torque, on the side without excitation.
 
     None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both

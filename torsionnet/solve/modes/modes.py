@@ -23,7 +23,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import LARGE
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, driven
 from torsionnet.solve.modes import continuous
 from torsionnet.solve.modes.active_modes import active_modes, is_active
-from torsionnet.solve.modes.cut_drivetrain import poles_of_measured
+from torsionnet.solve.modes.cut_drivetrain import poles_against_measured
 from torsionnet.solve.modes.eigen import EigenSolution, complex_modes, undamped_modes, unit_shapes, with_zero_damping
 from torsionnet.solve.modes.mode_descriptions import accuracy_warnings, convergence_warnings, describe
 from torsionnet.solve.modes.repeated_eigenvalues import with_chosen_shapes
@@ -60,7 +60,7 @@ def modes_against(
     if request is None:
         found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
-        found, texts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
+        found, texts = poles_against_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
     for text in texts:
         warnings.warn(text, TorsionnetWarning, stacklevel=4)
     if continuous.is_continuous(drivetrain.assembly.system) and lowest is None and up_to is None:

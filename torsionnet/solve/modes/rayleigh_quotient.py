@@ -24,7 +24,7 @@ MOST_STEPS = 6
 """Steps of the iteration: each triples the number of right digits, so that more mean a wrong start."""
 
 
-def free_space(roots: AnyArray, errors: FloatArray) -> FloatArray:
+def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:
     """Radius (n,) around each root that certainly holds no other; 0 where the uncertainty of the root is near that.
 
     Parameters

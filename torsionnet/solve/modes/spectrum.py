@@ -120,10 +120,10 @@ def _with_isolated_roots(
 ) -> tuple[Spectrum, NDArray[np.bool_]]:
     """Spectrum with the isolated ones of ``some`` eigenvalues exact to double precision, and a mask of these."""
     from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, to_complex
-    from torsionnet.solve.modes.rayleigh_quotient import free_space, isolated_root
+    from torsionnet.solve.modes.rayleigh_quotient import isolated_root, isolation_radii
 
     starts, _ = _polynomial_problem(spectrum)
-    space = free_space(starts, spectrum.errors)
+    space = isolation_radii(starts, spectrum.errors)
     values, shapes, errors = spectrum.values.copy(), spectrum.shapes.copy(), spectrum.errors.copy()
     settled = np.zeros(len(starts), dtype=bool)
     conjugates = not (spectrum.undamped or np.iscomplexobj(spectrum.stiffness))

@@ -26,7 +26,7 @@ from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
 from torsionnet.solve.running.order_response import input_senses, order_response, with_motions_held
-from torsionnet.solve.running.speed_peaks import with_peaks
+from torsionnet.solve.running.speed_peaks import with_speed_peaks
 
 LINE_FREQUENCY = "line frequency"
 """Name of the excitation of order lines at 1 and 2 times the frequency of the electric grid."""
@@ -81,8 +81,8 @@ def critical_speeds(
         return found
     ends = [search.limits, *search.known.values()]
     common = max(low for low, _ in ends), min(high for _, high in ends)
-    limits = search.speed_range if search.over_speed.follow else common
-    peaks, channels = with_peaks(changed, found.crossings, outputs, reference, limits)
+    limits = search.speed_range if search.over_speed.is_speed_dependent else common
+    peaks, channels = with_speed_peaks(changed, found.crossings, outputs, reference, limits)
     return replace(found, crossings=peaks, outputs=channels)
 
 
@@ -188,9 +188,9 @@ class _CrossingSearch:
 
     def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
         """Crossing with the mode at the critical speed itself, where parameters follow the operating point."""
-        if not self.over_speed.follow or not one.order:
+        if not self.over_speed.is_speed_dependent or not one.order:
             return one
-        return self._crossing(self.over_speed.settled(one.mode, self._natural(one)), line)
+        return self._crossing(self.over_speed.at_critical_speed(one.mode, self._natural(one)), line)
 
     @staticmethod
     def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:

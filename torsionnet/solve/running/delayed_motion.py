@@ -45,7 +45,7 @@ class DelayedForm:
     delays: FloatArray
 
 
-def with_delays(
+def delayed_response(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
     """Readings (n_out, n) over time under torques (n_in, n) in N m, with delayed controllers.

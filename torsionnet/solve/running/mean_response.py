@@ -129,12 +129,12 @@ def _stated(
 def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
     """Refuse readings that mean torques do not determine."""
     for output in outputs:
-        reason = undetermined(drivetrain, output)
+        reason = reason_undetermined(drivetrain, output)
         if reason:
             raise UsageError(f"{output.name} has no mean value: {reason}; ask for a torque or a twist")
 
 
-def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
+def reason_undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
     """Reason why mean torques do not determine a reading, or None where they do."""
     motions = [term for term in output.terms if term.law is None]
     if any(term.power for term in motions):

@@ -53,7 +53,7 @@ class ModesOverSpeed:
         self._found: dict[float, tuple[VibrationMode, ...]] = {}
 
     @cached_property
-    def follow(self) -> bool:
+    def is_speed_dependent(self) -> bool:
         """Whether modes differ from speed to speed."""
         return bool(self.drivetrain.definition.following)
 
@@ -74,11 +74,13 @@ class ModesOverSpeed:
             ((rig, _),) = at_speeds(self.drivetrain, self.reference, np.array([speed]))
             return tuple(vibration_modes(rig, modes(rig)))
 
-        (values,) = values_at_speeds(self.drivetrain, self.reference, np.array([speed])) if self.follow else ({},)
+        (values,) = (
+            values_at_speeds(self.drivetrain, self.reference, np.array([speed])) if self.is_speed_dependent else ({},)
+        )
         size = MODE_BYTES * len(self.drivetrain.nodes) ** 2
         return shared_by_conditions(self.drivetrain, tuple, tuple(values.items()), found, lambda _: size)
 
-    def settled(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
+    def at_critical_speed(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
         """Mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.
 
         Raises
@@ -86,7 +88,7 @@ class ModesOverSpeed:
         SolveError
             No speed agrees with its mode: the frequency leaps over the order line.
         """
-        if not self.follow:
+        if not self.is_speed_dependent:
             return mode
         speed, length, before = speed_of(mode), 1.0, np.inf
         for _ in range(MOST_ITERATIONS):

@@ -44,7 +44,7 @@ def around_resonances(
     """Speeds in rad/s to add around every resonance that is narrower than the steps of rising speeds."""
     limits = float(speeds[0]), float(speeds[-1])
     over_speed = ModesOverSpeed(drivetrain, reference, limits)
-    if over_speed.follow:
+    if over_speed.is_speed_dependent:
         return _around(_following(over_speed, _distinct(lines), limits), speeds)
     return around_poles(modes(drivetrain).eigenvalues, lines, speeds)
 
@@ -122,7 +122,7 @@ def _settled(
         return min(found, key=lambda speed: abs(speed - sum(limits) / 2))
 
     try:
-        found = over_speed.settled(mode, speed_of)
+        found = over_speed.at_critical_speed(mode, speed_of)
     except SolveError:
         return
     yield from _met(

@@ -23,7 +23,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import first_order, output_m
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
 from torsionnet.solve.dynamic_stiffness.triangular import DiagonalBlock, blocks
 from torsionnet.solve.responses.by_spectrum import by_spectrum
-from torsionnet.solve.running.delayed_motion import first_order_hold, with_delays
+from torsionnet.solve.running.delayed_motion import delayed_response, first_order_hold
 
 QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration", "Pa": "stress"}
 """Quantity of a signal by the unit of its reading."""
@@ -41,7 +41,7 @@ def simulate(
     request = ask(drivetrain, asked, list(inputs), None)
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
         raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
-    motion = respond(drivetrain, request, torques, sampling_rate)
+    motion = response_over_time(drivetrain, request, torques, sampling_rate)
     names = (
         name if name in drivetrain.inputs else str(source)
         for name, source in zip(inputs, request.excitations, strict=True)
@@ -65,14 +65,14 @@ def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
     return torques
 
 
-def respond(
+def response_over_time(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
     """Readings (n_out, n) over time under torques (n_in, n) in N m, from rest."""
     if drivetrain.assembly.system.dynamic:
         return by_spectrum(drivetrain, request, torques, sampling_rate)
     if any(one.delay for one in drivetrain.assembly.system.actions):
-        return with_delays(drivetrain, request, torques, sampling_rate)
+        return delayed_response(drivetrain, request, torques, sampling_rate)
     system = first_order(drivetrain.assembly, request.excitations)
     C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, system)
     motion = D @ torques

@@ -36,7 +36,7 @@ SAME_PEAK = 1e-3
 """Relative distance of speeds below which peaks of two crossings are one peak; the search is finer than that."""
 
 
-def with_peaks(
+def with_speed_peaks(
     drivetrain: AssembledModel,
     crossings: Sequence[CriticalSpeed],
     outputs: Any,

@@ -12,7 +12,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
 from torsionnet.response.static_state import ElementLoad, StaticState
-from torsionnet.solve.running.mean_response import external_torques, mean_response, undetermined
+from torsionnet.solve.running.mean_response import external_torques, mean_response, reason_undetermined
 
 
 def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
@@ -58,7 +58,7 @@ def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) 
             except UsageError as error:
                 notes.append(str(error))
                 continue
-            if not undetermined(drivetrain, read):
+            if not reason_undetermined(drivetrain, read):
                 sensors.append(sensor)
     return sensors, notes
 

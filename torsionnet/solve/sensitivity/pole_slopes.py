@@ -26,7 +26,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.modes.cut_drivetrain import beyond_cut, cut_definition
+from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
 from torsionnet.solve.sensitivity.arranged import Arranged
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.unknowns import Unknowns
@@ -70,7 +70,7 @@ class ResponsesAroundPoles:
         """Of the drivetrain itself, of one cut at a measured torque, or with a reading that is given."""
         if request is None:
             return cls(drivetrain, chosen, (), ())
-        kept = beyond_cut(drivetrain, request)
+        kept = elements_beyond_cut(drivetrain, request)
         if kept is None:
             return cls(
                 drivetrain, chosen, [replace(one, referred_to=None) for one in request.sensors], request.excitations[:1]
