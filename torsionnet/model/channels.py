@@ -95,7 +95,7 @@ class Sensor:
         return {self.quantity: _plain(self), **{key: name for key, name in extra.items() if name}}
 
     def renamed(self, names: Renaming) -> Sensor:
-        """The same in a part, with the names it has in the whole."""
+        """Copy of the sensor of a part, with its names in the whole model."""
         shaft = _renamed(self.referred_to, names)
         if not self.is_on_element:
             against = _renamed(self.against, names)
@@ -151,7 +151,7 @@ class Input:
         return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
 
     def renamed(self, names: Renaming) -> Input:
-        """The same in a part, with the names it has in the whole."""
+        """Copy of the input of a part, with its names in the whole model."""
         if self.is_on_element:
             return Input(self.quantity, names.own(self.of))
         return Input(self.quantity, names.node(self.of), _renamed(self.against, names))

@@ -1,4 +1,4 @@
-"""Configurations: alternatives on one or several axes, each with changes to the base model."""
+"""Configurations of a model: alternatives on one or several axes, each with changes to the base model."""
 
 from __future__ import annotations
 

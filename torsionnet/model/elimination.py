@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.model.pivoting import Elimination, Grounds
+from torsionnet.model.pivoting import Derivation, Elimination
 from torsionnet.model.proportions import rounded_product
 
 _UNIT = object()
@@ -44,7 +44,7 @@ class Reduction:
     """
 
     def __init__(self, elimination: Elimination) -> None:
-        elimination.settle()
+        elimination.back_substitute()
         self._rows = elimination
         self._proportions = elimination.proportions
         self._ratios: dict[Any, Any] = {}
@@ -105,22 +105,22 @@ class Reduction:
         """Numbers of the rows from which the solution for a name follows."""
         group = self._proportions.group(name)
         if group.solution is None:
-            return self._closed(Grounds(pairs=[(name, group.lead)]))
+            return self._closed(Derivation(pairs=[(name, group.lead)]))
         anchor, row, index = group.solution
         ends = [(other, self._proportions.group(other).lead) for other in row]
-        return self._closed(Grounds([index], [(name, anchor), *ends]))
+        return self._closed(Derivation([index], [(name, anchor), *ends]))
 
     def origin_of_row(self, index: int) -> frozenset[int]:
         """Numbers of the earlier rows from which the conclusion on a row follows."""
-        return self._closed(self._rows.grounds.get(index, Grounds()))
+        return self._closed(self._rows.derivation.get(index, Derivation()))
 
-    def _closed(self, grounds: Grounds) -> frozenset[int]:
+    def _closed(self, derivation: Derivation) -> frozenset[int]:
         found: set[int] = set()
-        waiting = [grounds]
+        waiting = [derivation]
         while waiting:
-            grounds = waiting.pop()
-            rows = {*grounds.rows, *(row for pair in grounds.pairs for row in self._proportions.between(*pair))}
-            waiting += [self._rows.grounds[row] for row in rows - found if row in self._rows.grounds]
+            derivation = waiting.pop()
+            rows = {*derivation.rows, *(row for pair in derivation.pairs for row in self._proportions.between(*pair))}
+            waiting += [self._rows.derivation[row] for row in rows - found if row in self._rows.derivation]
             found |= rows
         return frozenset(row for row in found if row >= 0)
 

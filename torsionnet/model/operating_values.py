@@ -16,7 +16,7 @@ from torsionnet.model.elements import Constraint, Law, Values
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.parameters import AMPLITUDE, Parameter, resolve
+from torsionnet.model.parameters import VIBRATORY_TORQUE, Parameter, resolve
 from torsionnet.model.readings import port_of
 
 
@@ -69,7 +69,7 @@ class OperatingPoints:
 
     def value(self, parameter: Parameter, speed: float) -> float:
         """Value in SI of a parameter at a speed in rad/s."""
-        if parameter.by == AMPLITUDE:
+        if parameter.by == VIBRATORY_TORQUE:
             return float(parameter.table[0][1].value)
         size = abs(self._followed(parameter, speed))
         if not parameter.table:

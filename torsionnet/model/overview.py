@@ -1,4 +1,4 @@
-"""A model in tables: elements, parameters, inputs, sensors, configurations, mean speeds."""
+"""Tables of a model: elements, parameters, inputs, sensors, configurations, mean speeds."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from torsionnet.model.model import Model
 
 MOST_ROWS = 60
-"""Rows of a table in a notebook."""
+"""Rows of a table in a notebook beyond which the table is cut: a page that scrolls, and loads at once."""
 Written: TypeAlias = tuple[str | float, ...]
-"""A text with numbers in it, which a table writes with the digits of its column."""
+"""Text with numbers in it, which a table writes with the digits of its column."""
 
 
 def tables(rig: Model) -> tuple[Table, ...]:
-    """Everything there is to show; tables without rows are those the model does not use."""
+    """Tables of a model; sections that the model does not use have tables without rows."""
     return (
         elements_table(rig),
         parameters_table(rig),
@@ -45,7 +45,7 @@ def tables(rig: Model) -> tuple[Table, ...]:
 
 
 def page(rig: Model) -> str:
-    """The tables in HTML, of large models the first rows of each."""
+    """HTML of the tables of a model, cut after the first rows for large models."""
     shown = [_beginning(table) for table in tables(rig) if table.rows]
     return "\n".join([f"<p><b>{html.escape(rig.title)}</b></p>", *(table.to_html() for table in shown)])
 
@@ -59,6 +59,7 @@ def _beginning(table: Table) -> Table:
 
 
 def elements_table(rig: Model) -> Table:
+    """Table of the elements of a model: name, type, nodes, values, remark."""
     columns = (Column("element"), Column("type"), Column("nodes"), Column("values"), Column("description"))
     rows = tuple(
         (element.name, element.kind, nodes_text(element), _listed(values_of(element, rig)), _remark(element))
@@ -74,7 +75,7 @@ def without_empty_columns(table: Table) -> Table:
 
 
 def _listed(values: Iterable[Written]) -> Written:
-    """One text of several."""
+    """Text of several texts, joined by semicolons."""
     parts = [part for value in values for part in ("; ", *value)]
     return tuple(parts[1:])
 
@@ -88,14 +89,14 @@ def _remark(element: Element) -> str:
 
 
 def nodes_text(element: Element) -> str:
-    """``motor - ground``, or the ports by name where there are others."""
+    """Text of the nodes of an element: ``motor - ground``, or its ports by name."""
     if set(element.ports) <= {"first", "second", "node"}:
         return " - ".join(element.ports.values())
     return ", ".join(f"{port} {node}" for port, node in element.ports.items())
 
 
 def values_of(element: Element, rig: Model) -> Iterator[Written]:
-    """``stiffness k_2 = 460 N*m/rad`` for each value given."""
+    """Texts as ``stiffness k_2 = 460 N*m/rad`` for each value that an element gives."""
     defaults = element.defaults()
     for name, spec, value in given(element):
         if value != defaults.get(name, ()):
@@ -136,13 +137,13 @@ def _unit_of_measure(value: DampingMeasure) -> str:
 
 
 def _viscous(element: Element, rig: Model) -> Written:
-    """What a measure of damping comes to, where the element has a single law."""
+    """Text of the viscous coefficient by a measure of damping; empty for elements with several laws."""
     laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
     return (" = ", float(laws[0].damping), " N*m*s/rad") if len(laws) == 1 and laws[0].damping else ()
 
 
 def resolved(value: Expression, unit: str, rig: Model) -> Written:
-    """As written, and in SI where that is something else: ``0.46 kN*m/rad = 460 N*m/rad``."""
+    """Text of a value as written and, if different, in SI: ``0.46 kN*m/rad = 460 N*m/rad``."""
     number = (float(value.evaluate(rig.exact_values)), "" if unit == "1" else f" {unit}")
     if isinstance(value, Number) and value.unit_dimension is None:
         return number
@@ -202,7 +203,7 @@ def speeds_table(rig: Model) -> Table:
 
 
 def as_data(rig: Model) -> dict[str, Any]:
-    """The model for a program: the content of its file, and the resolved values."""
+    """Plain data of a model: the content of its file, and the resolved values."""
     units = parameter_units(rig.definition)
     return {
         "title": rig.title,

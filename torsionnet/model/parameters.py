@@ -1,4 +1,4 @@
-"""Named parameters: values with units, or expressions of other parameters."""
+"""Parameters of a model: values with units, expressions of other parameters, or tables over the operating point."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.model.lookup_table import LookupTable, wrong_key
 
-AMPLITUDE = "vibratory_torque"
-BY = {
+VIBRATORY_TORQUE = "vibratory_torque"
+FOLLOWED_QUANTITIES = {
     "speed": ("a node", "speed"),
     "load": ("a node that drives or absorbs", "torque"),
     "mean_torque": ("an element", "torque"),
-    AMPLITUDE: ("an element", "torque"),
+    VIBRATORY_TORQUE: ("an element", "torque"),
 }
-"""What of the operating point a parameter may follow: what has it, and its dimension."""
+"""Quantities of the operating point that a parameter may follow -> (kind of thing that has it, dimension)."""
 
 
 class OperatingValue(Number):
-    """A number that the operating point gives."""
+    """Number that comes from the operating point."""
 
 
 class Bounds(tuple[float, float]):
-    """Lower and upper bound in SI, with the dimensions in which they were written; None of a bare number."""
+    """Lower and upper bound in SI, with the dimensions in which they are written, None for a bare number."""
 
     dimensions: tuple[Dimension | None, ...] = ()
 
 
 class BoundsEntry(Spec[Bounds]):
-    """Two numbers, the lower one first."""
+    """Entry for a lower and an upper bound."""
 
     def coerce(self, raw: object) -> Bounds:
         if isinstance(raw, Bounds):
@@ -68,12 +68,12 @@ class BoundsEntry(Spec[Bounds]):
 
 
 class Bound(Spec[Number]):
-    """A number with or without unit."""
+    """Entry for a bound: a number with or without unit."""
 
     def coerce(self, raw: object) -> Number:
         value = read_value(raw)
         if not isinstance(value, Number):
-            raise EntryError("a bound is a number or a quantity, no expression")
+            raise EntryError("a bound must be a number or a quantity, not an expression")
         return value
 
 
@@ -96,14 +96,16 @@ class Parameter(Declared):
     )
     description: str = entry(Text("what the parameter is"), "")
     bounds: tuple[float, float] | None = entry(BoundsEntry("[lower, upper]: what is plausible; limits of a fit"), None)
-    by: str | None = entry(OneOf("instead of a value: the part of the operating point it follows", tuple(BY)), None)
+    by: str | None = entry(
+        OneOf("instead of a value: the part of the operating point it follows", tuple(FOLLOWED_QUANTITIES)), None
+    )
     of: str = entry(Text("the node or element of the operating point it follows"), "")
     table: Rows = entry(LookupTable("values over that, without sign; default: the speed or torque itself"), None)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.by is not None and self.value is None:
-            dimension = DIMENSIONS[BY[self.by][1]]
+            dimension = DIMENSIONS[FOLLOWED_QUANTITIES[self.by][1]]
             first = self.table[0][1] if self.table else Number(1, dimension)
             object.__setattr__(self, "value", OperatingValue(first.value, first.unit_dimension))
 
@@ -111,14 +113,14 @@ class Parameter(Declared):
         if self.by is None:
             extra = [key for key in ("of", "table") if getattr(self, key)]
             if extra:
-                return [Fault(f"{extra[0]} needs by: {' or '.join(BY)}", (extra[0],), on_key=True)]
+                return [Fault(f"{extra[0]} needs by: {' or '.join(FOLLOWED_QUANTITIES)}", (extra[0],), on_key=True)]
             return [self.missing("value")] if self.value is None else []
         if self.value is not None and not isinstance(self.value, OperatingValue):
             return [Fault(f"a parameter by {self.by} has no value of its own", ("value",), on_key=True)]
-        what, dimension = BY[self.by]
+        what, dimension = FOLLOWED_QUANTITIES[self.by]
         if not self.of:
             return [Fault(f"by: {self.by} needs of: the name of {what}", on_key=True)]
-        if self.by == AMPLITUDE and not self.table:
+        if self.by == VIBRATORY_TORQUE and not self.table:
             return [Fault(f"by: {self.by} needs a table", on_key=True)]
         wrong = wrong_key(self.table, DIMENSIONS[dimension])
         if wrong is not None:
@@ -132,25 +134,27 @@ class Parameter(Declared):
 
     @property
     def written(self) -> str:
-        """Its value or expression, or what it follows."""
+        """Text of the value or expression of the parameter, or of the quantity that it follows."""
         return str(self.value) if self.by is None else f"by {self.by.replace('_', ' ')} of {self.of}"
 
     def given(self, value: Expression) -> Parameter:
-        """The parameter with a value that holds whatever it depended on."""
+        """Parameter with a fixed value in place of its expression or table."""
         return replace(self, value=value, by=None, of="", table=())
 
     def renamed(self, names: Renaming) -> Parameter:
-        """The same of a part, with the names it has in the whole."""
+        """Copy of the parameter of a part, with its names in the whole model."""
         if self.by is None:
             return replace(self, value=names.expression(self.value)) if self.value.names else self
-        return replace(self, of=names.node(self.of) if BY[self.by][0] != "an element" else names.own(self.of))
+        return replace(
+            self, of=names.node(self.of) if FOLLOWED_QUANTITIES[self.by][0] != "an element" else names.own(self.of)
+        )
 
     def with_operating_values(self, value: float) -> Parameter:
-        """The parameter with its value at an operating point."""
+        """Parameter with its value at an operating point."""
         return replace(self, value=OperatingValue(value, getattr(self.value, "unit_dimension", None)))
 
     def to_data(self) -> Json:
-        """The entry of a model file: the value alone if nothing else is said."""
+        """Entry of a model file: the value alone if the parameter has nothing else."""
         data = self.written_entries()
         if self.by is not None:
             del data["value"]
@@ -161,7 +165,7 @@ PARAMETER = Nested("a value, or a value with more about it", lambda: Parameter, 
 
 
 def evaluation_order(parameters: Mapping[str, Parameter]) -> tuple[list[str], list[list[str]]]:
-    """Names so that each comes after those it uses, and the cycles found on the way."""
+    """Names of parameters in order of evaluation, and the cycles among them."""
     order: list[str] = []
     cycles: list[list[str]] = []
     state: dict[str, int] = {}
@@ -173,7 +177,7 @@ def evaluation_order(parameters: Mapping[str, Parameter]) -> tuple[list[str], li
 def _visit(
     start: str, parameters: Mapping[str, Parameter], state: dict[str, int], order: list[str], cycles: list[list[str]]
 ) -> None:
-    """Depth first without recursion: a chain of a thousand derived parameters is fine. State 1: open, 2: done."""
+    """Append to ``order`` all parameters that ``start`` uses, depth first without recursion; state 1: open, 2: done."""
     if start in state:
         return
     stack: list[tuple[str, Iterator[str]]] = [(start, iter(sorted(parameters[start].value.names)))]

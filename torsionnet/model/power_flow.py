@@ -1,4 +1,4 @@
-"""Through which torques and motions power flows into an element, and the mean power of a vibration from them."""
+"""Torque and motion sensors through which power flows into an element, and the mean power of a vibration."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.response.worst_response import WorstResponse
 
 @dataclass(frozen=True)
 class PowerFlow:
-    """A torque, the motion it goes with, and +1 for power into the element, -1 for power out of it."""
+    """Torque sensor, motion sensor and sign of a power flow: +1 into the element, -1 out of it."""
 
     torque: Sensor
     motion: Sensor
@@ -31,9 +31,9 @@ class PowerFlow:
 
 
 def power_flows(element: Element, values: Values) -> tuple[PowerFlow, ...]:
-    """The torque on the twist where an element is one law on that; else those at its ports.
+    """Power flows of an element: torque on its twist if that is its only law, else torque and motion at each port.
 
-    The rate of a twist is no difference of the rates of large angles, which would lose digits.
+    The rate of a twist is used because the difference of the rates of large angles would lose digits.
     """
     parts = element.parts(values)
     name = element.name
@@ -47,12 +47,12 @@ def power_flows(element: Element, values: Values) -> tuple[PowerFlow, ...]:
 
 
 def power_sensors(flows: Sequence[PowerFlow]) -> list[Sensor]:
-    """What has to be measured for it."""
+    """Torque sensors, and angle or twist sensors, that the power flows need."""
     return [sensor for flow in flows for sensor in (flow.torque, flow.motion)]
 
 
 def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """W over speed, shape (n_speeds,), the largest of all cases; these sensors are among the outputs."""
+    """Mean power in W over speed, shape (n_speeds,), the largest of all cases; needs the sensors as outputs."""
     if isinstance(run, WorstResponse) and run.scattered:
         text = f"{run.title}: dissipated power is that without the spread of cylinders"
         warnings.warn(text, TorsionnetWarning, stacklevel=2)
@@ -60,7 +60,7 @@ def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """Of one case; engines between which no angle is known stand as makes the most of it.
+    """Mean power in W of a case over speed, with engines of unknown crank angle at the worst angle.
 
     Power is that of each engine alone and that which every two of them make together, a sum of waves over the angle
     between them. Of more than two the largest values of all pairs are added.
@@ -74,13 +74,13 @@ def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
-    """With nothing of all other lines."""
+    """Response with all lines but those at ``places`` set to zero."""
     kept = np.isin(np.arange(len(run.lines)), places)
     return replace(run, values=run.values * kept[:, None])
 
 
 def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequence[PowerFlow]) -> ComplexArray:
-    """Torques of one times conjugate rates of another in W by frequency, shape (n_speeds, n_frequencies)."""
+    """Torques of a response times conjugate rates of another in W by frequency, shape (n_speeds, n_frequencies)."""
     rates = replace(motions, values=motions.values * (2j * math.pi * motions.frequencies)[:, :, None]).by_frequency()
     amplitudes = torques.by_frequency()
     total = np.zeros(rates.shape[:2], dtype=complex)

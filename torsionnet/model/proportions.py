@@ -12,23 +12,23 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-LONGEST = 1024
-"""Bits of numerator and denominator beyond which a ratio is long."""
+LONG_RATIO_BITS = 1024
+"""Bits of numerator or denominator beyond which exact ratios are not multiplied: products would grow without end."""
 
 
 def short_product(factor: Any, ratio: Any) -> Any:
-    """The product while it is a short rational, else None."""
+    """Product of two ratios while it is a short rational, else None."""
     product = None if ratio is None else factor * ratio
-    return product if isinstance(product, Fraction) and max(_lengths(product)) <= LONGEST else None
+    return product if isinstance(product, Fraction) and max(_lengths(product)) <= LONG_RATIO_BITS else None
 
 
 def rounded_product(factor: Fraction, ratio: Fraction) -> Fraction:
-    """The product; a long one is cut to half its bits, which leaves 500 of them right."""
+    """Product of two ratios; a long product is rounded to half the bits, of which 500 are right."""
     product = factor * ratio
     shorter = min(_lengths(product))
-    if shorter <= LONGEST:
+    if shorter <= LONG_RATIO_BITS:
         return product
-    cut = shorter - LONGEST // 2
+    cut = shorter - LONG_RATIO_BITS // 2
     return Fraction(product.numerator >> cut, product.denominator >> cut)
 
 
@@ -37,7 +37,7 @@ def _lengths(ratio: Fraction) -> tuple[int, int]:
 
 
 class ProportionSolution(NamedTuple):
-    """What a name of a group amounts to: ``anchor`` = sum of ``row``, as equation ``number`` says.
+    """Solution of a group of names: ``anchor`` = sum of ``row`` by equation ``number``.
 
     No two names of the row are in proportion. An empty row holds the group at zero.
     """
@@ -49,10 +49,9 @@ class ProportionSolution(NamedTuple):
 
 @dataclass(eq=False, slots=True)
 class ProportionalGroup:
-    """``size`` names in proportion; ``lead`` stands for them while there is no ``solution``.
+    """Group of ``size`` names in proportion; ``lead`` stands for the group while there is no ``solution``.
 
-    ``known`` are ratios to the root of the tree that have been worked out. A group that was joined to another one only
-    leads to that.
+    ``known`` holds the calculated ratios to the root of the tree. A group that was joined to another only points to it.
     """
 
     lead: Hashable
@@ -63,7 +62,7 @@ class ProportionalGroup:
 
 
 class ProportionLink(NamedTuple):
-    """``own`` * name + ``other`` * ``above`` = 0, equation ``number``."""
+    """Link of a name in a tree of proportions: ``own`` * name + ``other`` * ``above`` = 0 by equation ``number``."""
 
     above: Hashable
     own: Any
@@ -72,14 +71,14 @@ class ProportionLink(NamedTuple):
 
 
 class Proportions:
-    """Groups of names; the links of a group make a tree."""
+    """Groups of names in proportion; the links of a group make a tree."""
 
     def __init__(self) -> None:
         self._home: dict[Hashable, ProportionalGroup] = {}
         self._links: dict[Hashable, ProportionLink] = {}
 
     def copy(self) -> Proportions:
-        """Groups that can be joined further without changing these."""
+        """Copy of the groups that can be joined further."""
         new = Proportions()
         new._links = dict(self._links)
         again = {group: ProportionalGroup(group.lead, group.size, group.solution) for group in self.groups()}
@@ -87,15 +86,15 @@ class Proportions:
         return new
 
     def names(self) -> list[Hashable]:
-        """Every name that stood in a row."""
+        """Names that appeared in a row."""
         return list(self._home)
 
     def groups(self) -> list[ProportionalGroup]:
-        """Every group once."""
+        """Groups of names, without duplicates."""
         return [group for group in dict.fromkeys(self._home.values()) if group.joined is None]
 
     def group(self, name: Hashable) -> ProportionalGroup:
-        """The group of a name; a name that was never tied is alone."""
+        """Group of a name; a name without links is alone in its group."""
         found = self._home.get(name)
         if found is None:
             found = self._home[name] = ProportionalGroup(name)
@@ -106,21 +105,21 @@ class Proportions:
         return found
 
     def join(self, name: Hashable, link: ProportionLink) -> None:
-        """Tie a name to one of another group, whose lead stands for both groups from now on."""
+        """Link a name to a name of another group, whose lead then stands for both groups."""
         upper, lower = self.group(link.above), self.group(name)
         lead = upper.lead
         if lower.size > upper.size:
             # The smaller tree is turned and goes into the larger one: no name then moves more than log n times.
             upper, lower = lower, upper
             name, link = link.above, ProportionLink(name, link.other, link.own, link.number)
-        self.turn(name)
+        self.make_root(name)
         self._links[name] = link
         lower.joined = upper
         upper.size += lower.size
         upper.lead = lead
 
-    def turn(self, name: Hashable) -> None:
-        """Make a name the root of its tree."""
+    def make_root(self, name: Hashable) -> None:
+        """Turn the tree of a name so that the name is its root."""
         link = self._links.pop(name, None)
         if link is not None:
             self.group(name).known = None
@@ -133,7 +132,7 @@ class Proportions:
     def to_root(
         self, name: Hashable, known: dict[Hashable, Any], product: Callable[[Any, Any], Any] = operator.mul
     ) -> Any:
-        """The ratio of a name to the root of its tree; ``known`` keeps that of every name on the way."""
+        """Ratio of a name to the root of its tree; ``known`` stores the ratios of names on the way."""
         way = []
         while name not in known:
             link = self._links.get(name)
@@ -150,7 +149,7 @@ class Proportions:
     def ratio(self, first: Hashable, second: Hashable) -> Any:
         """Ratio of two different names of one group.
 
-        That of their ratios to the root if these have few digits, else a product over the links between the two.
+        This is the ratio of their ratios to the root if these are short, else a product over the links between them.
         """
         group = self.group(first)
         if group.known is None:
@@ -166,11 +165,11 @@ class Proportions:
         return ratio
 
     def between(self, first: Hashable, second: Hashable) -> list[int]:
-        """Numbers of the equations between two names of one group."""
+        """Numbers of the equations that link two names of one group."""
         return [link.number for way in self._ways(first, second) for link in way]
 
     def _ways(self, first: Hashable, second: Hashable) -> tuple[list[ProportionLink], list[ProportionLink]]:
-        """Links from each of two names up to where they meet; the names climb in turns, so neighbours meet soon."""
+        """Links from each of two names up to their common name; both climb in turns, so neighbours meet soon."""
         ways: tuple[list[ProportionLink], list[ProportionLink]] = ([], [])
         passed = ({first: 0}, {second: 0})
         names = [first, second]

@@ -1,4 +1,4 @@
-"""What sensors read, in any algebra: numbers, symbols and derivatives are read by the same rules.
+"""Readings of sensors in any algebra: numbers, symbols and derivatives by the same rules.
 
 An angle, its rates and a twist are a motion of nodes. A torque is what the element's own laws and constraints do at one
 node: of every law its torque times the coefficient there, and so of every constraint. The torque of a constraint is its
@@ -21,18 +21,20 @@ from torsionnet.model.elements import GROUND, Element, Row, Values
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 
-POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
+POWERS_OF_S = {"angle": 0, "velocity": 1, "acceleration": 2}
+"""Power of s over the angle, by quantity of a motion sensor."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """s^power (row theta), or where there is no row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
+    """Reading s^power (row theta), or without a row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
 
     Attributes
     ----------
     power : int
+        Power of s: 0 for an angle, 1 for a velocity, 2 for an acceleration.
     row : Row, optional
-        Over nodes.
+        Weights of node angles.
     laws, constraints, actions : mapping
         Number of a law, constraint or action of the element -> factor of its torque.
     """
@@ -52,7 +54,7 @@ def reading(
     constraints: Iterable[tuple[str, Row]],
     actions: Iterable[tuple[str, Mapping[str, Any]]] = (),
 ) -> Reading:
-    """What a sensor reads that is known to be there; laws, constraints and actions are owners and rows, in order.
+    """Reading of an existing sensor; laws, constraints and actions are (element, row) in order.
 
     Raises
     ------
@@ -73,7 +75,7 @@ def reading(
 
 
 def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
-    """What a reading of its own shaft is multiplied with at the shaft it is referred to: a motion by the ratio of both.
+    """Factor from a reading at its own shaft to the shaft that it is referred to; for motions the speed ratio.
 
     Raises
     ------
@@ -99,8 +101,8 @@ def _at_own_shaft(
     constraints: Iterable[tuple[str, Row]],
     actions: Iterable[tuple[str, Mapping[str, Any]]],
 ) -> Reading:
-    if sensor.quantity in POWERS:
-        return Reading(POWERS[sensor.quantity], sensor.row)
+    if sensor.quantity in POWERS_OF_S:
+        return Reading(POWERS_OF_S[sensor.quantity], sensor.row)
     element = elements[sensor.of]
     if sensor.quantity == "twist":
         return Reading(0, element.twist(value))
@@ -116,14 +118,14 @@ def _at_own_shaft(
 
 @dataclass(frozen=True)
 class Balance:
-    """A torque by the torques of laws and the torques applied to nodes that are in equilibrium with it.
+    """Equilibrium of a torque with torques of laws and torques applied to nodes.
 
     Attributes
     ----------
     laws : tuple of (int, factor)
-        Those of the element itself first, then for each of its constraints those that do work on its opening.
+        Laws of the element first, then for each of its constraints the laws that do work on its virtual motion.
     applied : mapping
-        Node -> share; empty where no constraint is read.
+        Share of the torque applied to each node; empty where no constraint is read.
     """
 
     laws: tuple[tuple[int, Any], ...]
@@ -133,7 +135,7 @@ class Balance:
 def balance(
     torque: Reading, kinematics: Kinematics, laws: Sequence[Row], number: Callable[[Any], Any] = exact
 ) -> Balance:
-    """The torque of a reading without multipliers; ``laws`` are the rows that factors are numbered by.
+    """Torque of a reading expressed without multipliers; ``laws`` are the rows by which factors are numbered.
 
     Raises
     ------
@@ -159,7 +161,7 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
 
     An element that drives by itself has -1 at all ports.
 
-    A connection without inertia hands on to ground what it takes at its other end, so that end is returned instead.
+    A connection without inertia passes to ground the torque of its other end, so that end is returned instead.
     """
     fault = None if at is None else port_fault(element, at)
     if fault:
@@ -173,6 +175,4 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
 def _other_end(element: Element, index: int) -> int:
     if element.glyph in ("spring", "damper", "coupling") and len(element.ports) == 2:
         return 1 - index
-    raise UsageError(
-        f"attach {element.name} to a node with a lock instead of ground to read the torque it hands over there"
-    )
+    raise UsageError(f"attach {element.name} to a node with a lock instead of ground to read the torque there")

@@ -1,4 +1,4 @@
-"""Values of elements that are quoted at the speed of another shaft: put on their own, or why that cannot be done."""
+"""Conversion of element values quoted at the speed of another shaft to their own, and faults of such values."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from torsionnet.model.elements import Element, Law, Values
 
 
 def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tuple[Element, ...]:
-    """Elements with the values of their own shafts; those for which there is no ratio as they are written.
+    """Elements with values converted to their own shafts; elements without a ratio are unchanged.
 
     Parameters
     ----------
     elements : sequence of Element
-        Those that are switched on.
+        Elements that are switched on.
     values : mapping
         Exact values of the parameters.
     """
@@ -36,8 +36,8 @@ def _path(element: Element, paths: SpeedPaths) -> SpeedPath | None:
     return paths.between(own_node(element.ports), element.referred_to)
 
 
-def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> Iterator[Fault]:
-    """Elements whose values are quoted at a shaft to which there is no ratio; all names are known."""
+def referral_faults(elements: Sequence[Element], values: Mapping[str, Any]) -> Iterator[Fault]:
+    """Faults of elements whose values are quoted at a shaft without a single ratio; all names must exist."""
     quoted = [element for element in elements if element.referred_to is not None]
     paths = SpeedPaths(elements, Values(values)) if quoted else None
     for element in quoted:
@@ -48,8 +48,8 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
         reason = reason or element.referral_fault
         if reason is None and paths is not None and paths.between(own, not_none(element.referred_to)) is None:
             reason = (
-                f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a planetary "
-                f"set with two free members; give the values of {element.name} at its own shaft"
+                f"no ratio leads from {own} to {element.referred_to}: in between is an open clutch or gearbox, or a "
+                f"planetary set with two free members; give the values of {element.name} at its own shaft"
             )
         if reason is None and paths is not None:
             reason = _two_ratios(element, paths, own)
@@ -58,7 +58,7 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
 
 
 def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
-    """Why the ratio to the shaft is not the only one: another way, as over a spring beside gears, has another."""
+    """Message if two ratios lead to the shaft, as over a spring beside gears, else None."""
     end = str(element.referred_to)
     tree, path = paths.tree(own, end), paths.between(own, end)
     if not tree.closing or path is None:

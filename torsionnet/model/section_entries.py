@@ -1,4 +1,4 @@
-"""The sections of a model file, as entries."""
+"""Entries for the sections of a model file."""
 
 from __future__ import annotations
 

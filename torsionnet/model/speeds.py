@@ -1,6 +1,6 @@
-"""Mean speeds carried through the drivetrain, and the total ratio between two nodes.
+"""Mean speeds of all nodes, and the total ratio between two nodes.
 
-On average no spring winds up, so springs pass a mean speed on like rigid connections. Connections to ground are left
+On average no spring winds up, so springs transmit mean speeds like rigid connections. Connections to ground are left
 out, and so are clamps that would stop the nodes in question: a rig that is locked for a test keeps its ratios, while a
 clamped ring still makes the ratio of its planetary set, and so does one that springs tie to ground.
 """
@@ -24,19 +24,19 @@ Rows: TypeAlias = list[dict[str, Fraction]]
 
 
 def holding_rows(definition: Definition, values: Mapping[str, Any]) -> Rows:
-    """Rows that vanish at steady mean speed."""
+    """Rows over nodes that are zero at steady mean speeds."""
     return _rows_on_average(definition, values)[0]
 
 
 def _rows_on_average(definition: Definition, values: Mapping[str, Any]) -> tuple[Rows, Rows]:
-    """Rows that vanish at steady mean speed, and those of nodes that springs tie to ground."""
+    """Rows that are zero at steady mean speeds, and rows of nodes that springs tie to ground."""
     value = Values(values)
     rows = [exact_row(row) for element in definition.active for row in element.mean_speed_rows(value)]
     return [row for row in rows if len(row) > 1], [row for row in rows if len(row) == 1]
 
 
 def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
-    """Those on members of planetary sets and gears come first, so that the order of declaration does not matter."""
+    """Rows of the clamps, first on members of planetary sets and gears, whatever the order of declaration."""
     branching = {node for element in definition.active if element.glyph in BRANCHING for node in element.ports.values()}
     clamps = [element for element in definition.active if element.glyph == "clamp"]
     for element in sorted(clamps, key=lambda clamp: branching.isdisjoint(clamp.ports.values())):
@@ -44,7 +44,7 @@ def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
 
 
 def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
-    """Add every clamp that leaves the speeds in question possible: it holds a member of a planetary set."""
+    """Rows of clamps that leave the speeds in question possible, as on a member of a planetary set; adds them to ``speeds``."""
     added: Rows = []
     if not any(speed.blocked for speed in speeds):
         for row in _clamps(definition):
@@ -56,7 +56,7 @@ def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
 
 
 def _held_by_springs(rest: Rows, speeds: Sequence[Elimination]) -> Rows:
-    """Rows of what springs tie to ground, as a housing on its mounts, where the speeds in question stay possible."""
+    """Rows of nodes on springs to ground, as a housing on mounts, that leave the speeds possible; adds them to ``speeds``."""
     added: Rows = []
     for row in rest:
         if not any(speed.blocked or speed.blocks(row) for speed in speeds):
@@ -74,7 +74,7 @@ def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
 
 
 def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> Fraction:
-    """Speed of ``first`` over speed of ``second``, exact where the ratios in between are.
+    """Ratio of the speed of ``first`` to the speed of ``second``, exact where the ratios in between are.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     reduction = reduce_rows([*rows, *still], order)
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
-        raise UsageError(f"{second} cannot turn, there is no ratio to it")
+        raise UsageError(f"{second} cannot turn, there is no ratio to it; name a node that turns")
     if row and row.keys() != other.keys():
         free = ", ".join(sorted(row.keys() | other.keys()))
         raise UsageError(f"no fixed ratio between {first} and {second}: {free} turn independently")
@@ -119,15 +119,15 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
 
 
-def speeds_with(
+def speeds_by_reference(
     definition: Definition, values: Mapping[str, Any], reference: str, mean: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Speed of every node while ``reference`` turns: the mean speeds where the operating point has them.
+    """Speed by node while ``reference`` turns: the mean speeds where the operating point has them.
 
-    ``mean`` are those of :func:`mean_speeds`, where they are known already.
+    ``mean`` is the result of :func:`mean_speeds`, if known already.
 
-    What springs tie to ground stands still then, and the outputs of an open differential turn alike, unless the rest
-    speaks against it. Nodes that turn independently all the same are not among the result.
+    Nodes on springs to ground stand still and the outputs of an open differential turn alike, unless other rows
+    contradict that. Nodes that turn independently are left out.
     """
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     point = _numbers(definition.operating_point, values)
@@ -146,7 +146,7 @@ def speeds_with(
 
 
 def _alike(definition: Definition) -> Iterator[dict[str, Fraction]]:
-    """Outputs of a differential that turn alike although nothing compels them."""
+    """Rows that give both outputs of an open differential the same speed."""
     for element in definition.active:
         if element.glyph == "differential":
             left, right = element.ports["left"], element.ports["right"]

@@ -1,4 +1,4 @@
-"""Where a mean torque acts: on a node, or between two nodes written as ``pulley-block``."""
+"""Entry for the place of a mean torque: a node, or two nodes written as ``pulley-block``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.model.element_base.nodes import NodeName
 
 
 def torque_place(text: str) -> Input:
-    """The torque on a node, or on the first of two nodes and its reaction on the second.
+    """Torque input on a node, or on the first of two nodes with its reaction on the second.
 
     >>> torque_place("pulley-block").row, torque_place("pulley").row
     ({'pulley': 1, 'block': -1}, {'pulley': 1})
@@ -21,19 +21,19 @@ def torque_place(text: str) -> Input:
 
 
 def place_fault(text: str) -> str | None:
-    """Why a mean torque cannot act there, or None; whether the nodes exist is another question."""
+    """Message if a text names no place for a mean torque, else None; nodes need not exist."""
     pair = parse_pair(text)
     return None if pair is None else pair_fault(*pair, "torque")
 
 
 def renamed_place(text: str, names: Renaming) -> str:
-    """The place in a part, with the names that its nodes have in the whole."""
+    """Place in a part, with the names of its nodes in the whole model."""
     return "-".join(names.node(node) for node in torque_place(text).nodes)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TorquePlace(NodeName):
-    """A node, or two as ``pulley-block``."""
+    """Entry for a node, or for two nodes as ``pulley-block``."""
 
     allow_ground: bool = False
 

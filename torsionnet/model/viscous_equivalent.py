@@ -1,4 +1,4 @@
-"""A model whose hysteretic and tabulated laws are springs and viscous dampers that do the same at one frequency."""
+"""Viscous equivalent: springs and dampers in place of hysteretic and tabulated laws, equal at one frequency."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ AnyModel = TypeVar("AnyModel", bound=Model)
 
 
 def viscous_equivalent(model: AnyModel, frequency: float) -> AnyModel:
-    """A copy with a spring Re kappa and a damper Im kappa/(2 pi f) in the place of each law over frequency.
+    """Copy of a model with a spring Re kappa and a damper Im kappa/(2 pi f) in place of each law over frequency.
 
     At f the copy responds as the model does. Elsewhere its damping is c omega where that of the model was k eta:
     vibrations above f are damped too much and those below too little.
@@ -23,7 +23,7 @@ def viscous_equivalent(model: AnyModel, frequency: float) -> AnyModel:
     ----------
     model : Drivetrain
     frequency : float
-        f in Hz, above zero: mostly that of the mode in question.
+        Frequency f in Hz above zero, mostly that of the mode in question.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def _is_over_frequency(law: Law) -> bool:
 
 @dataclass(frozen=True)
 class ViscousLaws:
-    """Laws of an element with the constant coefficients that hold at ``frequency``, Hz, in place of its ``parts``."""
+    """Replacement of the method ``parts`` of an element: laws with their constant coefficients at ``frequency``, Hz."""
 
     element: Element
     frequency: Fraction

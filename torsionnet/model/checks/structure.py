@@ -218,9 +218,9 @@ def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list
     on = [element for element in definition.elements.values() if element.enabled]
     if all(element.referred_to is None for element in on):
         return []
-    from torsionnet.model.referral import unfit_references
+    from torsionnet.model.referral import referral_faults
 
-    return list(unfit_references(on, values))
+    return list(referral_faults(on, values))
 
 
 def _unfit_operation(

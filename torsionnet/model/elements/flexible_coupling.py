@@ -27,6 +27,7 @@ from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedS
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 
 _CURVE_OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
+"""Example of a factor over torque, for messages."""
 
 
 @register

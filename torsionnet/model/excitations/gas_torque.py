@@ -46,6 +46,7 @@ class ZeroEntry(Spec[float]):
 
 _ANGLE = Value("crank angle", "angle", lower=None)
 _TRACE = "pressure over the cycle: p100.csv, or a list at even steps from firing top dead centre on"
+"""Description of the entries for pressure traces."""
 
 
 @dataclass(frozen=True, kw_only=True)

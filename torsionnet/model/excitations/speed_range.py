@@ -16,6 +16,7 @@ from torsionnet.model.element_base.nodes import NodeName
 
 SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
 RANGE_EXAMPLES = "300..788 rpm or [300 rpm, 788 rpm]"
+"""Examples of a range of speeds, for messages."""
 MOST_SPEEDS = 100_000
 """Largest number of speeds of a range: more only come from a step in the wrong unit, and would fill the memory."""
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")

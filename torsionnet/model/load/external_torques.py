@@ -13,7 +13,7 @@ from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.absorber import Absorber
 from torsionnet.model.load.sides_of_load import drivers, on_nodes, reacting
-from torsionnet.model.speeds import mean_speeds, speeds_with
+from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 from torsionnet.model.torque_places import torque_place
 
 UNKNOWN = "the load determines no mean torques here"
@@ -66,7 +66,7 @@ class ExternalTorques:
     @cached_property
     def ratios(self) -> dict[str, float]:
         """Speed of every node over that of the reference, for nodes that turn with it."""
-        speeds = speeds_with(self.definition, self.values, self.reference, self.mean_speeds)
+        speeds = speeds_by_reference(self.definition, self.values, self.reference, self.mean_speeds)
         own = speeds.get(self.reference)
         return {node: speed / own for node, speed in speeds.items()} if own else {}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import GROUND, Gear
-from torsionnet.model.speeds import speeds_with
+from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.plot.schematic.line_routes import LineRoute, line_routes
 from torsionnet.plot.schematic.topology import Connections, Link, Vertex, connections, trees
 
@@ -170,7 +170,7 @@ class Ratios:
 
 def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
     """Ratios of the mean speed of a reference node to those of all nodes; without one, that of the shaft beside."""
-    speeds = speeds_with(drivetrain.definition, drivetrain.exact_values, reference)
+    speeds = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference)
     standing = tuple(node for node, speed in speeds.items() if speed == 0)
     known = {node: speeds[reference] / speed for node, speed in speeds.items() if speed}
     free = tuple(node for node in drivetrain.nodes if node not in speeds)

@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.speeds import speeds_with
+from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.response.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
 from torsionnet.solve.modes.eigen import undamped_modes
 from torsionnet.solve.modes.holzer_balance import HolzerBalance, NodeLoad, balance_of, trial_angles
@@ -54,7 +54,7 @@ def holzer_table(
     # Again, as springs whose stiffness depends on frequency may be absent at 0 Hz.
     order, tree = holzer_lines(drivetrain.assembly.nodes, balance.loads, first)
     shaft = referred_to or start
-    ratios = speeds_with(drivetrain.definition, drivetrain.exact_values, shaft)
+    ratios = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, shaft)
     own = ratios.get(shaft) or 1.0
     walk = _HolzerWalk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
     branches = tuple(walk.branches(order))

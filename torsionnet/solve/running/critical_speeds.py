@@ -16,7 +16,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.operating_values import operating_speed_notes
-from torsionnet.model.speeds import speeds_with
+from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.response.critical_speeds import FREQUENCY_FIELDS, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
 from torsionnet.response.order_line import OrderLine
@@ -147,7 +147,7 @@ class _CrossingSearch:
         self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range, [mode.number for mode in found])
         self.turning = {
             node: speed
-            for node, speed in speeds_with(drivetrain.definition, drivetrain.exact_values, reference).items()
+            for node, speed in speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference).items()
             if speed
         }
 

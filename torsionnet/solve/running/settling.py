@@ -11,7 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
-from torsionnet.model.parameters import AMPLITUDE
+from torsionnet.model.parameters import VIBRATORY_TORQUE
 from torsionnet.solve.running.operating_groups import Settled
 
 VALUE_TOLERANCE = 1e-8
@@ -47,7 +47,7 @@ def settled_by_vibration(
     UsageError
         A speed does not settle, or settles beyond the table.
     """
-    tables = {name: one for name, one in definition.following.items() if one.by == AMPLITUDE}
+    tables = {name: one for name, one in definition.following.items() if one.by == VIBRATORY_TORQUE}
     if not tables:
         return {}
     elements = list(dict.fromkeys(one.of for one in tables.values()))

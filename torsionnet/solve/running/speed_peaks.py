@@ -16,7 +16,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
-from torsionnet.model.parameters import AMPLITUDE
+from torsionnet.model.parameters import VIBRATORY_TORQUE
 from torsionnet.response.critical_speeds import CriticalSpeed, SpeedPeak
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.solve.responses.peaks import inner_maxima
@@ -52,7 +52,7 @@ def with_speed_peaks(
     UsageError
         A parameter depends on the vibration of all excitations together, so that single orders have no peaks.
     """
-    swayed = [name for name, one in drivetrain.definition.following.items() if one.by == AMPLITUDE]
+    swayed = [name for name, one in drivetrain.definition.following.items() if one.by == VIBRATORY_TORQUE]
     if swayed:
         text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
         raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")
