@@ -44,7 +44,7 @@ def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
 
 
 def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
-    """Rows of clamps that leave the speeds in question possible, as on a member of a planetary set; adds them to ``speeds``."""
+    """Rows of clamps that leave the speeds in question possible, as on planetary sets; adds them to ``speeds``."""
     added: Rows = []
     if not any(speed.blocked for speed in speeds):
         for row in _clamps(definition):
@@ -56,7 +56,7 @@ def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
 
 
 def _held_by_springs(rest: Rows, speeds: Sequence[Elimination]) -> Rows:
-    """Rows of nodes on springs to ground, as a housing on mounts, that leave the speeds possible; adds them to ``speeds``."""
+    """Rows of nodes on springs to ground, as housings on mounts, if speeds stay possible; adds them to ``speeds``."""
     added: Rows = []
     for row in rest:
         if not any(speed.blocked or speed.blocks(row) for speed in speeds):
