@@ -54,7 +54,7 @@ from torsionnet.model.elements import (
     make_element,
 )  # fmt: skip
 from torsionnet.model.report import SECTIONS
-from torsionnet.report.wording import replaceable
+from torsionnet.report.wording import replaceable_texts
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
@@ -462,7 +462,7 @@ def report_texts_page() -> str:
     """Every text of a report that words.yaml of a template folder may replace."""
     shown = [
         f"{section}:\n" + "".join(f"  {text}\n" for text in map(_quoted, texts))
-        for section, texts in replaceable().items()
+        for section, texts in replaceable_texts().items()
     ]
     return "```text\n" + "\n".join(shown) + "```\n"
 

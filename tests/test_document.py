@@ -14,8 +14,8 @@ from torsionnet.model.report import SECTIONS
 from torsionnet.report import Measured, make_report
 from torsionnet.report.build import BUILDERS
 from torsionnet.report.document_tree import (
+    BreakableMath,
     Code,
-    DefinitionList,
     Details,
     Equations,
     Formula,
@@ -64,7 +64,7 @@ def _words(part):
     match part:
         case Math(latex):
             return latex
-        case DefinitionList(parts):
+        case BreakableMath(parts):
             return " ".join(parts)
         case Strong(text) | Code(text):
             return text
@@ -212,7 +212,7 @@ class TestValues:
         found = blocks(amt, "equations")
         assert any(r"k_{1} + \frac{k_{2}}{\tau^{2}}" in formula.latex for formula in of(Formula, found))
         equation = of(Equations, found)[0].rows[1]
-        assert isinstance(equation, DefinitionList)
+        assert isinstance(equation, BreakableMath)
         assert equation.parts[0] == r"I_{2} \ddot{\theta}_{\mathrm{input~shaft}}"
 
     def test_numeric_matrices(self, amt):

@@ -11,11 +11,17 @@ import pytest
 import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Details, Heading, Math, NumberText, Paragraph, Report, Section, TableBlock
-from torsionnet.report.report_tables import alike, table
+from torsionnet.report.report_tables import merge_equal_rows, table
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import latex_document
-from torsionnet.report.writers.latex_columns import GAP, PAGE, heading_lines, natural, pieces
-from torsionnet.report.writers.latex_room import needed
+from torsionnet.report.writers.latex_columns import (
+    GAP_LETTERS,
+    PAGE_LETTERS,
+    heading_lines,
+    natural_width,
+    table_pieces,
+)
+from torsionnet.report.writers.latex_space import lines_needed
 from torsionnet.report.writers.latex_table import table_latex
 
 needs_latex = pytest.mark.skipif(
@@ -74,11 +80,11 @@ def wide_table(columns=14, letters=14):
 class TestEqualRows:
     def test_equal_rows_that_follow_each_other_are_one(self):
         rows = [("a", NumberText(1.0)), ("b", NumberText(1.0 + 1e-12)), ("c", NumberText(2.0)), ("d", NumberText(1.0))]
-        assert alike(rows) == (("a, b", NumberText(1.0)), ("c", NumberText(2.0)), ("d", NumberText(1.0)))
+        assert merge_equal_rows(rows) == (("a, b", NumberText(1.0)), ("c", NumberText(2.0)), ("d", NumberText(1.0)))
 
     def test_rows_that_go_on_with_the_one_above_stay(self):
         rows = [("a", "1"), ("", "1"), ("", "1")]
-        assert alike(rows) == tuple(rows)
+        assert merge_equal_rows(rows) == tuple(rows)
 
     def test_six_throws_are_one_row_that_names_all(self, engine):
         elements = next(blocks_of([section(engine, "elements")], TableBlock))
@@ -131,12 +137,12 @@ class TestTooLong:
 
 class TestWidths:
     def test_a_table_that_fits_stays_in_one_piece(self):
-        (piece,) = pieces(table("Small", [Heading("A"), Heading("B", numeric=True)], [("a", NumberText(1.0))]))
+        (piece,) = table_pieces(table("Small", [Heading("A"), Heading("B", numeric=True)], [("a", NumberText(1.0))]))
         assert piece.widths == (None, None)
 
     def test_a_table_too_wide_goes_on_below_with_its_first_column(self):
         block = wide_table()
-        parts = pieces(block)
+        parts = table_pieces(block)
         assert len(parts) > 1
         assert all(part.indices[0] == 0 for part in parts)
         assert [index for part in parts for index in part.indices[1:]] == list(range(1, 15))
@@ -147,8 +153,8 @@ class TestWidths:
         block = table(
             "Texts", [Heading("A"), Heading("B"), Heading("C")], [("word " * 30, "word " * 60, NumberText(1.0))]
         )
-        (piece,) = pieces(block)
-        assert sum(width or natural(block, 2) for width in piece.widths) + 3 * GAP <= PAGE + 1e-9
+        (piece,) = table_pieces(block)
+        assert sum(width or natural_width(block, 2) for width in piece.widths) + 3 * GAP_LETTERS <= PAGE_LETTERS + 1e-9
         assert piece.widths[0] < piece.widths[1]
 
     def test_headings_break_at_spaces_and_before_the_unit(self):
@@ -166,10 +172,16 @@ class TestRoom:
 
     def test_a_heading_takes_the_beginning_of_what_follows_along(self):
         long = table("T", [Heading("A")], [(f"row {number}",) for number in range(60)])
-        alone = needed(Section("s", ("S",), ()))
-        assert alone + 5 < needed(Section("s", ("S",), (long,))) < alone + 20
-        assert needed(Section("s", ("S",), (Paragraph(("Lead:",)), long))) > needed(Section("s", ("S",), (long,)))
-        assert needed(long) < needed(table("T", [Heading("A")], [(f"row {number}",) for number in range(14)])) < 30
+        alone = lines_needed(Section("s", ("S",), ()))
+        assert alone + 5 < lines_needed(Section("s", ("S",), (long,))) < alone + 20
+        assert lines_needed(Section("s", ("S",), (Paragraph(("Lead:",)), long))) > lines_needed(
+            Section("s", ("S",), (long,))
+        )
+        assert (
+            lines_needed(long)
+            < lines_needed(table("T", [Heading("A")], [(f"row {number}",) for number in range(14)]))
+            < 30
+        )
 
     def test_rows_of_matrices_with_fractions_stand_apart(self):
         text = latex_document(make_report("amt_rig", date=None, sections=["equations"]), "f")

@@ -170,7 +170,7 @@ HOSTILE = {
     "columns too few": (WHOLE + "\t1\n", r"r.lvm:64:1: error: the row has 2 cells"),
     "early end": (WHOLE[: WHOLE.rindex("\n", 0, -1) + 1], r"the file ends early: Samples says 40 rows, there are 39"),
     "early end in a row": (WHOLE[:-12], r"r.lvm:63:1: error: the file ends early: the last row lacks Angle"),
-    "a spectrum": (FILE + segment(X_Dimension=["Frequency"] * 2), "the values stand over Frequency, not over time"),
+    "a spectrum": (FILE + segment(X_Dimension=["Frequency"] * 2), "the values are over Frequency; only values over time"),
     "a word": (WHOLE.replace("\t0.000000\t", "\tx\t"), r'r.lvm:24:2: error: "x" is not a number'),
     "commas": (WHOLE.replace("0.841471", "0,841471"), r'"0,841471" is not a number; Decimal_Separator is "."'),
     "a separator": (WHOLE.replace("Separator\tTab", "Separator\tBlank"), r'r.lvm:4:1: error: Separator is "Blank"; expected Tab'),

@@ -28,10 +28,10 @@ from torsionnet.report.document_tree import (
     TableBlock,
     TableGroup,
 )
-from torsionnet.report.report_words import capital, plain
-from torsionnet.report.rewording import Reworded
+from torsionnet.report.report_text import as_words, capital
+from torsionnet.report.rewording import Rewording
 from torsionnet.report.template_reading import read_template
-from torsionnet.report.wording import PLACE, Wording, replaceable
+from torsionnet.report.wording import PLACEHOLDER, Wording, replaceable_texts
 from torsionnet.report.writers import templating
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import latex_document
@@ -40,7 +40,7 @@ from torsionnet.report.writers.markdown import markdown_text
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "letterhead"
 SHORT = {"sections": ["summary", "elements"], "date": "2025-03-31"}
-TEXTS = [text for texts in replaceable().values() for text in texts]
+TEXTS = [text for texts in replaceable_texts().values() for text in texts]
 
 
 @pytest.fixture
@@ -121,8 +121,8 @@ class TestExample:
 
     def test_a_name_that_heads_a_column_stays(self):
         """Configurations and elements stand in headings of their own."""
-        reworded = Reworded(Wording({"Value": "Wert", "Ratio": "Verhältnis"}), {"Value"})
-        assert [reworded.of(Heading(text)).text for text in ("Value", "Ratio")] == ["Value", "Verhältnis"]
+        reworded = Rewording(Wording({"Value": "Wert", "Ratio": "Verhältnis"}), {"Value"})
+        assert [reworded.reworded(Heading(text)).text for text in ("Value", "Ratio")] == ["Value", "Verhältnis"]
 
     def test_without_a_template_nothing_changes(self, folder):
         assert page(folder) == html_page(make_report("dmf_rig", **SHORT))
@@ -181,14 +181,14 @@ class TestWords:
         shown = "".join(
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()
         )
-        words = {plain(kind) for kind in ELEMENT_TYPES} | {
-            plain(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
+        words = {as_words(kind) for kind in ELEMENT_TYPES} | {
+            as_words(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
         }
         words |= {f"{word} " for word in words} | {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
         nested = (Viscoelastic, FilmGap, *RUBBER_SHAPES.values())
-        words |= {plain(name).lower() for cls in nested for name, _ in cls.specs()}
+        words |= {as_words(name).lower() for cls in nested for name, _ in cls.specs()}
         for text in TEXTS:
-            for piece in PLACE.split(text.removeprefix("; "))[::2]:
+            for piece in PLACEHOLDER.split(text.removeprefix("; "))[::2]:
                 if (
                     "of vibration" in piece
                 ):  # put together of many parts; descriptions of modes have a test of their own
@@ -198,7 +198,7 @@ class TestWords:
 
     def test_every_text_of_a_section_is_listed(self):
         """Strings of the sections that look like a text: with a capital, or with a space at the edge, or two words."""
-        pieces = {piece for text in TEXTS for piece in PLACE.split(text)[::2]}
+        pieces = {piece for text in TEXTS for piece in PLACEHOLDER.split(text)[::2]}
         known = {*TEXTS, *pieces}
         looks = re.compile(r"[A-Z][a-z]+( .*)?|[ ,;:].*[a-z]{2}.*|.*[a-z] $", re.DOTALL)
         files = (ROOT / "torsionnet" / "report" / "sections").glob("*.py")
@@ -209,7 +209,7 @@ class TestWords:
     @pytest.mark.parametrize("model", ["amt_rig", "planetary_set", "marine_steam_turbine"])
     def test_descriptions_of_modes_are_replaced(self, model):
         """A chain without any word of the original left: only names of elements, numbers and signs."""
-        blank = Wording({text: "".join(f" {{{name}}}" for name in PLACE.findall(text)) for text in TEXTS})
+        blank = Wording({text: "".join(f" {{{name}}}" for name in PLACEHOLDER.findall(text)) for text in TEXTS})
         rig = tn.load(model)
         for description in rig.modes().descriptions:
             left = set(re.findall(r"[A-Za-z]\w*", blank(capital(description))))
@@ -225,7 +225,7 @@ class TestWords:
         """All texts marked: what is left unmarked in headings, captions and notes is not the report's own."""
         marked = Wording({text: "@" + text for text in TEXTS})
         report = make_report("amt_rig", date=None, template=None)
-        for section in Reworded(marked).of(report).sections:
+        for section in Rewording(marked).reworded(report).sections:
             assert section.title[0].startswith("@")
             for block in section.blocks:
                 if isinstance(block, TableBlock | Picture):
@@ -241,22 +241,24 @@ class TestWords:
                     assert heads <= set(tn.load("amt_rig").configurations), heads
 
     def test_types_and_properties_of_elements_are_listed(self):
-        kinds, names = replaceable()["types of elements"], replaceable()["properties of elements"]
-        assert set(kinds) == {plain(kind) for kind in ELEMENT_TYPES}
-        every = {plain(name) for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()}
+        kinds, names = replaceable_texts()["types of elements"], replaceable_texts()["properties of elements"]
+        assert set(kinds) == {as_words(kind) for kind in ELEMENT_TYPES}
+        every = {as_words(name) for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()}
         outer = {name.removesuffix(" {key}").partition(".")[0] for name in names}
         assert outer <= every - {"description", "enabled", "nodes", "node"}
 
     @pytest.mark.parametrize("kind", sorted(EVERY_ELEMENT.keys() - {"mass_elastic"}))
     def test_properties_of_every_element_are_replaced(self, kind):
         """A report on each: what stands in the column of properties is one of the texts, or a measure of damping."""
-        marked = Wording({text: "@" + text for texts in replaceable().values() for text in texts})
+        marked = Wording({text: "@" + text for texts in replaceable_texts().values() for text in texts})
         element = EVERY_ELEMENT[kind]
         discs = [tn.Inertia(f"J_{node}", node=node, inertia=1) for node in element.ports.values() if node != "ground"]
         oil = [tn.Damper(f"c_{disc.node}", nodes=("x", disc.node), damping=1) for disc in discs]
         rig = tn.Drivetrain("rig", [element, *discs, *oil, tn.Inertia("J_x", node="x", inertia=1)])
         section = make_report(rig, date=None, template=None, sections=["elements"]).sections[0]
-        rows = [row for block in Reworded(marked).of(section).blocks for group in block.groups for row in group.rows]
+        rows = [
+            row for block in Rewording(marked).reworded(section).blocks for group in block.groups for row in group.rows
+        ]
         own = [row for row in rows if row[3]]
         assert own
         assert all(row[3].startswith("@") for row in own), [row[3] for row in own]
@@ -327,7 +329,7 @@ def _strings(file):
     documentation = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in documentation:
-            yield from PLACE.split(node.value)[::2]
+            yield from PLACEHOLDER.split(node.value)[::2]
 
 
 class TestFolder:
@@ -503,15 +505,15 @@ class TestPage:
 
 def test_numbers_of_what_is_folded_away_count_for_themselves():
     from torsionnet.report.document_tree import Details, Formula
-    from torsionnet.report.writers.numbering import placed
+    from torsionnet.report.writers.numbering import number_blocks
 
     one = TableBlock(("t",), (Heading("a"),), (TableGroup(((NumberText(1.0),),)),))
     blocks = (one, Details(("more",), (one, Formula("x")), ("less",)), Section("s", ("s",), (one, Formula("y"))))
-    found = placed((Section("r", ("r",), blocks),), folds=True)[0]
+    found = number_blocks((Section("r", ("r",), blocks),), folds=True)[0]
     assert [each.number for each in found.inner] == ["1", "", "1.1"]
     assert [each.number for each in found.inner[1].inner] == ["S1", "S1"]
     assert [each.number for each in found.inner[2].inner] == ["2", "1"]
-    paper = placed((Section("r", ("r",), blocks),))[0]
+    paper = number_blocks((Section("r", ("r",), blocks),))[0]
     assert paper.inner[1].inner == ()
     assert paper.inner[2] == found.inner[2]
     assert "Table s1" not in html_page(Report("r", "", Facts(()), (Math("x"),), (Section("r", ("r",), blocks),)))

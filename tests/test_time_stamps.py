@@ -182,7 +182,7 @@ class TestCoarse:
         assert (found.sampling_rate, found.start, found.times) == (1000.0, 0.0, None)
         assert "warning: the time stamps are coarser than the sampling: the rate given was taken" in found.notes
         assert [block.start for block in iter_blocks(path, 1.0, sampling_rate=1000.0)] == pytest.approx([0, 1, 2])
-        with pytest.raises(ModelError, match="the time stamps are not those of samples at 100 Hz"):
+        with pytest.raises(ModelError, match="the time stamps do not fit samples at 100 Hz"):
             read_recording(path, sampling_rate=100.0)
 
     def test_numbers_too(self, tmp_path):

@@ -11,7 +11,7 @@ from torsionnet.core.lazy import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "Measured": "torsionnet.report.request",
+        "Measured": "torsionnet.report.report_request",
         "Report": "torsionnet.report.document_tree",
         "make_report": "torsionnet.report.report",
         "write_report": "torsionnet.report.report",

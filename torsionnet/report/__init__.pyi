@@ -2,7 +2,7 @@
 from torsionnet.report.document_tree import Report as Report
 from torsionnet.report.report import make_report as make_report
 from torsionnet.report.report import write_report as write_report
-from torsionnet.report.request import Measured as Measured
+from torsionnet.report.report_request import Measured as Measured
 
 __all__ = [
     "Measured",

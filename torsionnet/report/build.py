@@ -10,7 +10,7 @@ from torsionnet.core.errors import TorsionnetWarning
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.document_tree import Facts, Report, Section, Text
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_words import named_first, sentence
+from torsionnet.report.report_text import first_names, sentence
 from torsionnet.report.sections.checks import checks_section
 from torsionnet.report.sections.comparison import comparison_section
 from torsionnet.report.sections.critical_speeds import critical_speeds_section
@@ -56,7 +56,16 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
 }
 
 
-OF_DRIVETRAINS = ("schematic", "elements", "kinematics", "equations", "modes", "formulas", "simplified", "responses")
+DRIVETRAIN_SECTIONS = (
+    "schematic",
+    "elements",
+    "kinematics",
+    "equations",
+    "modes",
+    "formulas",
+    "simplified",
+    "responses",
+)
 """Sections that have nothing to say about what runs."""
 
 
@@ -65,9 +74,9 @@ def build(subject: ReportData, version: str) -> Report:
     plan = subject.request.plan
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", TorsionnetWarning)
-        subject = replace(subject, warned=warned)
+        subject = replace(subject, warning_messages=warned)
         wanted = [name for name in SECTIONS if subject.request.wants(name)]
-        made = [BUILDERS[name](subject.by_drivetrain if name in OF_DRIVETRAINS else subject) for name in wanted]
+        made = [BUILDERS[name](subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject) for name in wanted]
     return Report(
         title=plan.title or subject.model.name,
         subtitle="Torsional vibration report",
@@ -88,7 +97,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
         yield "Source of data", (model.source.strip(),)
     names = [case.configuration for case in subject.cases if case.configuration]
     if names:
-        yield "Configurations", (named_first(names, len(names)) + _others(subject),)
+        yield "Configurations", (first_names(names, len(names)) + _others(subject),)
     if request.settings:
         yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)
     if request.plan.author:
@@ -104,6 +113,6 @@ def _others(subject: ReportData) -> str:
     """Of how many configurations these are shown, and whether verdicts are on more."""
     if not subject.left_out:
         return ""
-    shown, judged, count = len(subject.cases), len(subject.judged), len(subject.model.configurations)
-    more = subject.limits_found is not None and subject.request.wants("limits") and judged > shown
+    shown, judged, count = len(subject.cases), len(subject.judged_cases), len(subject.model.configurations)
+    more = subject.limit_conclusion is not None and subject.request.wants("limits") and judged > shown
     return f" (of {count}" + (f"; limits are examined in {'all' if judged == count else judged}" if more else "") + ")"

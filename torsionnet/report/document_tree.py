@@ -22,7 +22,7 @@ class Math:
 
 
 @dataclass(frozen=True)
-class DefinitionList:
+class BreakableMath:
     """A long formula inside a line; the line may break between its terms."""
 
     parts: tuple[str, ...]
@@ -43,7 +43,7 @@ class Code:
 
 
 NumberText = number_text.NumberText
-Inline: TypeAlias = str | Math | DefinitionList | Strong | Code | NumberText
+Inline: TypeAlias = str | Math | BreakableMath | Strong | Code | NumberText
 Text: TypeAlias = tuple[Inline, ...]
 Cell: TypeAlias = Inline | Text
 
@@ -91,7 +91,7 @@ class Formula:
 class Equations:
     """Long equations, one below the other, that may break between terms."""
 
-    rows: tuple[DefinitionList, ...]
+    rows: tuple[BreakableMath, ...]
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class TableBlock:
         return max((number.decimals_shown for number in self.numbers(index)), default=0)
 
     @property
-    def ending(self) -> tuple[Text, ...]:
+    def foot_notes(self) -> tuple[Text, ...]:
         """What stands below the table: its notes, and how many rows are left out."""
         return (*self.notes, *([(f"… and {self.more} more",)] if self.more else []))
 
@@ -150,7 +150,7 @@ class Picture:
     """A figure: name of its file, the drawing, the caption, and the caption for those who cannot see it."""
 
     name: str
-    drawn: Figure
+    figure: Figure
     caption: Text
     alt: str
 

@@ -8,7 +8,7 @@ from torsionnet.core.expressions import Compound, Expression, Name, Number
 from torsionnet.symbolic.symbol_names import symbol_latex
 
 SUM, PRODUCT, QUOTIENT, ATOM = 1, 2, 3, 4
-STRENGTHS = {"+": SUM, "-": SUM, "negative": SUM, "*": PRODUCT, "/": QUOTIENT, "**": QUOTIENT}
+PRECEDENCE = {"+": SUM, "-": SUM, "negative": SUM, "*": PRODUCT, "/": QUOTIENT, "**": QUOTIENT}
 """How strongly the parts of an expression hold together; those of all others as atoms."""
 
 
@@ -59,4 +59,4 @@ def _begins_with_number(tree: Expression) -> bool:
 
 def _enclosed(tree: Expression, needed: int) -> str:
     text = expression_latex(tree)
-    return text if STRENGTHS.get(_sign(tree), ATOM) >= needed else rf"\left({text}\right)"
+    return text if PRECEDENCE.get(_sign(tree), ATOM) >= needed else rf"\left({text}\right)"

@@ -17,9 +17,9 @@ from torsionnet.model.files.reader import find_model
 from torsionnet.model.report import Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
-from torsionnet.report.own_studies import require_own_studies
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, require_answers
-from torsionnet.report.request import Measured, Request, read_date
+from torsionnet.report.report_request import Measured, ReportRequest, read_date
+from torsionnet.report.study_model_checks import check_study_models
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -151,7 +151,7 @@ def make_report(
     if settings:
         drivetrain = drivetrain.configured(**settings)
     shown = tuple(studies)
-    require_own_studies(drivetrain, [result.study for result in shown])
+    check_study_models(drivetrain, [result.study for result in shown])
     plan = drivetrain.definition.report or ReportPlan()
     read = _template(template or (plan.template and file.parent / plan.template))
     texts = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
@@ -167,7 +167,7 @@ def make_report(
     given |= {"band": _band(band)} if band else {}
     plan = replace(plan, **given)
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
-    request = Request(
+    request = ReportRequest(
         plan,
         tuple((key, str(value)) for key, value in (settings or {}).items()),
         today,
@@ -179,14 +179,14 @@ def make_report(
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
     from torsionnet.report.build import build
-    from torsionnet.report.report_words import plain
-    from torsionnet.report.rewording import Reworded
+    from torsionnet.report.report_text import as_words
+    from torsionnet.report.rewording import Rewording
 
     report = build(subject, __version__)
     if read is None:
         return report
-    names = {case.configuration for case in cases} | {plain(name) for name in drivetrain.definition.elements}
-    reworded: Report = Reworded(read.wording, names).of(report)
+    names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}
+    reworded: Report = Rewording(read.wording, names).reworded(report)
     return replace(reworded, template=read)
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.report import Pair
-from torsionnet.report.report_words import in_common
-from torsionnet.report.request import Request
+from torsionnet.report.report_request import ReportRequest
+from torsionnet.report.report_text import shared_choices
 from torsionnet.response import Conventions, FrequencyResponse, Modes
 from torsionnet.solve.dynamic_stiffness.transfer_request import usable
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
-MOST_CASES, MOST_JUDGED = 12, 200
+MOST_CASES, MOST_JUDGED_CASES = 12, 200
 """Configurations in a report unless more are asked for by name, and those whose limits are judged."""
 MOST_MODES = 10
-LARGE = 40
+LARGE_MODEL = 40
 """Coordinates from which on only the lowest modes are calculated."""
 MOST_SYMBOLIC = 12
 """Coordinates of a system whose equations are written out."""
@@ -49,7 +49,7 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Form:
+class SymbolicEquations:
     """Equations in symbols, and the cases they hold for."""
 
     cases: tuple[Case, ...]
@@ -65,32 +65,32 @@ class ReportData:
     model : Drivetrain
         As written, with the parameters changed for this report.
     cases : tuple of Case
-    request : Request
+    request : ReportRequest
     file, digest : str
         Name of the model's file and its SHA-256; of a model that has no file, those of its text.
-    warned : list of WarningMessage
+    warning_messages : list of WarningMessage
         What the calculation warned of on the way.
     """
 
     model: Drivetrain
     cases: tuple[Case, ...]
-    request: Request
+    request: ReportRequest
     file: str = ""
     digest: str = ""
-    warned: list[warnings.WarningMessage] = field(default_factory=list)
+    warning_messages: list[warnings.WarningMessage] = field(default_factory=list)
 
     @property
     def conventions(self) -> Conventions:
         return Conventions(angle=self.request.plan.angle)
 
     @property
-    def size(self) -> int:
+    def n_coordinates(self) -> int:
         """Coordinates."""
         return max(case.drivetrain.assembly.system.n_coordinates for case in self.cases)
 
     @property
     def is_large(self) -> bool:
-        return self.size > LARGE
+        return self.n_coordinates > LARGE_MODEL
 
     @cached_property
     def modes(self) -> tuple[Modes, ...]:
@@ -110,7 +110,7 @@ class ReportData:
         return tuple(self._modes(case, pair.input, pair.excitation or None) for case in self.cases)
 
     @cached_property
-    def forms(self) -> tuple[Form, ...]:
+    def symbolic_equations(self) -> tuple[SymbolicEquations, ...]:
         """The equations in symbols: cases with the same ones together."""
         found: list[tuple[list[Case], SymbolicSystem]] = []
         for case in self.cases:
@@ -124,7 +124,7 @@ class ReportData:
                 found.append(([case], system))
             else:
                 alike.append(case)
-        return tuple(Form(tuple(cases), system) for cases, system in found)
+        return tuple(SymbolicEquations(tuple(cases), system) for cases, system in found)
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
@@ -135,7 +135,7 @@ class ReportData:
         return tuple(Pair(sensor, driven) for driven in inputs[:1] for sensor in sensors[:DEFAULT_PAIRS])
 
     @cached_property
-    def running(self) -> bool:
+    def has_excitations(self) -> bool:
         """Whether machinery runs in the model, over speeds that it names."""
         definition = self.model.definition
         return definition.speeds is not None and bool(definition.excitations)
@@ -153,12 +153,12 @@ class ReportData:
         return tuple(case.drivetrain.order_response(list(self.order_outputs), refine=True) for case in self.cases)
 
     @cached_property
-    def judged(self) -> tuple[Case, ...]:
+    def judged_cases(self) -> tuple[Case, ...]:
         """What verdicts are drawn from: all configurations, also those not shown; those asked for where some were."""
         if self.request.plan.configurations or not self.left_out:
             return self.cases
         known = {case.configuration: case for case in self.cases}
-        names = self.model.configurations[:MOST_JUDGED]
+        names = self.model.configurations[:MOST_JUDGED_CASES]
         return tuple(known.get(name) or Case(name, self.model.configured(name)) for name in names)
 
     @cached_property
@@ -168,33 +168,34 @@ class ReportData:
         return tuple(name for name in self.model.configurations if all(name in missing for missing in others))
 
     @property
-    def of_how_many(self) -> tuple[str, ...]:
+    def coverage_note(self) -> tuple[str, ...]:
         """A sentence on how many configurations a section is about, where those are not all."""
         if not self.left_out:
             return ()
         return (f" Of {len(self.model.configurations)} configurations {len(self.cases)} are examined here.",)
 
     @cached_property
-    def limits_found(self) -> LimitConclusion | None:
+    def limit_conclusion(self) -> LimitConclusion | None:
         """Verdicts on the limits in all configurations; None where the model has no limits."""
-        if not self.running or not self.model.definition.limits:
+        if not self.has_excitations or not self.model.definition.limits:
             return None
         from torsionnet.response.limit_conclusion import LimitConclusion
 
-        return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged))
+        return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases))
 
     @cached_property
     def by_drivetrain(self) -> ReportData:
         """The same with one case for all that differ by nothing but what runs: they have the same modes."""
-        if len(self.different) == len(self.cases):
+        if len(self.distinct_drivetrains) == len(self.cases):
             return self
         cases = (
-            Case(in_common([case.configuration for case in alike]), alike[0].drivetrain) for alike in self.different
+            Case(shared_choices([case.configuration for case in alike]), alike[0].drivetrain)
+            for alike in self.distinct_drivetrains
         )
         return replace(self, cases=tuple(cases))
 
     @cached_property
-    def different(self) -> tuple[tuple[Case, ...], ...]:
+    def distinct_drivetrains(self) -> tuple[tuple[Case, ...], ...]:
         """Cases by what vibrates: those that differ by nothing but what runs are one."""
         found: list[list[Case]] = []
         for case in self.cases:
@@ -221,7 +222,7 @@ class ReportData:
             self._known[pair] = tuple(self._response(case, pair, modes) for case, modes in trios)
         return self._known[pair]
 
-    def about(self, pair: Pair) -> ReportData:
+    def for_pair(self, pair: Pair) -> ReportData:
         """The same, for the configurations that have what the transfer function is about."""
         kept = tuple(case for case in self.cases if self.refusal(case, pair) is None)
         if len(kept) in (0, len(self.cases)):

@@ -7,12 +7,12 @@ from torsionnet.model.excitations.engine_phases import conditions_running_alone
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, TableBlock
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import named, plain, unit
+from torsionnet.report.report_text import as_words, symbol_or_words, unit
 from torsionnet.response.engine_angles import EngineAngle
 from torsionnet.response.worst_response import WorstResponse
 
 
-def on_engines(subject: ReportData) -> list[Block]:
+def engine_remarks(subject: ReportData) -> list[Block]:
     """Sentences on angles and on conditions with one engine; nothing of a model with one engine."""
     notes = dict.fromkeys(note for run in subject.order_responses for note in run.engine_notes)
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.cases]
@@ -25,10 +25,10 @@ def on_engines(subject: ReportData) -> list[Block]:
             for engine, names in conditions_running_alone(conditions).items()
         ),
     ]
-    return [Listing(tuple((plain(one),) for one in found))] if found else []
+    return [Listing(tuple((as_words(one),) for one in found))] if found else []
 
 
-def by_angle(subject: ReportData, name: str) -> list[TableBlock]:
+def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
     """The largest and the smallest half range of an output by the angles of engines, at the worst speed of each."""
     found = [
         (case.configuration, run, run.output(name), run.half_range[:, run.output(name)])
@@ -57,8 +57,8 @@ def by_angle(subject: ReportData, name: str) -> list[TableBlock]:
         list(aligned_numbers([float(one.half_range[0, 0]) * scale for one in least])),
         [_words(one.angles, 0, 0) for one in least],
     ]
-    return [table((named(name), ": by the angle between engines"), columns, list(zip(*cells, strict=True)))]
+    return [table((symbol_or_words(name), ": by the angle between engines"), columns, list(zip(*cells, strict=True)))]
 
 
 def _words(angles: tuple[EngineAngle, ...], speed: int, output: int) -> str:
-    return plain(", ".join(one.at(speed, output) for one in angles))
+    return as_words(", ".join(one.at(speed, output) for one in angles))

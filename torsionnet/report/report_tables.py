@@ -8,18 +8,18 @@ from typing import Any
 
 from torsionnet.core.number_text import aligned_numbers
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
-from torsionnet.report.report_words import capital, plain, unit
+from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.table import Table
 
-FEW_DIGITS = 4
+MOST_DIGITS = 4
 """Significant digits of the smallest number of a column."""
 
 
-FEW_DIGITS = 4
+MOST_DIGITS = 4
 """Significant digits of the smallest number of a column."""
-LONGEST = 100
+LARGEST_WITHOUT_PREFIX = 100
 """Numbers of the next prefix from which on it is used."""
-SYMBOLS: dict[str, Cell] = {
+HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
     "theta": Math(r"\theta"),
@@ -42,7 +42,7 @@ def table(
     most: int | None = None,
 ) -> TableBlock:
     """A table without groups, cut after ``most`` rows; columns in which nothing stands are left out."""
-    merged = alike(rows)
+    merged = merge_equal_rows(rows)
     kept = merged[:most] if most else merged
     used = [index for index, _ in enumerate(columns) if any(row[index] not in ("", ()) for row in kept)]
     return TableBlock(
@@ -54,13 +54,13 @@ def table(
     )
 
 
-def of_results(
+def results_table(
     found: Table,
     caption: Cell,
     *,
     notes: bool = True,
     most: int | None = None,
-    words: Callable[[str], Cell] = plain,
+    words: Callable[[str], Cell] = as_words,
     heads: Callable[[str], Cell] = capital,
 ) -> TableBlock:
     """A table of results as it stands on the screen, in the form of a report; empty columns are left out.
@@ -71,7 +71,7 @@ def of_results(
     cells: list[list[Cell]] = []
     for index, column in enumerate(found.columns):
         values = [row[index] for row in found.rows]
-        heading = SYMBOLS[column.name] if column.name in SYMBOLS else heads(column.name)
+        heading = HEADING_SYMBOLS[column.name] if column.name in HEADING_SYMBOLS else heads(column.name)
         if found.is_numeric(index):
             prefix, factor = _prefix(values) if column.unit.startswith("N*m") else ("", 1.0)
             columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
@@ -81,13 +81,16 @@ def of_results(
             is_unit = column.name == "unit"
             cells.append([unit(value) if is_unit and value else _text(value, words) for value in values])
     rows = list(zip(*cells, strict=True))
-    return table(caption, columns, rows, [plain(note) for note in found.notes] if notes else [], most)
+    return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
 
 
 def _prefix(values: Sequence[Any]) -> tuple[str, float]:
     """What makes torques and stiffnesses of large machines short enough for a column."""
     largest = max((abs(value) for value in values if value is not None), default=0.0)
-    return next(((prefix, size) for prefix, size in (("M", 1e6), ("k", 1e3)) if largest >= LONGEST * size), ("", 1.0))
+    return next(
+        ((prefix, size) for prefix, size in (("M", 1e6), ("k", 1e3)) if largest >= LARGEST_WITHOUT_PREFIX * size),
+        ("", 1.0),
+    )
 
 
 def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
@@ -98,7 +101,7 @@ def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
     return (
         ["" for _ in values]
         if not any(value is not None for value in known)
-        else list(aligned_numbers(known, min(digits, FEW_DIGITS)))
+        else list(aligned_numbers(known, min(digits, MOST_DIGITS)))
     )
 
 
@@ -106,25 +109,26 @@ def _text(value: Any, words: Callable[[str], Cell]) -> Cell:
     return "" if value is None else words(f"{value:.6g}" if isinstance(value, float) else str(value))
 
 
-def alike(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
+def merge_equal_rows(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
     """Rows that follow each other and differ in their first cell only as one row that names them all.
 
     Examples
     --------
-    >>> [row[0] for row in alike([("dry", NumberText(1.0)), ("wet", NumberText(1.0)), ("warm", NumberText(2.0))])]
+    >>> rows = [("dry", NumberText(1.0)), ("wet", NumberText(1.0)), ("warm", NumberText(2.0))]
+    >>> [row[0] for row in merge_equal_rows(rows)]
     ['dry, wet', 'warm']
     """
     found: list[tuple[Cell, ...]] = []
     for row in rows:
         named = found and len(row) > 1 and row[0] and found[-1][0]
-        if named and as_shown(row[1:]) == as_shown(found[-1][1:]):
+        if named and shown_cells(row[1:]) == shown_cells(found[-1][1:]):
             found[-1] = ((*inlines(found[-1][0]), ", ", *inlines(row[0])), *found[-1][1:])
         else:
             found.append(row)
-    return tuple((joined(row[0]), *row[1:]) if row else row for row in found)
+    return tuple((join_texts(row[0]), *row[1:]) if row else row for row in found)
 
 
-def as_shown(row: Sequence[Cell]) -> list[tuple[object, ...]]:
+def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
     """The cells as a reader sees them: numbers by their digits."""
     return [
         tuple((part.mantissa, str(part.exponent)) if isinstance(part, NumberText) else part for part in inlines(cell))
@@ -132,7 +136,7 @@ def as_shown(row: Sequence[Cell]) -> list[tuple[object, ...]]:
     ]
 
 
-def joined(cell: Cell) -> Cell:
+def join_texts(cell: Cell) -> Cell:
     """A cell whose neighbouring texts are one."""
     parts: list[Inline] = []
     for part in inlines(cell):

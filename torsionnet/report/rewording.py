@@ -22,7 +22,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.wording import Wording
 
-TEXTS: dict[type, tuple[str, ...]] = {
+TEXT_FIELDS: dict[type, tuple[str, ...]] = {
     Report: ("subtitle", "facts", "sections"),
     Section: ("title", "blocks"),
     Details: ("title", "blocks", "instead"),
@@ -35,42 +35,44 @@ TEXTS: dict[type, tuple[str, ...]] = {
     Strong: ("text",),
 }
 """Where the report's own texts stand, by class; formulas, numbers and what is to be typed have none."""
-COLUMNS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
+REWORDED_COLUMNS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
 """Columns in which the report's own words stand, not those of the model."""
 
 
 @dataclass(frozen=True)
-class Reworded:
+class Rewording:
     """Replaces texts; ``names`` are those of the model that stand in headings."""
 
     wording: Wording
     names: AbstractSet[str] = frozenset()
 
-    def of(self, part: Any) -> Any:
+    def reworded(self, part: Any) -> Any:
         """A report or a part of it in these words."""
         match part:
             case str():
                 return self.wording(part)
             case tuple():
-                return tuple(map(self.of, part))
+                return tuple(map(self.reworded, part))
             case Facts(rows):
                 return Facts(tuple((self.wording(word), text) for word, text in rows))
             case TableBlock():
                 return self.table(part)
             case Heading(text) if text in self.names:
                 return part
-        return replace(part, **{name: self.of(getattr(part, name)) for name in TEXTS.get(type(part), ())})
+        return replace(part, **{name: self.reworded(getattr(part, name)) for name in TEXT_FIELDS.get(type(part), ())})
 
     def table(self, table: TableBlock) -> TableBlock:
         heads = [column.text for column in table.columns]
-        own = [head in COLUMNS or (heads[0], head) == ("Mode", "Description") for head in heads]
+        own = [head in REWORDED_COLUMNS or (heads[0], head) == ("Mode", "Description") for head in heads]
         groups = (
             replace(
-                self.of(group),
-                rows=tuple(tuple(self.of(row[i]) if own[i] else row[i] for i in range(len(own))) for row in group.rows),
+                self.reworded(group),
+                rows=tuple(
+                    tuple(self.reworded(row[i]) if own[i] else row[i] for i in range(len(own))) for row in group.rows
+                ),
             )
             for group in table.groups
         )
         more = [(self.wording(f"… and {table.more} more"),)] if table.more else []
-        said = {name: self.of(getattr(table, name)) for name in ("caption", "columns", "notes")}
+        said = {name: self.reworded(getattr(table, name)) for name in ("caption", "columns", "notes")}
         return replace(table, **said | {"groups": tuple(groups), "notes": (*said["notes"], *more), "more": 0})

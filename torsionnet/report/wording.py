@@ -30,15 +30,15 @@ from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.files.located import compose
 from torsionnet.model.given_values import has_own_column
 
-PLACE = re.compile(r"\{(\w+)\}")
+PLACEHOLDER = re.compile(r"\{(\w+)\}")
 """Where something is inserted."""
-SHOWN = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
+REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
 """Kinds of entries that a report on a model has a row for; one of several values has a row for each."""
-LISTED = 'the page "A report in your own words" lists them'
+LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
 
 
 @cache
-def replaceable() -> Mapping[str, tuple[str, ...]]:
+def replaceable_texts() -> Mapping[str, tuple[str, ...]]:
     """The texts of a report that may be replaced, by section."""
     listed = files("torsionnet.report").joinpath("texts.yaml").read_text(encoding="utf-8")
     texts = {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
@@ -98,13 +98,13 @@ class Wording:
         return text
 
     def _filled(self, said: str, inserted: Mapping[str, str]) -> str:
-        return PLACE.sub(lambda place: self._inserted(inserted[place[1]]), said)
+        return PLACEHOLDER.sub(lambda place: self._inserted(inserted[place[1]]), said)
 
     @cached_property
     def _patterns(self) -> list[tuple[re.Pattern[str], str]]:
         """Texts into which something is inserted, those of many words first."""
-        found = [text for text in self.texts if PLACE.search(text)]
-        found.sort(key=lambda text: -len(PLACE.sub("", text)))
+        found = [text for text in self.texts if PLACEHOLDER.search(text)]
+        found.sort(key=lambda text: -len(PLACEHOLDER.sub("", text)))
         return [(_pattern(text), self.texts[text]) for text in found]
 
     def _inserted(self, text: str) -> str:
@@ -113,16 +113,16 @@ class Wording:
 
 
 def _pattern(text: str) -> re.Pattern[str]:
-    literal, *rest = PLACE.split(text)
+    literal, *rest = PLACEHOLDER.split(text)
     parts = (f"(?P<{name}>.*?){re.escape(after)}" for name, after in zip(rest[::2], rest[1::2], strict=True))
     return re.compile(re.escape(literal) + "".join(parts), re.DOTALL)
 
 
 def _unknown(text: str) -> str | None:
-    known = [one for texts in replaceable().values() for one in texts]
+    known = [one for texts in replaceable_texts().values() for one in texts]
     if text in known:
         return None
-    return f'no text of a report is "{text}"{suggestion_or(text, known, LISTED)}'
+    return f'no text of a report is "{text}"{suggestion_or(text, known, LIST_OF_TEXTS)}'
 
 
 class Language(Text):
@@ -152,7 +152,7 @@ class Words(Declared):
         return [
             Fault(fault, ("texts", text))
             for text, said in (self.texts or {}).items()
-            if (fault := _places_fault(set(PLACE.findall(text)), set(PLACE.findall(said))))
+            if (fault := _places_fault(set(PLACEHOLDER.findall(text)), set(PLACEHOLDER.findall(said))))
         ]
 
 

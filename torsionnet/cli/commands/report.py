@@ -18,7 +18,7 @@ from torsionnet.cli.terminal import print_file_written
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
-    from torsionnet.report.request import Measured
+    from torsionnet.report.report_request import Measured
     from torsionnet.response import FrequencyResponse
     from torsionnet.study.study_result import StudyResult
 
@@ -140,12 +140,12 @@ def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
     """Results of the studies named, calculated as far as their folders do not have them."""
     if not names:
         return []
-    from torsionnet.report.own_studies import require_own_studies
+    from torsionnet.report.study_model_checks import check_study_models
     from torsionnet.study import load_study, run_study
 
     pairs = [name.partition("=") for name in names]
     studies = [load_study(file) for file, _, _ in pairs]
-    require_own_studies(rig, studies)
+    check_study_models(rig, studies)
     return [run_study(study, folder or None) for study, (_, _, folder) in zip(studies, pairs, strict=True)]
 
 
@@ -165,7 +165,7 @@ def _measured(
 ) -> Measured:
     """Measured response of a test, cut to the band where it is compared."""
     from torsionnet.core.errors import UsageError
-    from torsionnet.report.request import Measured
+    from torsionnet.report.report_request import Measured
 
     configuration, file = configuration_and_file(name, rig)
     whole = _response(file, output, into, averaging)

@@ -11,9 +11,9 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Paragraph, Remark, Section
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, pair_latex, sentence
+from torsionnet.report.report_text import capital, pair_latex, sentence
 
-POINTS = 40
+COMPARED_FREQUENCIES = 40
 
 
 PASSED = (
@@ -25,7 +25,7 @@ PASSED = (
 def findings(subject: ReportData) -> list[Fault]:
     """Of the model as written, then of each configuration."""
     found = list(subject.model.check())
-    for case in subject.judged:
+    for case in subject.judged_cases:
         known = {fault.message for fault in found}
         found += [
             replace(fault, configuration=fault.configuration or case.configuration)
@@ -37,7 +37,7 @@ def findings(subject: ReportData) -> list[Fault]:
 
 def warned(subject: ReportData) -> list[Fault]:
     """What the calculation warned of, each once; that a free drivetrain drifts off is no news."""
-    texts = dict.fromkeys(str(entry.message) for entry in subject.warned)
+    texts = dict.fromkeys(str(entry.message) for entry in subject.warning_messages)
     return [Fault(text, severity="warning") for text in texts if "infinite at 0 Hz" not in text]
 
 
@@ -58,10 +58,10 @@ def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
     """Transfer functions by elimination along the drivetrain against a solution of the matrices."""
     if subject.is_large:
         return
-    frequencies = np.geomspace(*subject.band, POINTS)
+    frequencies = np.geomspace(*subject.band, COMPARED_FREQUENCIES)
     for pair in subject.pairs:
         worst = 0.0
-        for case in subject.about(pair).cases:
+        for case in subject.for_pair(pair).cases:
             try:
                 first, second = (
                     case.drivetrain.frequency_response(
@@ -73,5 +73,8 @@ def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
                 return
             size = np.maximum(np.abs(second), 1e-300)
             worst = max(worst, float(np.max(np.abs(first - second) / size)))
-        text = (Math(pair_latex(pair)), f" at {POINTS} frequencies: elimination along the drivetrain, and the matrices")
+        text = (
+            Math(pair_latex(pair)),
+            f" at {COMPARED_FREQUENCIES} frequencies: elimination along the drivetrain, and the matrices",
+        )
         yield text, NumberText(worst, 1)

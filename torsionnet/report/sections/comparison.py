@@ -8,10 +8,10 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Block, Heading, Math, NumberText, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData, cases_of
+from torsionnet.report.report_request import Measured
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, channel_latex, sentence, unit
-from torsionnet.report.request import Measured
-from torsionnet.report.sections.responses import finish
+from torsionnet.report.report_text import capital, channel_latex, sentence, unit
+from torsionnet.report.sections.responses import label_axes
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.signals.agreement import agreement
 
@@ -44,7 +44,7 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
     alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
     notes = [capital(note.removeprefix("warning: ")) + "." for note in measured.notes]
     drawn = comparison(measured, model, conventions=shown, title="")
-    finish(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
+    label_axes(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
     return [
         Picture(f"test_{number}", drawn, caption, alt),
         _agreement(measured, model, shown, pair, where),

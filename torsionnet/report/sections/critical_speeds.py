@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING
 
 from torsionnet.report.document_tree import Block, Details, Paragraph, Picture, Section
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_tables import of_results
-from torsionnet.report.report_words import apart, in_common, plain
+from torsionnet.report.report_tables import results_table
+from torsionnet.report.report_text import as_words, distinct_choices, shared_choices
 
 if TYPE_CHECKING:
     from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
     from torsionnet.response.table import Table
 
-MOST_DRAWN, MOST_HOLZER = 3, 4
+MOST_DRAWN, MOST_HOLZER_TABLES = 3, 4
 """Drivetrains whose interference diagram is drawn, and modes whose Holzer table is printed."""
 MOST_ROWS = 30
-LEFT_OUT = ("on its shaft", "amplifi- cation")
+LEFT_OUT_COLUMNS = ("on its shaft", "amplifi- cation")
 """Columns for which a page has no room."""
-SHORT = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
+SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
 """Headings of a table in which all is referred to one shaft."""
-REAL = ("J", "k")
+REAL_COLUMNS = ("J", "k")
 """Quantities of a shaft's own speed, beside which a Holzer table has the referred ones."""
 INTRODUCTION = (
     "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
@@ -33,29 +33,32 @@ INTRODUCTION = (
 
 
 def critical_speeds_section(subject: ReportData) -> Section | None:
-    if not subject.running:
+    if not subject.has_excitations:
         return None
-    blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.of_how_many))]
-    for number, cases in enumerate(subject.different, 1):
-        blocks += _of_drivetrain(cases, number, several=len(subject.different) > 1)
+    blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.coverage_note))]
+    for number, cases in enumerate(subject.distinct_drivetrains, 1):
+        blocks += _of_drivetrain(cases, number, several=len(subject.distinct_drivetrains) > 1)
     return Section("critical_speeds", ("Critical speeds",), tuple(blocks))
 
 
 def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> list[Block]:
     """Modes, diagram and crossings of what vibrates alike, with the conditions that excite each."""
     names = [case.configuration for case in cases]
-    runs = [replace(case.drivetrain.critical_speeds(), condition=apart(case.configuration, names)) for case in cases]
+    runs = [
+        replace(case.drivetrain.critical_speeds(), condition=distinct_choices(case.configuration, names))
+        for case in cases
+    ]
     found = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
-    where = f" in configuration {in_common(names)}" if several and names[0] else ""
+    where = f" in configuration {shared_choices(names)}" if several and names[0] else ""
     excited, others = _split(found, len(runs))
-    blocks: list[Block] = [of_results(_reached(found), f"Natural frequencies without and with damping{where}")]
+    blocks: list[Block] = [results_table(_reached(found), f"Natural frequencies without and with damping{where}")]
     if number <= MOST_DRAWN:
         blocks.append(_diagram(found, number, where))
     chosen = _largest(excited, runs)
     few = f", the {MOST_ROWS} with the largest generalised force" if len(excited.crossings) > MOST_ROWS else ""
-    blocks.append(of_results(_narrow(chosen), f"Critical speeds{where}{few}"))
+    blocks.append(results_table(_narrow(chosen), f"Critical speeds{where}{few}"))
     if others.crossings:
-        rest = of_results(
+        rest = results_table(
             _narrow(_largest(others, runs)), f"Crossings that no condition here excites{where}", notes=False
         )
         count = len(others.crossings)
@@ -70,7 +73,7 @@ def _reached(found: CriticalSpeeds) -> Table:
     """Natural frequencies up to the highest that any order meets, and one more; of overdamped ones those it meets."""
     met = {one.mode.number for one in found.crossings}
     swings = [one.number for one in found.modes if not math.isnan(one.natural_frequency)]
-    last = max(met.intersection(swings), default=MOST_HOLZER) + 1
+    last = max(met.intersection(swings), default=MOST_HOLZER_TABLES) + 1
     kept = tuple(one for one in found.modes if one.number in met or (one.number in swings and one.number <= last))
     return replace(found, modes=kept).mode_table()
 
@@ -96,7 +99,7 @@ def _place(one: CriticalSpeed) -> tuple[object, ...]:
 
 def _narrow(found: CriticalSpeeds) -> Table:
     table = found.table()
-    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in LEFT_OUT])
+    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in LEFT_OUT_COLUMNS])
 
 
 def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
@@ -119,17 +122,17 @@ def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
 
 def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
     """Of the lowest modes that anything excites."""
-    modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER]
+    modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
     blocks: list[Block] = []
     for mode in modes:
         holzer = case.drivetrain.holzer_table(mode)
-        first = plain(holzer.branches[0].stations[0].node)
+        first = as_words(holzer.branches[0].stations[0].node)
         for place, branch in enumerate(holzer.tables(referred=True), 1):
             part = f", branch {place}" if len(holzer.branches) > 1 else ""
-            kept = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL])
+            kept = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL_COLUMNS])
             shown = replace(
-                kept, columns=tuple(replace(one, name=SHORT.get(one.name, one.name)) for one in kept.columns)
+                kept, columns=tuple(replace(one, name=SHORT_HEADINGS.get(one.name, one.name)) for one in kept.columns)
             )
             what = f"Holzer table of mode {mode}, {holzer.frequency:.5g} Hz{part}; 1 rad at {first}"
-            blocks.append(of_results(shown, f"{what}, referred to {plain(holzer.referred_to)}"))
+            blocks.append(results_table(shown, f"{what}, referred to {as_words(holzer.referred_to)}"))
     return blocks

@@ -23,15 +23,15 @@ from torsionnet.model.given_values import given, in_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_tables import as_shown, table
-from torsionnet.report.report_words import capital, named, named_first, plain, unit
-from torsionnet.report.wording import SHOWN
+from torsionnet.report.report_tables import shown_cells, table
+from torsionnet.report.report_text import as_words, capital, first_names, symbol_or_words, unit
+from torsionnet.report.wording import REPORTED_ENTRIES
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.model.elements import Element
 
-MOST = 40
+MOST_ELEMENTS = 40
 Row = tuple[Cell, ...]
 
 
@@ -55,17 +55,17 @@ def _elements(rig: Drivetrain, *, several: bool) -> TableBlock:
         Heading("Remark", wide=True),
     )
     shown = _alike(rig)
-    rows = [row for group in shown[:MOST] for row in _rows(group, rig)]
+    rows = [row for group in shown[:MOST_ELEMENTS] for row in _rows(group, rig)]
     where = f" in configuration {rig.configuration}" if several and rig.configuration else ""
     found = table(f"Elements{where}; values in SI units", columns, rows)
-    return replace(found, more=sum(map(len, shown[MOST:])))
+    return replace(found, more=sum(map(len, shown[MOST_ELEMENTS:])))
 
 
 def _alike(rig: Drivetrain) -> list[list[Element]]:
     """Elements of one type with equal values together."""
     groups: dict[str, list[Element]] = {}
     for element in rig.definition.elements.values():
-        values = [as_shown(row) for row in _values(element, rig)]
+        values = [shown_cells(row) for row in _values(element, rig)]
         groups.setdefault(str((element.kind, _remark(element), values)), []).append(element)
     return list(groups.values())
 
@@ -74,9 +74,9 @@ def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
     """A row for each property; the elements themselves stand in the first only."""
     element = group[0]
     ends = [between(each) for each in group]
-    names, nodes = [plain(each.name) for each in group], list(dict.fromkeys(ends))
-    rest = f"; … and {len(nodes) - MOST} more" if len(nodes) > MOST else ""
-    head: Row = (named_first(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
+    names, nodes = [as_words(each.name) for each in group], list(dict.fromkeys(ends))
+    rest = f"; … and {len(nodes) - MOST_ELEMENTS} more" if len(nodes) > MOST_ELEMENTS else ""
+    head: Row = (first_names(names, MOST_ELEMENTS), as_words(element.kind), "; ".join(nodes[:MOST_ELEMENTS]) + rest)
     values = list(_values(element, rig)) or [("", "", "", "")]
     for number, row in enumerate(values):
         yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")
@@ -89,8 +89,8 @@ def _remark(element: Element) -> str:
 def between(element: Element) -> str:
     """``motor – ground``, or the ports by name where there are others."""
     if set(element.ports) <= {"first", "second", "node"}:
-        return " – ".join(map(plain, element.ports.values()))
-    return ", ".join(f"{plain(port)}: {plain(node)}" for port, node in element.ports.items())
+        return " – ".join(map(as_words, element.ports.values()))
+    return ", ".join(f"{as_words(port)}: {as_words(node)}" for port, node in element.ports.items())
 
 
 def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
@@ -102,15 +102,15 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
         elif isinstance(spec, QuantityKind) and isinstance(value, Expression):
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
-                yield plain(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
+                yield as_words(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, MultipleValues):
             for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
-                yield plain(f"{name} {key}"), *_of_table(spec.of, one, rig)
+                yield as_words(f"{name} {key}"), *_of_table(spec.of, one, rig)
         elif isinstance(spec, Value):
-            yield plain(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
-        elif isinstance(spec, SHOWN) and value != ():
-            yield plain(name), "", _plain(spec, value), "–"
-        elif not isinstance(spec, SHOWN) and value != defaults.get(name, ()):
+            yield as_words(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
+        elif isinstance(spec, REPORTED_ENTRIES) and value != ():
+            yield as_words(name), "", _plain(spec, value), "–"
+        elif not isinstance(spec, REPORTED_ENTRIES) and value != defaults.get(name, ()):
             yield from _in_words(element, name, spec, value, rig)
 
 
@@ -121,9 +121,9 @@ def _in_words(
     found = [(path, one, of) for path, _, one, of in element.expressions() if path[0] == name]
     for path, one, of in found:
         number = NumberText(float(one.evaluate(rig.exact_values)), 5)
-        yield plain(" ".join(map(str, path))), _symbol(one), number, unit(expected_unit(of)) if of else "SI"
+        yield as_words(" ".join(map(str, path))), _symbol(one), number, unit(expected_unit(of)) if of else "SI"
     if not found:
-        yield plain(name), "", in_words(spec, value), "–"
+        yield as_words(name), "", in_words(spec, value), "–"
 
 
 def _of_table(spec: Spec[object], value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:
@@ -167,16 +167,16 @@ def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterat
 def _channels(rig: Drivetrain) -> TableBlock:
     columns = (Heading("Symbol"), Heading("Kind"), Heading("Quantity"), Heading("Unit"), Heading("Sign", wide=True))
     rows: list[Row] = [
-        (named(name), "input", capital(plain(str(entry))), unit(UNITS[entry.quantity]), "")
+        (symbol_or_words(name), "input", capital(as_words(str(entry))), unit(UNITS[entry.quantity]), "")
         for name, entry in rig.inputs.items()
     ]
     for name, sensor in rig.sensors.items():
         element = rig.elements.get(sensor.of) if sensor.quantity in PORT_QUANTITIES else None
         sign = element.sign_at(sensor.at) if element else ""
-        at = f" at {plain(sensor.at)}" if sensor.at else ""
-        at += f" against {plain(sensor.against)}" if sensor.against else ""
-        at += f" referred to {plain(sensor.referred_to)}" if sensor.referred_to else ""
+        at = f" at {as_words(sensor.at)}" if sensor.at else ""
+        at += f" against {as_words(sensor.against)}" if sensor.against else ""
+        at += f" referred to {as_words(sensor.referred_to)}" if sensor.referred_to else ""
         link = "through" if sensor.quantity == "torque" else "of"
-        what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
-        rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
-    return table("Inputs and sensors", columns, rows, most=MOST)
+        what = f"{capital(sensor.quantity)} {link} {as_words(sensor.of)}{at}"
+        rows.append((symbol_or_words(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
+    return table("Inputs and sensors", columns, rows, most=MOST_ELEMENTS)

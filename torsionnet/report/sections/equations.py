@@ -9,9 +9,9 @@ import numpy as np
 
 from torsionnet.report.document_tree import (
     Block,
+    BreakableMath,
     Cell,
     Code,
-    DefinitionList,
     Details,
     Equations,
     Formula,
@@ -24,10 +24,10 @@ from torsionnet.report.document_tree import (
     Strong,
     Text,
 )
-from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, ReportData
+from torsionnet.report.formula_widths import WIDEST_FORMULA, WIDEST_MATRIX, formula_letters, matrix_letters
+from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import plain
-from torsionnet.report.widths import FORMULA, MATRIX, letters, matrix_letters
+from torsionnet.report.report_text import as_words
 from torsionnet.symbolic.equations import (
     bracketed_matrix,
     column_latex,
@@ -44,31 +44,31 @@ if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
-UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
-DOTS = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
-NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
-WIDEST_NUMBERS = 84
+MATRIX_UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
+DERIVATIVES = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
+MATRIX_NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
+WIDEST_NUMBER_MATRIX = 84
 """Characters of a matrix of numbers that fits the page, roughly."""
-MOST_ENTRIES = 60
+MOST_UNFOLDED_ENTRIES = 60
 """Entries of matrices that are listed in full view."""
-COMPLEX = "Stiffness that depends on frequency, or is complex, is not included."
-MOST_FOLDED = 200
+COMPLEX_NOTE = "Stiffness that depends on frequency, or is complex, is not included."
+MOST_ENTRIES = 200
 """Entries that are listed at all."""
-MOST_ROWS = 24
+MOST_MATRIX_ROWS = 24
 """Rows of the matrices of all configurations together."""
-MOST_NUMBERS = 12
+MOST_NUMERIC_COORDINATES = 12
 """Coordinates of a system whose matrices are printed in numbers."""
 
 
 def equations_section(subject: ReportData) -> Section:
-    if subject.size > MOST_SYMBOLIC:
-        lead = f"The model has {subject.size} coordinates; its equations are given by the entries of their matrices."
+    if (n := subject.n_coordinates) > MOST_SYMBOLIC:
+        lead = f"The model has {n} coordinates; its equations are given by the entries of their matrices."
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
-    few = subject.forms if len(subject.forms) <= FEW_CASES else subject.forms[:1]
-    others = subject.forms[len(few) :]
+    few = subject.symbolic_equations if len(subject.symbolic_equations) <= FEW_CASES else subject.symbolic_equations[:1]
+    others = subject.symbolic_equations[len(few) :]
     blocks: list[Block] = []
     for form in few:
-        written = _form(form, several=len(subject.forms) > 1)
+        written = _form(form, several=len(subject.symbolic_equations) > 1)
         if _is_short(form.system):
             blocks += written
         else:
@@ -85,22 +85,24 @@ def equations_section(subject: ReportData) -> Section:
 
 def _is_short(system: SymbolicSystem) -> bool:
     """Whether every entry of the matrices fits a line."""
-    return all(letters(cell) <= FORMULA for key in UNITS for cell in getattr(system, key) if cell != 0)
+    return all(
+        formula_letters(cell) <= WIDEST_FORMULA for key in MATRIX_UNITS for cell in getattr(system, key) if cell != 0
+    )
 
 
 def _where(cases: tuple[Case, ...]) -> str:
     return ", ".join(case.configuration for case in cases)
 
 
-def _form(form: Form, *, several: bool) -> list[Block]:
+def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
     """One system of equations: as a sum of matrices if they fit, else line by line."""
     system = form.system
     blocks: list[Block] = []
     if several:
         blocks.append(Paragraph((Strong(f"Configuration {_where(form.cases)}"),)))
-    rows = tuple(DefinitionList(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
+    rows = tuple(BreakableMath(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
     blocks += [Paragraph(_introduction(system)), Equations(rows)]
-    if all(matrix_letters(getattr(system, key)) <= MATRIX for key in UNITS):
+    if all(matrix_letters(getattr(system, key)) <= WIDEST_MATRIX for key in MATRIX_UNITS):
         blocks += _matrices(system)
     blocks += _laws(system)
     if system.conditions:
@@ -114,8 +116,8 @@ def _form(form: Form, *, several: bool) -> list[Block]:
 
 def _matrices(system: SymbolicSystem) -> list[Block]:
     """The equations as a sum of matrices, and what these are; those without an entry are left out."""
-    filled = [key for key in UNITS if any(getattr(system, key))]
-    terms = [rf"\mathbf{{{key}}}\,{DOTS[key]}" for key in filled]
+    filled = [key for key in MATRIX_UNITS if any(getattr(system, key))]
+    terms = [rf"\mathbf{{{key}}}\,{DERIVATIVES[key]}" for key in filled]
     dynamic = complex_stiffness(system)
     terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
     loads = [r"\mathbf{B}\,\mathbf{u}"] if system.inputs else []
@@ -158,11 +160,11 @@ def _introduction(system: Any) -> Text:
 
 def _numbers(subject: ReportData) -> list[Block]:
     """M, C, K of every case; a matrix that is the same in all of them once."""
-    found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
+    found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in MATRIX_UNITS]
     if (
-        len(subject.cases) * subject.size > MOST_ROWS
-        or subject.size > MOST_NUMBERS
-        or any(_number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of)
+        len(subject.cases) * subject.n_coordinates > MOST_MATRIX_ROWS
+        or subject.n_coordinates > MOST_NUMERIC_COORDINATES
+        or any(_number_width(matrix) > WIDEST_NUMBER_MATRIX for _, all_of in found for matrix in all_of)
     ):
         return _entries(subject)
     rows = []
@@ -172,11 +174,11 @@ def _numbers(subject: ReportData) -> list[Block]:
             (case.configuration, matrix) for case, matrix in zip(subject.cases, matrices, strict=True)
         ]  # fmt: skip
         for number, (where, matrix) in enumerate(shown):
-            head = (Math(rf"\mathbf{{{key}}}"), NAMES[key]) if not number else ("", "")
-            rows.append((*head, where, Math(numbers_latex(matrix)), UNITS[key]))
+            head = (Math(rf"\mathbf{{{key}}}"), MATRIX_NAMES[key]) if not number else ("", "")
+            rows.append((*head, where, Math(numbers_latex(matrix)), MATRIX_UNITS[key]))
     columns = (Heading("Matrix"), Heading("Of"), Heading("Configuration"), Heading("Value"), Heading("Unit"))
     dynamic = any(case.drivetrain.assembly.system.dynamic for case in subject.cases)
-    notes = [COMPLEX] if dynamic else []
+    notes = [COMPLEX_NOTE] if dynamic else []
     return [table("Matrices in numbers, in the order of the coordinates", columns, rows, notes)]
 
 
@@ -206,12 +208,12 @@ def _entries(subject: ReportData) -> list[Block]:
     """What is not zero on and above the diagonals of M, C, K, in numbers."""
     case = subject.cases[0]
     system, names = case.drivetrain.assembly.system, case.drivetrain.assembly.kinematics.coordinates
-    matrices = [getattr(system, key) for key in UNITS]
+    matrices = [getattr(system, key) for key in MATRIX_UNITS]
     filled = np.triu(np.any([matrix != 0 for matrix in matrices], axis=0))
     rows = [
         (
-            plain(names[i]),
-            plain(names[j]),
+            as_words(names[i]),
+            as_words(names[j]),
             *(NumberText(float(m[i, j]), 5) if m[i, j] else "" for m in matrices),
         )
         for i, j in np.argwhere(filled).tolist()
@@ -219,21 +221,21 @@ def _entries(subject: ReportData) -> list[Block]:
     columns = (
         Heading("Row"),
         Heading("Column"),
-        *(Heading((Math(rf"\mathbf{{{key}}}"),), shown, numeric=True) for key, shown in UNITS.items()),
+        *(Heading((Math(rf"\mathbf{{{key}}}"),), shown, numeric=True) for key, shown in MATRIX_UNITS.items()),
     )
     where = f" in configuration {case.configuration}" if case.configuration else ""
     notes: list[Cell] = ["The matrices are symmetric: entries below the diagonal are those above it."]
     notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
-    notes += [COMPLEX] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
+    notes += [COMPLEX_NOTE] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
     notes.append(_export())
     found = table(
         f"Entries of the matrices of inertia, viscous damping and stiffness{where}",
         columns,
         rows,
         notes,
-        most=MOST_FOLDED,
+        most=MOST_ENTRIES,
     )
-    if len(rows) <= MOST_ENTRIES:
+    if len(rows) <= MOST_UNFOLDED_ENTRIES:
         return [found]
     text = f"{len(rows)} entries of M, C and K are not zero"
     return [Details((text,), (found,), (text, "; the report as HTML lists them. ", *_export()))]

@@ -19,16 +19,16 @@ from torsionnet.model.excitations.table_by_pressure import TableByPressure
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import plain, unit
+from torsionnet.report.report_text import as_words, unit
 from torsionnet.solve.running.order_response import shaft_speeds
 
 if TYPE_CHECKING:
     from torsionnet.model.excitations import OrderExcitation
     from torsionnet.model.excitations.speed_range import SpeedRange
 
-ROUNDING = 1e-9
+EQUAL_AMPLITUDES = 1e-9
 """Share by which amplitudes differ that are the same."""
-LONG = 12
+LONGEST_LIST = 12
 """Numbers of a list that are written out."""
 MOST_ORDERS = 30
 OWN_SHAFT = " Orders of an excitation are multiples of the speed of its own shaft."
@@ -36,7 +36,7 @@ Row = tuple[Cell, ...]
 
 
 def excitations_section(subject: ReportData) -> Section | None:
-    if not subject.running:
+    if not subject.has_excitations:
         return None
     definition = subject.model.definition
     blocks: list[Block] = [Paragraph((_speeds(definition.speeds), OWN_SHAFT))] if definition.speeds else []
@@ -53,15 +53,14 @@ def excitations_section(subject: ReportData) -> Section | None:
 def _speeds(speeds: SpeedRange) -> str:
     low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
     rated = f"; rated speed {speeds.rated * RPM:.6g} r/min" if speeds.rated else ""
-    return (
-        f"The speed of {plain(speeds.of)} runs from {low:.6g} to {high:.6g} r/min, {len(speeds.values)} values{rated}."
-    )
+    count = len(speeds.values)
+    return f"The speed of {as_words(speeds.of)} runs from {low:.6g} to {high:.6g} r/min, {count} values{rated}."
 
 
 def _entries(name: str, excitation: OrderExcitation) -> TableBlock:
     columns = (Heading("Property"), Heading("Value", wide=True), Heading("Unit"))
     rows = [*_properties(excitation)]
-    return table(f"Excitation {plain(name)}: {plain(excitation.kind)}", columns, rows)
+    return table(f"Excitation {as_words(name)}: {as_words(excitation.kind)}", columns, rows)
 
 
 def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
@@ -72,9 +71,9 @@ def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
         if value is None or value == absent.get(name, ()) or (isinstance(value, tuple) and not value):
             continue
         if isinstance(spec, Nested) and isinstance(value, Declared):
-            yield from _properties(value, f"{over}{plain(name)}: ")
+            yield from _properties(value, f"{over}{as_words(name)}: ")
         else:
-            yield f"{over}{plain(name)}", *_shown(spec, value)
+            yield f"{over}{as_words(name)}", *_shown(spec, value)
 
 
 def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
@@ -84,10 +83,10 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
     if isinstance(spec, Value):
         return NumberText(float(value), 6), unit(expected_unit(spec.dimension))
     if isinstance(value, PressureTrace):
-        return plain(str(value)), "–"
+        return as_words(str(value)), "–"
     if isinstance(spec, TableByPressure) and all(isinstance(one, PressureTrace) for one in value.values()):
-        return plain("; ".join(f"at {pressure / 1e5:.6g} bar {one}" for pressure, one in value.items())), "–"
-    if isinstance(value, tuple) and len(value) > LONG:
+        return as_words("; ".join(f"at {pressure / 1e5:.6g} bar {one}" for pressure, one in value.items())), "–"
+    if isinstance(value, tuple) and len(value) > LONGEST_LIST:
         return f"{len(value)} values between {min(value):.6g} and {max(value):.6g}", "SI"
     if isinstance(value, Mapping) and value and all(isinstance(one, Declared) for one in value.values()):
         return "; ".join(f"{_text(key)}: {_given(one)}" for key, one in value.items()), "–"
@@ -99,7 +98,7 @@ def _given(entry: Declared) -> str:
     absent = dict(entry.defaults())
     found = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
     return ", ".join(
-        f"{plain(name)} {_with_unit(spec, value)}"
+        f"{as_words(name)} {_with_unit(spec, value)}"
         for name, spec, value in found
         if value not in (None, absent.get(name))
     )
@@ -118,7 +117,7 @@ def _text(value: Any) -> str:
         return "; ".join(f"{key}: {_text(one)}" for key, one in value.items())
     if isinstance(value, list | tuple):
         return ", ".join(map(_text, value))
-    return f"{value:.6g}" if isinstance(value, float) else plain(str(value))
+    return f"{value:.6g}" if isinstance(value, float) else as_words(str(value))
 
 
 def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
@@ -126,7 +125,7 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     speed, own = shaft_speeds(case.drivetrain, name)
     torques = excitation.torques(np.array([own]))
     sizes = np.abs(torques.amplitudes[0])
-    same = sizes >= (1 - ROUNDING) * sizes.max(axis=1, keepdims=True)
+    same = sizes >= (1 - EQUAL_AMPLITUDES) * sizes.max(axis=1, keepdims=True)
     where = np.argmax(same, axis=1)  # of equal ones the first
     largest = sizes[np.arange(len(where)), where]
     phases = np.degrees(np.angle(torques.amplitudes[0][np.arange(len(where)), where]))
@@ -149,14 +148,14 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     )
     other = "" if math.isclose(own, speed) else f", where the reference shaft has {speed * RPM:.6g} r/min"
     what = "Torques of " if excitation.quantity == "torque" else "Imposed motion of "
-    caption = f"{what}{plain(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
+    caption = f"{what}{as_words(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
     notes = ["Of several nodes the one with the largest amplitude, of equal ones the first; cylinders differ in phase."]
     return table(caption, columns, list(rows), notes if len(torques.nodes) > 1 else [], most=MOST_ORDERS)
 
 
 def _node(nodes: Sequence[str], place: int, alike: int) -> str:
     """The node whose phase is given, and on how many the amplitude is the same."""
-    return plain(nodes[place]) + (f" (of {alike} alike)" if alike > 1 else "")
+    return as_words(nodes[place]) + (f" (of {alike} alike)" if alike > 1 else "")
 
 
 def _changes(subject: ReportData) -> Iterator[Row]:
@@ -167,4 +166,4 @@ def _changes(subject: ReportData) -> Iterator[Row]:
             for entry, spec in excitation.specs():
                 value = getattr(excitation, entry)
                 if name in written and value != getattr(written[name], entry, None):
-                    yield case.configuration, plain(name), plain(entry), _shown(spec, value)[0]
+                    yield case.configuration, as_words(name), as_words(entry), _shown(spec, value)[0]

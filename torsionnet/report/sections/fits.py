@@ -18,7 +18,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, named, sentence, unit
+from torsionnet.report.report_text import capital, sentence, symbol_or_words, unit
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
@@ -64,7 +64,7 @@ def _table(subject: ReportData, fit: Fit) -> TableBlock:
     known = subject.model.parameters
     rows: list[tuple[Cell, ...]] = [
         (
-            named(name),
+            symbol_or_words(name),
             NumberText(known[name]) if name in known else "",
             NumberText(value, shown := digits_to_error(value, fit.standard_errors[name])),
             NumberText(fit.standard_errors[name], 2),

@@ -11,9 +11,9 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import (
     Block,
+    BreakableMath,
     Cell,
     Code,
-    DefinitionList,
     Details,
     Formula,
     Heading,
@@ -25,10 +25,10 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
-from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, ReportData
+from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
+from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, pair_latex, quotient_latex, sentence, unit
-from torsionnet.report.widths import FORMULA, letters
+from torsionnet.report.report_text import capital, pair_latex, quotient_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.symbolic.transfer_function import TransferFunction
 
-SHORT, LONG = 70, 420
+FORMULA_OPERATIONS, MOST_OPERATIONS = 70, 420
 """Operations of a transfer function that is written in one formula, and of one that is written as a table of steps."""
-FEW_STEPS = 24
+MOST_UNFOLDED_STEPS = 24
 """Steps that a reader may follow; more are folded away."""
 
 MOST_ORDER = 10
-LONGEST = 14
+MOST_TERMS = 14
 """Terms of a coefficient that is written out."""
 
 
@@ -55,7 +55,7 @@ def formulas_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = []
     for number, pair in enumerate(subject.pairs, 1):
         inner: list[Block] = []
-        part = subject.about(pair)
+        part = subject.for_pair(pair)
         for form in _forms(part):
             if len(form.cases) < len(part.cases):
                 names = ", ".join(case.configuration for case in form.cases)
@@ -65,14 +65,14 @@ def formulas_section(subject: ReportData) -> Section | None:
     return Section("formulas", ("Transfer functions in symbols",), tuple(blocks))
 
 
-def _forms(subject: ReportData) -> tuple[Form, ...]:
+def _forms(subject: ReportData) -> tuple[SymbolicEquations, ...]:
     """The equations of all cases if they are few, else those of the first."""
-    if subject.size <= MOST_SYMBOLIC and len(subject.forms) <= FEW_CASES:
-        return subject.forms
-    return (Form(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
+    if subject.n_coordinates <= MOST_SYMBOLIC and len(subject.symbolic_equations) <= FEW_CASES:
+        return subject.symbolic_equations
+    return (SymbolicEquations(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
 
 
-def _function(subject: ReportData, pair: Pair, form: Form) -> list[Block]:
+def _function(subject: ReportData, pair: Pair, form: SymbolicEquations) -> list[Block]:
     try:
         found = form.system.transfer_function(pair.output, pair.input, pair.excitation or None)
         operations = found.program.operations
@@ -81,16 +81,21 @@ def _function(subject: ReportData, pair: Pair, form: Form) -> list[Block]:
     rig = form.cases[0].drivetrain
     blocks: list[Block] = [Paragraph(_introduction(found, rig))]
     asked = pair in subject.request.pairs
-    if operations > (LONG if asked else SHORT):
+    if operations > (MOST_OPERATIONS if asked else FORMULA_OPERATIONS):
         text = f"Written out it takes {operations} additions, multiplications and divisions"
-        how = f"--tf {pair.output}/{pair.input}" if operations <= LONG else (
+        how = f"--tf {pair.output}/{pair.input}" if operations <= MOST_OPERATIONS else (
             f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()'
         )  # fmt: skip
-        lead = "; " if operations <= LONG else ", which would fill pages; in Python "
+        lead = "; " if operations <= MOST_OPERATIONS else ", which would fill pages; in Python "
         return [*blocks, Paragraph((text, lead, Code(how), " gives them."))]
     # The formula of a large drivetrain can take hours to write, however few operations its steps have.
-    small = subject.size <= MOST_SYMBOLIC
-    if small and operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:
+    small = subject.n_coordinates <= MOST_SYMBOLIC
+    if (
+        small
+        and operations <= FORMULA_OPERATIONS
+        and found.nested_leaves <= 10 * FORMULA_OPERATIONS
+        and formula_letters(found.mechanical) <= WIDEST_FORMULA
+    ):
         blocks.append(Formula(rf"{quotient_latex(pair)} = {latex(found.mechanical)}"))
         blocks += [*_polynomial(found, pair, form.cases), _limits(found, pair)]
         return blocks
@@ -113,7 +118,7 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
         return []
     rational = found.polynomial
     order = len(rational.denominator) - 1
-    if order > MOST_ORDER or max(map(_terms, (*rational.numerator, *rational.denominator))) > LONGEST:
+    if order > MOST_ORDER or max(map(_terms, (*rational.numerator, *rational.denominator))) > MOST_TERMS:
         text = f"As a quotient of polynomials in s it has order {order}; the coefficients are too long to be read."
         return [Paragraph((text,))]
     above, below = (
@@ -123,7 +128,7 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
         for letter, part in (("b", rational.numerator), ("a", rational.denominator))
     )
     where = list(rational.where.items())
-    rows = [(Math(symbol_latex(str(name))), DefinitionList(tuple(sum_terms(value)))) for name, value in where]
+    rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in where]
     columns = (Heading("Coefficient"), Heading("Expression", wide=True))
     return [
         Paragraph(("As a quotient of polynomials in ", Math("s"), ":")),
@@ -176,23 +181,26 @@ def _limits(found: TransferFunction, pair: Pair) -> TableBlock:
 def _limit(expression: Any) -> Cell:
     if expression in (sympy.oo, sympy.zoo):
         return "infinite: nothing holds the drivetrain"
-    if sympy.count_ops(expression) > LONG or max(map(letters, sympy.Add.make_args(expression))) > FORMULA:
+    if (
+        sympy.count_ops(expression) > MOST_OPERATIONS
+        or max(map(formula_letters, sympy.Add.make_args(expression))) > WIDEST_FORMULA
+    ):
         return "too long to be read"
-    return DefinitionList(tuple(sum_terms(expression)))
+    return BreakableMath(tuple(sum_terms(expression)))
 
 
 def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
     names, result = found.program.where()
     above, below = sympy.fraction(result)
     names = {**names, sympy.Symbol("N"): above, sympy.Symbol("D"): below}
-    rows = [(Math(symbol_latex(str(name))), DefinitionList(tuple(sum_terms(value)))) for name, value in names.items()]
+    rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in names.items()]
     columns = (Heading("Step"), Heading("Expression", wide=True))
     steps: list[Block] = [
         table(("Steps of ", Math(pair_latex(pair))), columns, rows),
         Formula(rf"{quotient_latex(pair)} = \frac{{N}}{{D}}"),
     ]
     after: list[Block] = [_limits(found, pair)] if limits else []
-    if len(rows) <= FEW_STEPS:
+    if len(rows) <= MOST_UNFOLDED_STEPS:
         return [Paragraph(("Written in steps, each of which uses those before it:",)), *steps, *after]
     title: Text = (f"{len(rows)} steps, each of which uses those before it",)
     code = Code(f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()')

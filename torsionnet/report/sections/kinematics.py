@@ -18,17 +18,17 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
-from torsionnet.report.report_data import FEW_CASES, Form, ReportData
+from torsionnet.report.formula_widths import formula_letters
+from torsionnet.report.report_data import FEW_CASES, ReportData, SymbolicEquations
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import named_first, plain
-from torsionnet.report.widths import letters
+from torsionnet.report.report_text import as_words, first_names
 from torsionnet.symbolic.formula_text import latex
 from torsionnet.symbolic.symbol_names import angle_latex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-MOST, MOST_COLUMNS, FEW, LONGEST = 40, 6, 12, 24
+MOST_ROWS, MOST_COLUMNS, MOST_NAMES, LONGEST_RATIO = 40, 6, 12, 24
 """Rows, configurations, names; letters of a ratio in symbols."""
 
 
@@ -38,7 +38,7 @@ def kinematics_section(subject: ReportData) -> Section:
     if not subject.is_large:
         names: Text = ("; the coordinates are ", *_angles(kept), ".") if kept else ("; nothing can move.",)
     else:
-        names = (f"; the coordinates are the angles of {named_first([plain(node) for node in kept], FEW)}.",)
+        names = (f"; the coordinates are the angles of {first_names([as_words(node) for node in kept], MOST_NAMES)}.",)
     count = f"The model has {len(rig.nodes)} nodes, {len(kept)} of them independent"
     blocks: list[Block] = [Paragraph((count, *names))]
     dependent = [node for node in rig.nodes if node not in kept]
@@ -47,11 +47,15 @@ def kinematics_section(subject: ReportData) -> Section:
     elif subject.is_large:
         blocks.append(_numeric(rig, dependent))
     else:
-        few = subject.forms if len(subject.forms) <= FEW_CASES else subject.forms[:1]
+        few = (
+            subject.symbolic_equations
+            if len(subject.symbolic_equations) <= FEW_CASES
+            else subject.symbolic_equations[:1]
+        )
         blocks += [
             _relations(form) if _is_short(form) else _numeric(form.cases[0].drivetrain, dependent) for form in few
         ]
-        others = subject.forms[len(few) :]
+        others = subject.symbolic_equations[len(few) :]
         if others:
             title = f"Kinematic relations of the other {sum(len(form.cases) for form in others)} configurations"
             tables = tuple(_relations(form) for form in others)
@@ -59,9 +63,9 @@ def kinematics_section(subject: ReportData) -> Section:
     return Section("kinematics", ("Kinematic relations",), tuple(blocks))
 
 
-def _is_short(form: Form) -> bool:
+def _is_short(form: SymbolicEquations) -> bool:
     """Whether the ratios in symbols can be read; in numbers they always can."""
-    return max((letters(cell) for cell in form.system.T if cell != 0), default=0) <= LONGEST
+    return max((formula_letters(cell) for cell in form.system.T if cell != 0), default=0) <= LONGEST_RATIO
 
 
 def _angles(nodes: tuple[str, ...]) -> Text:
@@ -71,7 +75,7 @@ def _angles(nodes: tuple[str, ...]) -> Text:
     return tuple(shown)
 
 
-def _relations(form: Form) -> TableBlock:
+def _relations(form: SymbolicEquations) -> TableBlock:
     system, first = form.system, form.cases[0].drivetrain
     cases = form.cases[:MOST_COLUMNS]
     cases = cases[:1] if all(_same_ratios(cases[0].drivetrain, case.drivetrain) for case in cases) else cases
@@ -82,12 +86,12 @@ def _relations(form: Form) -> TableBlock:
         terms = [(system.T[index, column], name) for column, name in enumerate(system.coordinates)]
         given = [(coefficient, name) for coefficient, name in terms if coefficient != 0]
         numbers = [_ratio(case.drivetrain, node, given) for case in cases]
-        rows.append((plain(node), Math(f"{angle_latex(node)} = {_sum(given)}"), _owners(first, node), *numbers))
+        rows.append((as_words(node), Math(f"{angle_latex(node)} = {_sum(given)}"), _owners(first, node), *numbers))
     heads = [case.configuration for case in cases] if len(cases) > 1 else ["Ratio"]
     columns = [Heading("Node"), Heading("Angle"), Heading("By", wide=True)]
     columns += [Heading(head, numeric=True) for head in heads]
     note = "Ratio: angle of the node over that of the coordinate."
-    return table("Nodes that follow others", columns, rows, [note], most=MOST)
+    return table("Nodes that follow others", columns, rows, [note], most=MOST_ROWS)
 
 
 def _same_ratios(rig: Drivetrain, other: Drivetrain) -> bool:
@@ -116,15 +120,17 @@ def _owners(rig: Drivetrain, node: str) -> str:
     kinematics = rig.assembly.kinematics
     owners = [*(f"input {name}" for name in kinematics.imposed), *(name for name, _ in kinematics.constraints)]
     origin = sorted(kinematics.reduction.origin(node))
-    return named_first([plain(name) for name in dict.fromkeys(owners[index] for index in origin)], 4)
+    return first_names([as_words(name) for name in dict.fromkeys(owners[index] for index in origin)], 4)
 
 
 def _numeric(rig: Drivetrain, dependent: list[str]) -> TableBlock:
     rows: list[tuple[Cell, ...]] = []
-    for node in dependent[:MOST]:
+    for node in dependent[:MOST_ROWS]:
         row = rig.assembly.kinematics.reduction.solved[node]
-        follows = ", ".join(f"{float(value):.6g} × {plain(name)}" for name, value in list(row.items())[:4]) or "at rest"
-        rows.append((plain(node), follows, _owners(rig, node)))
+        follows = (
+            ", ".join(f"{float(value):.6g} × {as_words(name)}" for name, value in list(row.items())[:4]) or "at rest"
+        )
+        rows.append((as_words(node), follows, _owners(rig, node)))
     rows += [("", "", "")] * (len(dependent) - len(rows))
     columns = (Heading("Node"), Heading("Follows"), Heading("By", wide=True))
-    return table("Nodes that follow others", columns, rows, most=MOST)
+    return table("Nodes that follow others", columns, rows, most=MOST_ROWS)

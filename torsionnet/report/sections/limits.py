@@ -20,9 +20,9 @@ from torsionnet.report.document_tree import (
     TableBlock,
 )
 from torsionnet.report.report_data import MOST_CASES, ReportData
-from torsionnet.report.report_engines import on_engines
+from torsionnet.report.report_engines import engine_remarks
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, plain, unit
+from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import concerned, gathered
 from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.response.limit_conclusion import LimitConclusion
@@ -34,10 +34,10 @@ MOST_ROWS = 24
 
 
 def limits_section(subject: ReportData) -> Section | None:
-    found = subject.limits_found
+    found = subject.limit_conclusion
     if found is None:
         return None
-    blocks: list[Block] = [verdict(found), conclusion(found), *on_engines(subject)]
+    blocks: list[Block] = [verdict(found), conclusion(found), *engine_remarks(subject)]
     names = list(dict.fromkeys(one.limit for check in found.checks for one in check.verdicts))
     blocks += [_verdicts(subject, found, name) for name in names]
     for number, name in enumerate(names[:MOST_DRAWN], 1):
@@ -55,7 +55,7 @@ def conclusion(found: LimitConclusion) -> TableBlock:
     """One sentence for every condition; of many the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
     kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
-    rows = [(check.configuration, check.verdict, plain(check.finding())) for check in kept[:MOST_ROWS]]
+    rows = [(check.configuration, check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]]
     rest = len(found.checks) - len(rows)
     notes = [f"{rest} further configurations are in the verdict."] if rest else []
     return table("Conclusion on stresses and limits", columns, rows, notes)
@@ -79,7 +79,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     worst = [_numbers(subject, check, one) for check, one in found]
     cells: list[list[Cell]] = [
         [check.configuration for check, _ in found],
-        [plain(one.criterion) for _, one in found],
+        [as_words(one.criterion) for _, one in found],
         list(aligned_numbers([row[0] for row in worst])),
         list(aligned_numbers([row[1] for row in worst])),
         list(aligned_numbers([row[2] for row in worst])),
@@ -91,7 +91,9 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     of = dict.fromkeys(one.of for _, one in found)
     many = f"The {len(checks)} of {len(judged.checks)} configurations in which it is used most."
     notes = [many] if len(checks) < len(judged.checks) else []
-    return table(f"Limit {plain(name)}: {', '.join(map(plain, of))}", columns, list(zip(*cells, strict=True)), notes)
+    return table(
+        f"Limit {as_words(name)}: {', '.join(map(as_words, of))}", columns, list(zip(*cells, strict=True)), notes
+    )
 
 
 def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
@@ -125,8 +127,8 @@ def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: in
     check = judged.checks[int(np.nanargmax(use))]
     drawn = limit_check(replace(check, title=""), name, conventions=subject.conventions, title="")
     where = f" in configuration {check.configuration}" if check.configuration and len(use) > 1 else ""
-    caption = (f"Limit {plain(name)} over speed{where}.",)
-    return [Picture(f"limit_{number}", drawn, caption, f"{plain(name)} over speed with its limits{where}")]
+    caption = (f"Limit {as_words(name)} over speed{where}.",)
+    return [Picture(f"limit_{number}", drawn, caption, f"{as_words(name)} over speed with its limits{where}")]
 
 
 def _most_used(check: LimitCheck, name: str) -> float:
@@ -140,7 +142,7 @@ def _rules(found: LimitConclusion) -> list[Block]:
     """Source, formula and what is not covered, once for all limits that rest on it; and remarks."""
     texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
-        (Strong(", ".join(map(plain, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
+        (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
         for text, names in texts.items()
     )
     remarks = _remarks(found)
@@ -154,7 +156,7 @@ def _remarks(found: LimitConclusion) -> list[str]:
     """What is said of limits, once, with the configurations it is said of unless those are all."""
     known = list(dict.fromkeys(check.configuration for check in found.checks))
     said = (
-        (f"{plain(one.limit)}, {plain(one.criterion)}", check.configuration, remark)
+        (f"{as_words(one.limit)}, {as_words(one.criterion)}", check.configuration, remark)
         for check in found.checks
         for one in check.verdicts
         for remark in one.remarks
@@ -162,5 +164,5 @@ def _remarks(found: LimitConclusion) -> list[str]:
     remarks = []
     for abouts, names, remark in gathered(said):
         within = f" (in {concerned(names, known)})" if len(names) < len(known) else ""
-        remarks.append(f"{'; '.join(abouts)}: {plain(remark)}{within}")
+        remarks.append(f"{'; '.join(abouts)}: {as_words(remark)}{within}")
     return remarks

@@ -5,9 +5,9 @@ from __future__ import annotations
 from torsionnet.core.errors import UsageError
 from torsionnet.report.document_tree import Block, Section
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_tables import of_results
+from torsionnet.report.report_tables import results_table
 
-MOST = 3
+MOST_LOADS = 3
 """Loads that are listed."""
 
 
@@ -22,8 +22,8 @@ def mean_torques_section(subject: ReportData) -> Section | None:
             state = case.drivetrain.static_state()
         except UsageError:  # what drives or absorbs is switched off in this configuration
             continue
-        if state.loads not in shown and len(shown) < MOST:
+        if state.loads not in shown and len(shown) < MOST_LOADS:
             where = f" in configuration {case.configuration}" if case.configuration and len(subject.cases) > 1 else ""
             shown.append(state.loads)
-            blocks.append(of_results(state.table(subject.conventions), f"Mean torques of the elements{where}"))
+            blocks.append(results_table(state.table(subject.conventions), f"Mean torques of the elements{where}"))
     return Section("mean_torques", ("Mean torques and stresses",), tuple(blocks)) if blocks else None

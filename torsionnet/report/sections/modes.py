@@ -25,18 +25,18 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, named, pair_latex, plain, sentence
-from torsionnet.response.mode_numbers import COUNTING_NOTE, OSCILLATORY
+from torsionnet.report.report_text import as_words, capital, pair_latex, sentence, symbol_or_words
+from torsionnet.response.mode_numbers import COUNTING, OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response import Modes
 
-NOTEWORTHY, MOST_SHARES = 0.05, 4
+LEAST_SHARE, MOST_SHARES = 0.05, 4
 MOST_DRAWN = 6
 """Configurations whose shapes are drawn."""
 SHOWS_THESE = " shows these, not the modes of the whole drivetrain."
-KINDS = {"oscillatory": "vibration"}
+KIND_WORDS = {"oscillatory": "vibration"}
 COLUMNS = (
     Heading("Mode", numeric=True),
     Heading("Kind"),
@@ -55,7 +55,7 @@ def modes_section(subject: ReportData) -> Section:
     blocks += listed_modes(subject, subject.modes, (caption,), energies=True)
     blocks.append(_shapes(subject))
     for pair in subject.pairs:
-        part = subject.about(pair)
+        part = subject.for_pair(pair)
         cut = part.cut_modes(pair)
         if cut is not None and len(cut[0]):
             blocks += _cut(part, pair_latex(pair), pair.input, cut)
@@ -68,8 +68,8 @@ def _introduction(subject: ReportData) -> Text:
         Math(r"f_{d} = \mathrm{Im}\,\lambda/2\pi"), " the frequency of the damped vibration, ",
         Math(r"\zeta = -\mathrm{Re}\,\lambda/\left|\lambda\right|"), " the damping ratio.",
     )  # fmt: skip
-    if subject.is_large or any(len(modes) == MOST_MODES < subject.size for modes in subject.modes):
-        text = (*text, f" The model has {subject.size} coordinates; the lowest {MOST_MODES} modes are shown.")
+    if subject.is_large or any(len(modes) == MOST_MODES < subject.n_coordinates for modes in subject.modes):
+        text = (*text, f" The model has {subject.n_coordinates} coordinates; the lowest {MOST_MODES} modes are shown.")
     return text
 
 
@@ -139,8 +139,8 @@ def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
     )
     return tuple(
         (
-            _number(modes, index), KINDS.get(modes.kinds[index], modes.kinds[index]), natural[index], damped[index],
-            ratios[index], sentence(capital(modes.descriptions[index]), rig),
+            _number(modes, index), KIND_WORDS.get(modes.kinds[index], modes.kinds[index]), natural[index],
+            damped[index], ratios[index], sentence(capital(modes.descriptions[index]), rig),
         )
         for index in range(len(modes))
     )  # fmt: skip
@@ -176,7 +176,7 @@ def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
     for case, modes in zip(subject.cases, found, strict=True):
         rows = tuple((modes.names[index], *_energy(modes, index)) for index in range(len(modes)))
         groups.append(TableGroup(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
-    note = f"Shares of at least {100 * NOTEWORTHY:.0f} %, the {MOST_SHARES} largest."
+    note = f"Shares of at least {100 * LEAST_SHARE:.0f} %, the {MOST_SHARES} largest."
     return TableBlock(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))
 
 
@@ -192,12 +192,13 @@ def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
 def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     """``dmf 79 %, half shaft 21 %``."""
     order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
-    kept = [index for index in order if shares[index] >= NOTEWORTHY]
+    kept = [index for index in order if shares[index] >= LEAST_SHARE]
     if not kept and shares.any():
-        return (
-            f"spread over many, at most {100 * shares[order[0]]:.1f}\N{NO-BREAK SPACE}% in {plain(elements[order[0]])}"
-        )
-    return ", ".join(f"{plain(elements[index])} {100 * shares[index]:.0f}\N{NO-BREAK SPACE}%" for index in kept) or "–"
+        largest = as_words(elements[order[0]])
+        return f"spread over many, at most {100 * shares[order[0]]:.1f}\N{NO-BREAK SPACE}% in {largest}"
+    return (
+        ", ".join(f"{as_words(elements[index])} {100 * shares[index]:.0f}\N{NO-BREAK SPACE}%" for index in kept) or "–"
+    )
 
 
 def _shapes(subject: ReportData) -> Picture:
@@ -221,6 +222,6 @@ def _shapes(subject: ReportData) -> Picture:
 
 def _cut(subject: ReportData, pair: str, measured: str, cut: tuple[Modes, ...]) -> list[Block]:
     poles = " the poles are others: those of the drivetrain cut where it is measured. A test of "
-    text: Text = ("Against the measured ", *inlines(named(measured)), poles, Math(pair), SHOWS_THESE)
-    caption: Text = ("Poles of ", Math(pair), ", the drivetrain cut at ", *inlines(named(measured)))
+    text: Text = ("Against the measured ", *inlines(symbol_or_words(measured)), poles, Math(pair), SHOWS_THESE)
+    caption: Text = ("Poles of ", Math(pair), ", the drivetrain cut at ", *inlines(symbol_or_words(measured)))
     return [Paragraph(text), *listed_modes(subject, cut, caption)]

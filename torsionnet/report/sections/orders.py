@@ -7,26 +7,26 @@ import numpy as np
 from torsionnet.core.number_text import aligned_numbers
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_engines import by_angle, on_engines
+from torsionnet.report.report_engines import engine_angle_tables, engine_remarks
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import named, plain, unit
+from torsionnet.report.report_text import as_words, symbol_or_words, unit
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import lines_of_one_frequency, sum_name
 from torsionnet.response.worst_response import WorstResponse
 
 MOST_CURVES = 7
 """Configurations that can be told apart in one plot."""
-TOGETHER = (
+HALF_RANGE_NOTE = (
     "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum of "
     "their magnitudes; amplitudes of single orders are peak values."
 )
-NO_CYCLE = " What has no short common cycle takes every position to each other: such half ranges are added."
+NO_CYCLE_NOTE = " What has no short common cycle takes every position to each other: such half ranges are added."
 
 
 def orders_section(subject: ReportData) -> Section | None:
-    if not subject.running or not subject.order_outputs:
+    if not subject.has_excitations or not subject.order_outputs:
         return None
-    blocks: list[Block] = [Paragraph(_introduction(subject)), *on_engines(subject)]
+    blocks: list[Block] = [Paragraph(_introduction(subject)), *engine_remarks(subject)]
     for number, name in enumerate(subject.order_outputs, 1):
         blocks += _output(subject, name, number)
     return Section("orders", ("Response by order",), tuple(blocks))
@@ -34,7 +34,7 @@ def orders_section(subject: ReportData) -> Section | None:
 
 def _introduction(subject: ReportData) -> tuple[Inline, ...]:
     has_cycle = all(run.revolutions is not None for run in subject.order_responses)
-    return (*((TOGETHER,) if has_cycle else (TOGETHER, NO_CYCLE)), *subject.of_how_many)
+    return (*((HALF_RANGE_NOTE,) if has_cycle else (HALF_RANGE_NOTE, NO_CYCLE_NOTE)), *subject.coverage_note)
 
 
 def _output(subject: ReportData, name: str, number: int) -> list[Block]:
@@ -51,13 +51,13 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
         labels = [case.configuration for case in subject.cases[:MOST_CURVES]]
         drawn = half_ranges(chosen, name, labels=labels, conventions=subject.conventions, title="")
         rest = f"; the first {len(chosen)} of {len(runs)} configurations" if len(runs) > len(chosen) else ""
-        caption = (named(name), f": half range of all orders over speed, by configuration{rest}.")
-        blocks.append(Picture(f"half_range_{number}", drawn, caption, f"Half range of {plain(name)} over speed"))
+        caption = (symbol_or_words(name), f": half range of all orders over speed, by configuration{rest}.")
+        blocks.append(Picture(f"half_range_{number}", drawn, caption, f"Half range of {as_words(name)} over speed"))
     drawn = order_response(runs[worst], name, conventions=subject.conventions, title="")
     where = f" in configuration {subject.cases[worst].configuration}" if len(runs) > 1 else ""
-    caption = (named(name), f": largest orders over speed{where}.")
+    caption = (symbol_or_words(name), f": largest orders over speed{where}.")
     blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
-    return [*blocks, _worst(subject, name), *by_angle(subject, name)]
+    return [*blocks, _worst(subject, name), *engine_angle_tables(subject, name)]
 
 
 def _worst(subject: ReportData, name: str) -> TableBlock:
@@ -80,10 +80,10 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
         list(aligned_numbers([float(run.rpm[index]) for run, index in worst])),
         list(aligned_numbers([float(run.half_range[index, place]) * scale for run, index in worst])),
         list(aligned_numbers([float(run.rms[index, place]) * scale for run, index in worst])),
-        [plain(_line_name(run, int(np.argmax(size)))) for run, size in zip(runs, sizes, strict=True)],
+        [as_words(_line_name(run, int(np.argmax(size)))) for run, size in zip(runs, sizes, strict=True)],
         list(aligned_numbers([float(size.max()) * scale for size in sizes])),
     ]
-    return table((named(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
+    return table((symbol_or_words(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
 
 
 def _line_name(run: OrderResponse, number: int) -> str:
@@ -95,4 +95,4 @@ def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:
     """A configuration with what is worst in it at a speed, where it has several cases."""
     if not isinstance(run, WorstResponse):
         return case.configuration
-    return ": ".join(part for part in (case.configuration, plain(run.cases(name)[index])) if part)
+    return ": ".join(part for part in (case.configuration, as_words(run.cases(name)[index])) if part)

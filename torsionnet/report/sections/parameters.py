@@ -11,14 +11,14 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_tables import as_shown, table
-from torsionnet.report.report_words import named, plain, unit
+from torsionnet.report.report_tables import shown_cells, table
+from torsionnet.report.report_text import as_words, symbol_or_words, unit
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.model.parameters import Parameter
 
-MOST, MOST_COLUMNS = 60, 12
+MOST_ROWS, MOST_COLUMNS = 60, 12
 
 
 def parameters_section(subject: ReportData) -> Section | None:
@@ -52,7 +52,7 @@ def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
     )
     rows = [
         (
-            named(name),
+            symbol_or_words(name),
             _written(parameter),
             NumberText(rig.parameters[name], 6),
             unit(units[name]),
@@ -61,7 +61,7 @@ def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
         )
         for name, parameter in rig.parameter_definitions.items()
     ]
-    return table("Parameters", columns, rows, most=MOST)
+    return table("Parameters", columns, rows, most=MOST_ROWS)
 
 
 def _written(parameter: Parameter) -> Cell:
@@ -89,7 +89,10 @@ def _changed(cases: tuple[Case, ...]) -> list[str]:
 def _configurations(cases: tuple[Case, ...], names: list[str], rig: Drivetrain) -> TableBlock:
     units = _units(rig)
     shown = names[:MOST_COLUMNS]
-    columns = (Heading("Configuration"), *(Heading(named(name), unit(units[name]), numeric=True) for name in shown))
+    columns = (
+        Heading("Configuration"),
+        *(Heading(symbol_or_words(name), unit(units[name]), numeric=True) for name in shown),
+    )
     values = [[NumberText(case.drivetrain.parameters[name], 6) for case in cases] for name in shown]
     rows = [(case.configuration, *row) for case, row in zip(cases, zip(*values, strict=True), strict=True)]
     rest = len(names) - len(shown)
@@ -103,7 +106,7 @@ def _switched(cases: tuple[Case, ...]) -> list[str]:
 
 
 def _switches(cases: tuple[Case, ...], names: list[str]) -> TableBlock:
-    columns = (Heading("Configuration"), *(Heading(plain(name)) for name in names))
+    columns = (Heading("Configuration"), *(Heading(as_words(name)) for name in names))
     rows = [
         (case.configuration, *("on" if name in case.drivetrain.elements else "off" for name in names)) for case in cases
     ]
@@ -133,8 +136,10 @@ def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:
     columns = (Heading("Node"), Heading("Mean speed", "rpm", numeric=True), Heading("Mean torque", "N·m", numeric=True))
     turned = aligned_numbers([speeds[node] * RPM if node in speeds else None for node in nodes])
     loads = aligned_numbers([torques.get(node) for node in nodes])
-    rows = [(plain(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
+    rows = [(as_words(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
     together: dict[str, list[tuple[Cell, ...]]] = {}
     for row in rows:
-        together.setdefault(str(as_shown(row[1:])), []).append(row)
-    return table(f"Operating point{where}", columns, [row for group in together.values() for row in group], most=MOST)
+        together.setdefault(str(shown_cells(row[1:])), []).append(row)
+    return table(
+        f"Operating point{where}", columns, [row for group in together.values() for row in group], most=MOST_ROWS
+    )

@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import pair_latex, sentence, unit
+from torsionnet.report.report_text import pair_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.phase import phase_at_rest
 from torsionnet.solve.responses.peaks import Peak, peaks, static_value
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 MOST_PEAKS, FEW_PEAKS = 6, 3
 """Peaks listed of each configuration, and of each of many."""
-PROMINENCE = 1.001
+LEAST_PROMINENCE = 1.001
 MOST_CURVES = 7
 """Curves that can be told apart in one plot."""
 
@@ -46,7 +46,7 @@ def responses_section(subject: ReportData) -> Section | None:
         return None
     blocks: list[Block] = []
     for number, pair in enumerate(subject.pairs, 1):
-        part = subject.about(pair)
+        part = subject.for_pair(pair)
         found = part.responses(pair)
         listing = peaks_table if len(part.cases) <= FEW_CASES else highest_peaks
         blocks += [_picture(part, pair, found, number), listing(part, pair, found), *left_out(subject, pair)]
@@ -55,7 +55,7 @@ def responses_section(subject: ReportData) -> Section | None:
 
 def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
     """Which configurations lack the transfer function, and why."""
-    part = subject.about(pair)
+    part = subject.for_pair(pair)
     if part is not subject:
         for case in subject.cases:
             refusal = subject.refusal(case, pair)
@@ -69,7 +69,7 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
     shown = found[:MOST_CURVES]
     labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
     drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
-    finish(drawn, pair)
+    label_axes(drawn, pair)
     rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
     overlaid = ", by configuration" if len(found) > 1 else ""
     kind = found[0].kind()
@@ -80,7 +80,7 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
     return Picture(f"bode_{number}", drawn, caption, alt)
 
 
-def finish(figure: Figure, pair: Pair) -> None:
+def label_axes(figure: Figure, pair: Pair) -> None:
     """The names of output and input on the axis as symbols, and no ticks without a number, which take long to draw."""
     from torsionnet.plot.drawing.labels import symbol
 
@@ -96,7 +96,7 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     groups = []
     for case, response in zip(subject.cases, found, strict=True):
-        points = read_off(subject, pair, response, list(subject.cases).index(case))
+        points = static_value_and_peaks(subject, pair, response, list(subject.cases).index(case))
         groups.append((case.configuration, points))
     several = len(groups) > 1
     columns = (
@@ -125,7 +125,7 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
 def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
     """Static value and the highest peaks in the order of frequency, a row for each case."""
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
-    read = [read_off(subject, pair, response, index) for index, response in enumerate(found)]
+    read = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
     columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
     lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
     lists.append(list(aligned_numbers([points[0][1].magnitude * scale for points in read])))
@@ -150,10 +150,12 @@ def _stands_out(response: FrequencyResponse, frequency: float) -> bool:
     for side in (size[top::-1], size[top:]):
         higher = np.flatnonzero(side > size[top])
         valleys.append(float(side[: higher[0] if higher.size else None].min()))
-    return bool(size[top] > PROMINENCE * max(valleys))
+    return bool(size[top] > LEAST_PROMINENCE * max(valleys))
 
 
-def read_off(subject: ReportData, pair: Pair, response: FrequencyResponse, index: int) -> list[tuple[str, Peak]]:
+def static_value_and_peaks(
+    subject: ReportData, pair: Pair, response: FrequencyResponse, index: int
+) -> list[tuple[str, Peak]]:
     """What it is and where, of one case."""
     solve = subject.solver(subject.cases[index], pair)
     value = static_value(solve, 0, 0)

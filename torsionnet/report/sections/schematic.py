@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from torsionnet.report.document_tree import Picture, Section
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_words import named_first, plain
+from torsionnet.report.report_text import as_words, first_names
 
 
 def schematic_section(subject: ReportData) -> Section:
@@ -18,6 +18,6 @@ def schematic_section(subject: ReportData) -> Section:
         f"The drivetrain{where}. Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds "
         "sensors of torque."
     )
-    nodes = named_first([plain(node) for node in rig.nodes])
+    nodes = first_names([as_words(node) for node in rig.nodes])
     alt = f"Schematic of {rig.name}: {len(rig.elements)} elements between the nodes {nodes}"
     return Section("schematic", ("Drivetrain",), (Picture("schematic", schematic(rig, title=""), (caption,), alt),))

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import UsageError
 from torsionnet.report.document_tree import Block, Cell, Code, Formula, Heading, Math, NumberText, Paragraph, Section
+from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
 from torsionnet.report.report_data import MOST_SYMBOLIC, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import named_first, pair_latex, quotient_latex
-from torsionnet.report.widths import FORMULA, letters
+from torsionnet.report.report_text import first_names, pair_latex, quotient_latex
 from torsionnet.symbolic.formula_text import latex
 
 if TYPE_CHECKING:
@@ -25,16 +25,16 @@ COLUMNS = (
 )
 
 
-TOLERANCE = 0.01
+DEFAULT_TOLERANCE = 0.01
 """Unless the model file or the call says another."""
 
 
 def simplified_section(subject: ReportData) -> Section | None:
     if not subject.pairs:
         return None
-    tolerance = subject.request.plan.simplify or TOLERANCE
-    if subject.size > MOST_SYMBOLIC:
-        text = f"With {subject.size} coordinates the formulas would not be short enough to be read."
+    tolerance = subject.request.plan.simplify or DEFAULT_TOLERANCE
+    if subject.n_coordinates > MOST_SYMBOLIC:
+        text = f"With {subject.n_coordinates} coordinates the formulas would not be short enough to be read."
         return Section("simplified", ("Simplified transfer functions",), (Paragraph((text,)),))
     low, high = subject.band
     lead = (
@@ -43,7 +43,9 @@ def simplified_section(subject: ReportData) -> Section | None:
         f"compared from {low:g} to {high:g} Hz."
     )
     inner = [
-        Section(f"simplified-{number}", (Math(pair_latex(pair)),), tuple(_pair(subject.about(pair), pair, tolerance)))
+        Section(
+            f"simplified-{number}", (Math(pair_latex(pair)),), tuple(_pair(subject.for_pair(pair), pair, tolerance))
+        )
         for number, pair in enumerate(subject.pairs, 1)
     ]
     return Section("simplified", ("Simplified transfer functions",), (Paragraph((lead,)), *inner))
@@ -71,12 +73,12 @@ def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
     formulas: dict[str, list[str]] = {}
     for configuration, short in found.items():
         written = short.transfer_function.mechanical
-        text = latex(written) if letters(written) <= FORMULA else ""
+        text = latex(written) if formula_letters(written) <= WIDEST_FORMULA else ""
         formulas.setdefault(text, []).append(configuration)
     blocks: list[Block] = [table(("What is left out of ", Math(pair_latex(pair))), COLUMNS, rows)]
     for text, names in formulas.items():
         if len(formulas) > 1:
-            blocks.append(Paragraph((f"Configuration {named_first(names, len(names))}:",)))
+            blocks.append(Paragraph((f"Configuration {first_names(names, len(names))}:",)))
         how = f'model.symbolic().simplified("{pair.output}", "{pair.input}", tolerance={tolerance:g})'
         blocks.append(
             Formula(rf"{quotient_latex(pair)} = {text}")

@@ -21,8 +21,8 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_tables import of_results, table
-from torsionnet.report.report_words import capital, named, sentence, unit
+from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_text import capital, sentence, symbol_or_words, unit
 from torsionnet.report.sections.varied_parameters import correlations, varied_parameters
 from torsionnet.report.shown_numbers import in_shown_units
 from torsionnet.study.run.answering import asked_in
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
-LEFT_OUT = ("variants", "smallest", "largest", "largest at variant")
+LEFT_OUT_COLUMNS = ("variants", "smallest", "largest", "largest at variant")
 """Columns that a page has no room for."""
-LONGEST = 60
+MOST_ANSWER_ROWS = 60
 """Rows up to which a table of an answer stands in a report; a map has thousands, and a picture."""
 METHODS = {
     "random": "independent random draws",
@@ -60,7 +60,7 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
     ]
     numbers = result.table()
     if numbers.rows:
-        kept = numbers.chosen([place for place, one in enumerate(numbers.columns) if one.name not in LEFT_OUT])
+        kept = numbers.chosen([place for place, one in enumerate(numbers.columns) if one.name not in LEFT_OUT_COLUMNS])
         blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
         blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
@@ -102,7 +102,7 @@ def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> Table
         sides = (None, None) if limit is None else (limit.above, limit.below)
         scale = units.scale(name)
         limits = ["" if side is None else NumberText(side * scale, 5) for side in sides]
-        rows.append((named(name), _phrase(subject, study, quantity.asked), unit(units.unit(name)), *limits))
+        rows.append((symbol_or_words(name), _phrase(subject, study, quantity.asked), unit(units.unit(name)), *limits))
     return table("What is asked of every variant, and its limits", columns, rows)
 
 
@@ -122,7 +122,7 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
     if found.sentences:
         blocks.append(Listing(tuple(_said(subject, study, text) for text in found.sentences)))
     blocks.append(Picture(file, found.figure(plot, units=units, title=""), caption, about + "."))
-    if len(numbers.rows) <= LONGEST:
+    if len(numbers.rows) <= MOST_ANSWER_ROWS:
         blocks.append(_results(subject, study, numbers, about, units))
     return Section(file, title, tuple(blocks))
 
@@ -132,14 +132,14 @@ def _results(subject: ReportData, study: Study, found: Table, caption: str, unit
 
     def shown(text: str) -> Cell:
         is_name = text in study.quantities or text in study.space.names
-        return named(text) if is_name else _phrase(subject, study, capital(text))
+        return symbol_or_words(text) if is_name else _phrase(subject, study, capital(text))
 
     told = in_shown_units(found, units)
     place = next((place for place, one in enumerate(told.columns) if one.name == "quantity"), None)
     if place is not None and len({row[place] for row in told.rows}) == 1:
         caption = f"{caption}: {told.rows[0][place]}"
         told = told.chosen([one for one in range(len(told.columns)) if one != place])
-    return of_results(told, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
+    return results_table(told, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
 
 
 def _said(subject: ReportData, study: Study, text: str) -> Text:

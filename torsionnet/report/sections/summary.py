@@ -9,9 +9,9 @@ from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, Paragraph, Section, TableBlock, Text
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import named, pair_latex, unit
+from torsionnet.report.report_text import pair_latex, symbol_or_words, unit
 from torsionnet.report.sections.limits import conclusion, verdict
-from torsionnet.report.sections.responses import read_off
+from torsionnet.report.sections.responses import static_value_and_peaks
 from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
@@ -23,11 +23,11 @@ MOST_VIBRATIONS, MOST_PAIRS = 3, 4
 
 
 def summary_section(subject: ReportData) -> Section:
-    judged = subject.limits_found if subject.request.wants("limits") else None
+    judged = subject.limit_conclusion if subject.request.wants("limits") else None
     blocks: list[Block] = [] if judged is None else [verdict(judged)]
     blocks += _of_model(subject.by_drivetrain)
     blocks += [found for fit in subject.request.fits if (found := _fitted(subject, fit)) is not None]
-    blocks += [_response(subject.by_drivetrain.about(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
+    blocks += [_response(subject.by_drivetrain.for_pair(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
     if judged is not None:
         blocks.append(conclusion(judged))
     if not blocks:
@@ -44,7 +44,7 @@ def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
     names = [name for name in plain if name in subject.model.parameter_definitions]
     note: list[Inline] = ["With the fitted "]
     for name in names:
-        note += [", "] * (name != names[0]) + [named(name)]
+        note += [", "] * (name != names[0]) + [symbol_or_words(name)]
     title = f" ({fit.title})" if len(subject.request.fits) > 1 and fit.title else ""
     caption = f"Lowest natural frequencies and damping ratios of the fitted model{title}"
     return _vibrations(subject, modes, caption, (*note, "; the values are in the section Fitted parameters."))
@@ -90,7 +90,7 @@ def _response(subject: ReportData, pair: Pair) -> TableBlock:
     """Static value and highest peak."""
     found = subject.responses(pair)
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
-    points = [read_off(subject, pair, response, index) for index, response in enumerate(found)]
+    points = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
     static = [entries[0][1].magnitude * scale for entries in points]
     highest = [
         max((peak for _, peak in entries[1:]), key=lambda peak: peak.magnitude, default=None) for entries in points

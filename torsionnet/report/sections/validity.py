@@ -17,12 +17,12 @@ from torsionnet.model.elements import (
 )
 from torsionnet.report.document_tree import Cell, Listing, Math, Section, inlines
 from torsionnet.report.report_data import ReportData, is_damped
-from torsionnet.report.report_words import named, named_first, pair_latex, plain
+from torsionnet.report.report_text import as_words, first_names, pair_latex, symbol_or_words
 
 if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
-FEW = 6
+MOST_NAMES = 6
 
 LINEAR = (
     "Linear: small torsional vibrations{about}. Backlash, clearances, friction that sticks, slipping clutches and "
@@ -91,7 +91,7 @@ def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[st
         if isinstance(element, kinds)
     }
     if found:
-        yield text.format(names=named_first([plain(name) for name in found], FEW))
+        yield text.format(names=first_names([as_words(name) for name in found], MOST_NAMES))
 
 
 def _readings(subject: ReportData) -> Iterator[Cell]:
@@ -100,7 +100,7 @@ def _readings(subject: ReportData) -> Iterator[Cell]:
     for pair in subject.pairs:
         if pair.input in subject.model.sensors:
             where = " are those of the drivetrain cut at "
-            yield ("Poles of ", Math(pair_latex(pair)), where, *inlines(named(pair.input)), CUT)
+            yield ("Poles of ", Math(pair_latex(pair)), where, *inlines(symbol_or_words(pair.input)), CUT)
     imposed = [name for name, channel in subject.model.inputs.items() if channel.quantity == "angle"]
     if imposed:
-        yield IMPOSED.format(names=named_first(imposed, FEW))
+        yield IMPOSED.format(names=first_names(imposed, MOST_NAMES))

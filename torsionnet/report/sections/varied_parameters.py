@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.report.document_tree import Cell, Heading, NumberText, TableBlock, Text
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import named, named_first, unit
+from torsionnet.report.report_text import first_names, symbol_or_words, unit
 from torsionnet.study.shown_units import ShownUnits
 from torsionnet.study.space.variations.nominal import NominalReader, nominals
 
 if TYPE_CHECKING:
     from torsionnet.study.study import Study
 
-DIGITS = 5
-FEW = 4
+SIGNIFICANT_DIGITS = 5
+MOST_NAMES = 4
 """Configurations that are named."""
 
 
 @dataclass(frozen=True)
-class VariedThere:
+class EqualVariation:
     """A parameter in the configurations in which it varies alike: numbers in SI."""
 
     cases: tuple[str, ...]
@@ -46,10 +46,12 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
     for name, variation in study.space.entries.vary.items():
         written = ", ".join(f"{key} {_plain(value)}" for key, value in variation.written_entries().items())
         for one in alike[name]:
-            where = named_first(one.cases, FEW) if len(alike[name]) > 1 else ""
-            given = "" if one.given is None else NumberText(one.given * units.scale(name), DIGITS)
+            where = first_names(one.cases, MOST_NAMES) if len(alike[name]) > 1 else ""
+            given = "" if one.given is None else NumberText(one.given * units.scale(name), SIGNIFICANT_DIGITS)
             numbers = _numbers(one.sizes, units.scale(name))
-            rows.append((named(name), where, unit(units.unit(name)), given, variation.words, numbers, written))
+            rows.append(
+                (symbol_or_words(name), where, unit(units.unit(name)), given, variation.words, numbers, written)
+            )
     return table("What varies", columns, rows)
 
 
@@ -66,24 +68,26 @@ def correlations(study: Study) -> Iterator[TableBlock]:
 
 def _names(names: tuple[str, ...]) -> Text:
     first, *others = names
-    return (named(first), *(part for name in others for part in (", ", named(name))))
+    return (symbol_or_words(first), *(part for name in others for part in (", ", symbol_or_words(name))))
 
 
-def _by_configuration(study: Study, name: str) -> Iterator[VariedThere]:
+def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
     """Configurations in which the model gives the parameter the same value together."""
-    found: dict[tuple[float | None, ...], VariedThere] = {}
+    found: dict[tuple[float | None, ...], EqualVariation] = {}
     for case in study.configurations:
         nominal = nominals(study.model_in(case), [name])[name]
         sizes = study.space.entries.vary[name].sizes(NominalReader(nominal))
         key = (nominal.value, *sizes.values())
         cases = (*found[key].cases, case) if key in found else (case,)
-        found[key] = VariedThere(cases, nominal.value, sizes)
+        found[key] = EqualVariation(cases, nominal.value, sizes)
     yield from found.values()
 
 
 def _numbers(sizes: Mapping[str, float], scale: float) -> Text:
     """``mean 0.46, standard deviation 0.018``."""
-    parts = [part for what, size in sizes.items() for part in (f", {what} ", NumberText(size * scale, DIGITS))]
+    parts = [
+        part for what, size in sizes.items() for part in (f", {what} ", NumberText(size * scale, SIGNIFICANT_DIGITS))
+    ]
     return (str(parts[0]).removeprefix(", "), *parts[1:])
 
 

@@ -21,7 +21,7 @@ def figure_folder(path: Path) -> Path:
     return path.with_name(re.sub(r"[^A-Za-z0-9.-]", "_", path.stem) + "_figures")
 
 
-def beside(folder: str, form: str) -> Illustrations:
+def figures_beside(folder: str, form: str) -> Illustrations:
     """How a text names the figures in a folder beside it."""
     return Illustrations(
         lambda picture, _: f"{folder}/{picture.name}.{form}", lambda name, _: f"{folder}/{_file(name)}"
@@ -40,7 +40,7 @@ def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path
     folder = figure_folder(path)
     images = report.template.images if report.template else {}
     files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
-    files |= {f"{picture.name}.{form}": figure_bytes(picture.drawn, form) for picture in report.pictures}
+    files |= {f"{picture.name}.{form}": figure_bytes(picture.figure, form) for picture in report.pictures}
     with _all_or_none(folder, files):
         for name, data in files.items():
             folder.mkdir(exist_ok=True)

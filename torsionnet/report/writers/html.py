@@ -11,9 +11,9 @@ from torsionnet.core.atomic import write_text
 from torsionnet.report.document_tree import Cell, Heading, NumberText, Picture, Report, TableBlock
 from torsionnet.report.writers.html_text import escaped, inline, number
 from torsionnet.report.writers.mathml import mathml
-from torsionnet.report.writers.templating import Illustrations, TextFormat, written
+from torsionnet.report.writers.templating import Illustrations, TextFormat, render
 
-FEW = 14
+MOST_UNBROKEN_ROWS = 14
 """Rows of a table that stays on one page."""
 
 
@@ -25,13 +25,13 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
 
 def html_page(report: Report, *, folds: bool = True) -> str:
     """The text of the page; one to be printed does not fold anything away."""
-    return written(report, FORMAT, Illustrations(_drawing, _data), folds=folds)
+    return render(report, FORMAT, Illustrations(_drawing, _data), folds=folds)
 
 
 def _drawing(block: Picture, number: str) -> str:
     from torsionnet.plot.drawing.rendering import inline_svg
 
-    svg = inline_svg(block.drawn, f"f{number}-")
+    svg = inline_svg(block.figure, f"f{number}-")
     return svg.replace("<svg ", f'<svg role=img aria-label="{escaped(block.alt)}" ', 1)
 
 
@@ -60,8 +60,8 @@ def _table_html(block: TableBlock, label: str, name: str) -> str:
     decimals = [block.decimals(index) for index in range(len(block.columns))]
     head = "".join(f"<th{_class(column)} scope=col>{_heading(column)}</th>" for column in block.columns)
     body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
-    foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.ending)
-    keep = " keep" if sum(len(group.rows) for group in block.groups) <= FEW else ""
+    foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.foot_notes)
+    keep = " keep" if sum(len(group.rows) for group in block.groups) <= MOST_UNBROKEN_ROWS else ""
     caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
     return (
         f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"

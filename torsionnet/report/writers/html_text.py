@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import unicodedata
 
-from torsionnet.report.document_tree import Cell, Code, DefinitionList, Inline, Math, NumberText, Strong, inlines
+from torsionnet.report.document_tree import BreakableMath, Cell, Code, Inline, Math, NumberText, Strong, inlines
 from torsionnet.report.writers.mathml import mathml
 
 
@@ -31,7 +31,7 @@ def _part(part: Inline) -> str:
     match part:
         case Math(latex):
             return mathml(latex)
-        case DefinitionList(parts):
+        case BreakableMath(parts):
             return " ".join(_infix(mathml(latex), latex) for latex in parts)
         case Strong(text):
             return f"<strong>{escaped(text)}</strong>"

@@ -8,13 +8,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from torsionnet.report.document_tree import Report, Text
-from torsionnet.report.writers.figure_files import beside, figure_folder, write_beside
-from torsionnet.report.writers.latex_room import room
+from torsionnet.report.writers.figure_files import figure_folder, figures_beside, write_beside
+from torsionnet.report.writers.latex_space import room_command
 from torsionnet.report.writers.latex_table import table_latex
-from torsionnet.report.writers.latex_text import displayed, inline
-from torsionnet.report.writers.templating import TextFormat, written
+from torsionnet.report.writers.latex_text import display_math, inline
+from torsionnet.report.writers.templating import TextFormat, render
 
-LONG = 60
+LONG_WORD = 60
 """Letters of a word that is set smaller, such as a check sum."""
 
 
@@ -25,13 +25,13 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
 
 def latex_document(report: Report, folder: str) -> str:
     """The text of the document; ``folder`` holds the figures."""
-    return written(report, FORMAT, beside(folder, "pdf"))
+    return render(report, FORMAT, figures_beside(folder, "pdf"))
 
 
 def _breakable(text: Text) -> str:
     """Long words in a smaller size."""
     return " ".join(
-        rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG and word.isalnum() else word
+        rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG_WORD and word.isalnum() else word
         for word in inline(text).split(" ")
     )
 
@@ -40,11 +40,11 @@ FORMAT = TextFormat(
     ".tex",
     inline,
     {
-        "display": displayed,
-        "equation": lambda row: displayed(inline(row)),
+        "display": display_math,
+        "equation": lambda row: display_math(inline(row)),
         "breakable": _breakable,
         "text": inline,
-        "room": room,
+        "room": room_command,
         "table": table_latex,
     },
     (".pdf", ".png", ".jpg", ".jpeg"),

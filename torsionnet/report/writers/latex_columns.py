@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from torsionnet.report.document_tree import (
+    BreakableMath,
     Cell,
     Code,
-    DefinitionList,
     Heading,
     Inline,
     Math,
@@ -23,9 +23,9 @@ from torsionnet.report.document_tree import (
     inlines,
 )
 
-PAGE, GAP, FEWEST = 98, 2, 10
+PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 2, 10
 """Letters across the page, of the gap between two columns, and of the narrowest column of text."""
-MATRIX = 48
+MATRIX_LETTERS = 48
 """Letters that a matrix in a table may be wide before it is made smaller."""
 LONGEST_WORD = 20
 """Letters of a word that stays in one piece."""
@@ -47,31 +47,31 @@ class Columns:
         parts = []
         for place, (index, width) in enumerate(zip(self.indices, self.widths, strict=True)):
             side = "left" if block.columns[index].numeric else "right"
-            wide = length(place) if width is None else rf"{width / PAGE:.3f}\linewidth"
+            wide = length_name(place) if width is None else rf"{width / PAGE_LETTERS:.3f}\linewidth"
             parts.append(rf">{{\ragged{side}\arraybackslash}}p{{{wide}}}")
         return "@{}" + "".join(parts) + "@{}"
 
 
-def length(place: int) -> str:
+def length_name(place: int) -> str:
     r"""The name of the length that holds the width of a column.
 
-    >>> length(0), length(27)
+    >>> length_name(0), length_name(27)
     ('\\widthA', '\\widthAB')
     """
     letters = chr(ord("A") + place % 26)
     return rf"\width{'A' * (place // 26)}{letters}"
 
 
-def pieces(block: TableBlock) -> list[Columns]:
+def table_pieces(block: TableBlock) -> list[Columns]:
     """The table as it is if it fits, else with broken texts, else in several pieces below each other."""
     everything = tuple(range(len(block.columns)))
-    loose = [natural(block, index) for index in everything]
-    if sum(loose) + GAP * len(loose) <= PAGE:
+    loose = [natural_width(block, index) for index in everything]
+    if sum(loose) + GAP_LETTERS * len(loose) <= PAGE_LETTERS:
         return [Columns(everything, (None,) * len(loose), tuple((_title(column),) for column in block.columns))]
     least = [_least(block, index) for index in everything]
     groups: list[list[int]] = [[0]]
     for index in everything[1:]:
-        if len(groups[-1]) > 1 and sum(least[i] + GAP for i in (*groups[-1], index)) > PAGE:
+        if len(groups[-1]) > 1 and sum(least[i] + GAP_LETTERS for i in (*groups[-1], index)) > PAGE_LETTERS:
             groups.append([0])
         groups[-1].append(index)
     return [_fitted(block, tuple(group), least) for group in groups]
@@ -79,12 +79,12 @@ def pieces(block: TableBlock) -> list[Columns]:
 
 def _fitted(block: TableBlock, indices: tuple[int, ...], least: Sequence[float]) -> Columns:
     """Columns of text share the room that the others leave, those with much text more of it."""
-    room = PAGE - GAP * len(indices) - sum(least[index] for index in indices)
-    wanted = {index: max(natural(block, index) - least[index], 0) for index in indices}
+    room = PAGE_LETTERS - GAP_LETTERS * len(indices) - sum(least[index] for index in indices)
+    wanted = {index: max(natural_width(block, index) - least[index], 0) for index in indices}
     total = sum(wanted.values())
     share = min(1.0, max(room, 0) / total) if total else 0.0
     wide = {index: least[index] + share * wanted[index] for index in indices}
-    widths = tuple(wide[index] if wanted[index] and breaks(block, index) else None for index in indices)
+    widths = tuple(wide[index] if wanted[index] and can_break(block, index) else None for index in indices)
     headings = tuple(
         (_title(block.columns[index]),) if width is not None else heading_lines(block.columns[index], wide[index])
         for index, width in zip(indices, widths, strict=True)
@@ -96,7 +96,7 @@ def is_matrix(cell: Cell) -> bool:
     return isinstance(cell, Math) and "matrix" in cell.latex
 
 
-def breaks(block: TableBlock, index: int) -> bool:
+def can_break(block: TableBlock, index: int) -> bool:
     """Whether lines may break in a column: in texts, not in numbers and matrices."""
     return not block.columns[index].numeric and not any(map(is_matrix, block.column(index)))
 
@@ -110,7 +110,7 @@ def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
     unit = [column.bracket] if column.bracket else []
     if not isinstance(column.text, str):
         whole = _title(column)
-        return (whole,) if len(shown(whole)) <= width else (column.text, *unit)
+        return (whole,) if len(visible_text(whole)) <= width else (column.text, *unit)
     lines: list[str] = []
     for word in [*column.text.split(), *unit]:
         if lines and len(lines[-1]) + 1 + len(word) <= width:
@@ -120,28 +120,34 @@ def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
     return tuple(lines)
 
 
-def natural(block: TableBlock, index: int) -> float:
+def natural_width(block: TableBlock, index: int) -> float:
     """Letters of the widest cell, or of the heading."""
-    return max(len(shown(_title(block.columns[index]))), _content(block, index))
+    return max(len(visible_text(_title(block.columns[index]))), _content(block, index))
 
 
 def _content(block: TableBlock, index: int) -> int:
     cells, decimals = block.column(index), block.decimals(index)
     whole = max((len(number.mantissa.partition(".")[0]) for number in block.numbers(index)), default=0)
     aligned = whole + decimals + (decimals > 0)
-    return max([aligned, *(min(len(shown(c)), MATRIX) if is_matrix(c) else len(shown(c)) for c in cells)], default=0)
+    return max(
+        [
+            aligned,
+            *(min(len(visible_text(c)), MATRIX_LETTERS) if is_matrix(c) else len(visible_text(c)) for c in cells),
+        ],
+        default=0,
+    )
 
 
 def _least(block: TableBlock, index: int) -> float:
     """Letters that a column needs at least."""
     column = block.columns[index]
-    words = [len(word) for word in shown(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
+    words = [len(word) for word in visible_text(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
     if any(is_matrix(cell) for cell in block.column(index)):
-        return min(_content(block, index), MATRIX)
-    if not breaks(block, index):
-        return min(max([_content(block, index), *words]), PAGE - 2 * GAP)
+        return min(_content(block, index), MATRIX_LETTERS)
+    if not can_break(block, index):
+        return min(max([_content(block, index), *words]), PAGE_LETTERS - 2 * GAP_LETTERS)
     longest = max((_longest(cell) for cell in block.column(index)), default=0)
-    return min(natural(block, index), max(FEWEST, longest, *words))
+    return min(natural_width(block, index), max(FEWEST_LETTERS, longest, *words))
 
 
 def _longest(cell: Cell) -> int:
@@ -150,14 +156,14 @@ def _longest(cell: Cell) -> int:
     for part in inlines(cell):
         if isinstance(part, str):
             found += [min(len(word), LONGEST_WORD) for word in _BREAKS.split(part)]
-        elif isinstance(part, DefinitionList):
-            found += [len(shown(Math(latex))) + 2 for latex in part.parts]
+        elif isinstance(part, BreakableMath):
+            found += [len(visible_text(Math(latex))) + 2 for latex in part.parts]
         else:
-            found.append(len(shown(part)))
+            found.append(len(visible_text(part)))
     return max(found)
 
 
-def shown(cell: Cell) -> str:
+def visible_text(cell: Cell) -> str:
     """Roughly what a cell looks like, for counting letters."""
     return "".join(map(_letters, inlines(cell)))
 
@@ -167,7 +173,7 @@ def _letters(part: Inline) -> str:
         case Math(latex):
             rows = (_rowed(row) for row in latex.split(r"\\"))
             return max(rows, key=len)
-        case DefinitionList(parts):
+        case BreakableMath(parts):
             return "   ".join(_letters(Math(latex)) for latex in parts)
         case Strong(text) | Code(text):
             return text

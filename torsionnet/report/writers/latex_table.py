@@ -5,18 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from torsionnet.report.document_tree import Cell, NumberText, TableBlock, inlines
-from torsionnet.report.writers.latex_columns import MATRIX, PAGE, Columns, is_matrix, length, pieces
-from torsionnet.report.writers.latex_text import breakable, displayed, escaped, inline, number
+from torsionnet.report.writers.latex_columns import (
+    MATRIX_LETTERS,
+    PAGE_LETTERS,
+    Columns,
+    is_matrix,
+    length_name,
+    table_pieces,
+)
+from torsionnet.report.writers.latex_text import breakable, display_math, escaped, inline, number
 
 
 def table_latex(block: TableBlock, continued: str = "(continued)") -> str:
     """A table with caption, head and notes; one that is too wide for the page goes on below."""
     decimals = [block.decimals(index) for index in range(len(block.columns))]
     lines = []
-    for place, columns in enumerate(pieces(block)):
+    for place, columns in enumerate(table_pieces(block)):
         caption = rf"\caption*{{{escaped(continued)}}}" if place else rf"\caption{{{inline(block.caption)}}}"
         lines += _piece(block, columns, caption, decimals)
-    return "\n".join([*lines, *(rf"{{\footnotesize {inline(note)}\par}}" for note in block.ending)])
+    return "\n".join([*lines, *(rf"{{\footnotesize {inline(note)}\par}}" for note in block.foot_notes)])
 
 
 def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence[int]) -> list[str]:
@@ -45,7 +52,7 @@ def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> l
         if width is None:
             cells = (_cell(cell, decimals[index], None) for cell in block.column(index))
             texts = dict.fromkeys([_heading(heading, numeric=block.columns[index].numeric), *filter(None, cells)])
-            lines.append(rf"\measured{{{length(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
+            lines.append(rf"\measured{{{length_name(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
     return lines
 
 
@@ -72,6 +79,6 @@ def _cell(cell: Cell, decimals: int, width: float | None) -> str:
     if isinstance(cell, NumberText):
         return number(cell, decimals)
     if is_matrix(cell):
-        return rf"\fitted{{{MATRIX / PAGE:.2f}\linewidth}}{{{displayed(inline(cell)[1:-1])}}}"
+        return rf"\fitted{{{MATRIX_LETTERS / PAGE_LETTERS:.2f}\linewidth}}{{{display_math(inline(cell)[1:-1])}}}"
     text = inline(cell) if width is None else "".join(map(breakable, inlines(cell)))
-    return displayed(text)
+    return display_math(text)

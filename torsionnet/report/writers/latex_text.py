@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from torsionnet.report.document_tree import Cell, Code, DefinitionList, Inline, Math, NumberText, Strong, inlines
+from torsionnet.report.document_tree import BreakableMath, Cell, Code, Inline, Math, NumberText, Strong, inlines
 from torsionnet.symbolic import symbol_names
 
 SPECIAL = {
@@ -21,10 +21,10 @@ GREEK = {
     for name in sorted(symbol_names.GREEK)
     for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
 }
-LONGEST_WORD, PIECE = 20, 10
+LONGEST_WORD, PIECE_LETTERS = 20, 10
 """Letters of a word that stays in one piece, and after which a longer one may break."""
 _BREAK = r"\allowbreak{}"
-LATIN = 0x180
+FIRST_UNKNOWN_LETTER = 0x180
 """Code points below are letters that T1 fonts have, or are taken apart into such."""
 
 
@@ -43,7 +43,7 @@ def _char(char: str) -> str:
         return known
     if char in "\n\t" or (char.isprintable() and ord(char) < 0x7F):
         return char
-    if char.isalpha() and ord(char) < LATIN:
+    if char.isalpha() and ord(char) < FIRST_UNKNOWN_LETTER:
         return char
     return rf"[U+{ord(char):04X}]"
 
@@ -71,7 +71,7 @@ def breakable(part: Inline) -> str:
 def _syllables(word: str) -> list[str]:
     found = []
     for piece in _signed(word):
-        size = PIECE if len(piece) > LONGEST_WORD else len(piece) or 1
+        size = PIECE_LETTERS if len(piece) > LONGEST_WORD else len(piece) or 1
         found += [piece[start : start + size] for start in range(0, len(piece), size)]
     return found
 
@@ -84,7 +84,7 @@ def _part(part: Inline) -> str:
     match part:
         case Math(latex):
             return f"${latex}$"
-        case DefinitionList(parts):
+        case BreakableMath(parts):
             return " ".join(f"${'{} ' if latex[:1] in ('+', '-', '=') else ''}{latex}$" for latex in parts)
         case Strong(text):
             return rf"\textbf{{{escaped(text)}}}"
@@ -109,7 +109,7 @@ def number(value: NumberText, decimals: int = 0) -> str:
     return f"${text}{gap}$"
 
 
-def displayed(latex: str) -> str:
+def display_math(latex: str) -> str:
     """A formula on a line of its own: fractions within fractions as large as the others, room between rows of them."""
     large = re.sub(r"\\frac(?![a-z])", r"\\dfrac", latex)
     return large.replace(r" \\ ", r" \\[5pt] ") if r"\dfrac" in large and "matrix" in large else large

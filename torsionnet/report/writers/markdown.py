@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 from torsionnet.report.document_tree import (
+    BreakableMath,
     Cell,
     Code,
-    DefinitionList,
     Heading,
     Inline,
     Math,
@@ -18,8 +18,8 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
-from torsionnet.report.writers.figure_files import beside, figure_folder, write_beside
-from torsionnet.report.writers.templating import TextFormat, written
+from torsionnet.report.writers.figure_files import figure_folder, figures_beside, write_beside
+from torsionnet.report.writers.templating import TextFormat, render
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
 
@@ -31,7 +31,7 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
 
 def markdown_text(report: Report, folder: str) -> str:
     """The text; ``folder`` holds the figures."""
-    return written(report, FORMAT, beside(folder, "svg"))
+    return render(report, FORMAT, figures_beside(folder, "svg"))
 
 
 def escaped(text: str) -> str:
@@ -51,7 +51,7 @@ def _part(part: Inline) -> str:
     match part:
         case Math(latex):
             return f"${_safe(latex)}$"
-        case DefinitionList(parts):
+        case BreakableMath(parts):
             return f"${_safe(' '.join(parts))}$"
         case Strong(text):
             return f"**{escaped(text.strip())}**{' ' * (text != text.rstrip())}"
@@ -80,7 +80,7 @@ def _table(block: TableBlock) -> str:
         if group.title:
             lines.append(f"| **{inline(group.title)}** |" + " |" * (len(block.columns) - 1))
         lines += [f"| {' | '.join(map(inline, row))} |" for row in group.rows]
-    return "\n".join(lines) + "".join(f"\n\n{inline(note)}" for note in block.ending)
+    return "\n".join(lines) + "".join(f"\n\n{inline(note)}" for note in block.foot_notes)
 
 
 def _heading(column: Heading) -> str:

@@ -10,7 +10,7 @@ from torsionnet.report.document_tree import Block, Details, Formula, Picture, Se
 
 
 @dataclass(frozen=True)
-class Placed:
+class NumberedBlock:
     """A block where it stands.
 
     Attributes
@@ -18,13 +18,13 @@ class Placed:
     block : Block
     number : str
         ``2.1`` of a section, ``3`` of a table, figure or formula, else empty.
-    inner : tuple of Placed
+    inner : tuple of NumberedBlock
         What stands in a section, or folded away.
     """
 
     block: Block
     number: str = ""
-    inner: tuple[Placed, ...] = ()
+    inner: tuple[NumberedBlock, ...] = ()
 
     @property
     def kind(self) -> str:
@@ -37,7 +37,7 @@ class Placed:
         return self.number.count(".")
 
 
-def placed(blocks: Sequence[Block], *, folds: bool = False) -> tuple[Placed, ...]:
+def number_blocks(blocks: Sequence[Block], *, folds: bool = False) -> tuple[NumberedBlock, ...]:
     """The blocks with their numbers; without ``folds`` nothing stands in what is folded away."""
     return _Numbers(Counter(), folds).of(blocks)
 
@@ -53,20 +53,20 @@ class _Numbers:
     folds: bool
     series: str = ""
 
-    def of(self, blocks: Sequence[Block], above: str = "") -> tuple[Placed, ...]:
+    def of(self, blocks: Sequence[Block], above: str = "") -> tuple[NumberedBlock, ...]:
         found, sections = [], 0
         for block in blocks:
             if isinstance(block, Section):
                 sections += 1
                 number = f"{above}{sections}"
-                found.append(Placed(block, number, self.of(block.blocks, f"{number}.")))
+                found.append(NumberedBlock(block, number, self.of(block.blocks, f"{number}.")))
             elif isinstance(block, Details):
                 folded = _Numbers(self.counts, self.folds, "S").of(block.blocks) if self.folds else ()
-                found.append(Placed(block, inner=folded))
+                found.append(NumberedBlock(block, inner=folded))
             elif isinstance(block, TableBlock | Picture | Formula):
                 what = self.series + type(block).__name__
                 self.counts[what] += 1
-                found.append(Placed(block, f"{self.series}{self.counts[what]}"))
+                found.append(NumberedBlock(block, f"{self.series}{self.counts[what]}"))
             else:
-                found.append(Placed(block))
+                found.append(NumberedBlock(block))
         return tuple(found)

@@ -16,14 +16,14 @@ from torsionnet.core.errors import MissingExtraError, SolveError
 from torsionnet.report.document_tree import Report
 from torsionnet.report.writers.html import html_page
 
-PATIENCE = 120
+BROWSER_TIMEOUT = 120
 """Seconds after which the browser is given up."""
 _DATE = re.compile(rb"/(CreationDate|ModDate) \(D:\d{14}")
 _FIXED = b"20000101000000"
 
 
-VARIABLE = "TORSIONNET_BROWSER"
-COMMANDS = (
+BROWSER_ENV = "TORSIONNET_BROWSER"
+BROWSER_COMMANDS = (
     "chromium",
     "chromium-browser",
     "google-chrome",
@@ -34,17 +34,17 @@ COMMANDS = (
     "msedge",
     "brave-browser",
 )
-MAC = (
+MAC_BROWSERS = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
 )
-WINDOWS = (
+WINDOWS_BROWSERS = (
     r"Google\Chrome\Application\chrome.exe",
     r"Chromium\Application\chrome.exe",
     r"Microsoft\Edge\Application\msedge.exe",
 )
-FOLDERS = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")
+WINDOWS_FOLDER_VARIABLES = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -72,7 +72,7 @@ def _print(browser: str, page: Path, printed: Path) -> None:
         page.as_uri(),
     ]
     try:
-        done = subprocess.run(command, capture_output=True, timeout=PATIENCE, check=False)
+        done = subprocess.run(command, capture_output=True, timeout=BROWSER_TIMEOUT, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise _failed(browser, str(error)) from None
     if not printed.is_file() or not printed.stat().st_size:
@@ -106,12 +106,12 @@ def find_browser() -> str:
     MissingExtraError
         There is none.
     """
-    given = os.environ.get(VARIABLE)
+    given = os.environ.get(BROWSER_ENV)
     if given:
         found = shutil.which(given) or (given if Path(given).is_file() else None)
         if found is None:
             raise MissingExtraError(
-                f'{VARIABLE} names "{given}", which is no program; name the program file of Chromium, Chrome or Edge'
+                f'{BROWSER_ENV} names "{given}", which is no program; name the program file of Chromium, Chrome or Edge'
             )
         return found
     for path in _candidates():
@@ -120,15 +120,15 @@ def find_browser() -> str:
             return found
     raise MissingExtraError(
         "a PDF is printed by a browser, and there is neither Chromium nor Chrome nor Edge: install one, name its "
-        f"program in the environment variable {VARIABLE}, or write -o report.html and print that from any browser"
+        f"program in the environment variable {BROWSER_ENV}, or write -o report.html and print that from any browser"
     )
 
 
 def _candidates() -> Iterator[str]:
-    yield from COMMANDS
+    yield from BROWSER_COMMANDS
     if sys.platform == "darwin":
-        yield from MAC
-    for folder in FOLDERS:
+        yield from MAC_BROWSERS
+    for folder in WINDOWS_FOLDER_VARIABLES:
         base = os.environ.get(folder)
         if base:
-            yield from (str(Path(base) / program) for program in WINDOWS)
+            yield from (str(Path(base) / program) for program in WINDOWS_BROWSERS)

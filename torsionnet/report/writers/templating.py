@@ -22,14 +22,38 @@ from markupsafe import Markup
 from torsionnet.core.errors import Fault, suggestion_or
 from torsionnet.report.document_tree import Cell, Inline, Picture, Report
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
-from torsionnet.report.writers.numbering import placed
+from torsionnet.report.writers.numbering import number_blocks
 
 SHIPPED = files("torsionnet.report.writers") / "templates"
-FILTERS = ("capitalize", "default", "first", "last", "length", "lower", "min", "title", "trim", "truncate", "upper")
+ALLOWED_FILTERS = (
+    "capitalize",
+    "default",
+    "first",
+    "last",
+    "length",
+    "lower",
+    "min",
+    "title",
+    "trim",
+    "truncate",
+    "upper",
+)
 """What gives no text that would pass for one of the format."""
-NAMES = ("title", "subtitle", "facts", "notes", "contents", "sections", "author", "date", "language", "word", "image")
+PAGE_NAMES = (
+    "title",
+    "subtitle",
+    "facts",
+    "notes",
+    "contents",
+    "sections",
+    "author",
+    "date",
+    "language",
+    "word",
+    "image",
+)
 """What a page can show or call."""
-TAGS = {
+TEMPLATE_TAGS = {
     ".tex": {
         "block_start_string": "<%", "block_end_string": "%>",
         "variable_start_string": "<<", "variable_end_string": ">>",
@@ -85,7 +109,7 @@ class Illustrations:
     image: Callable[[str, bytes], str]
 
 
-def written(report: Report, target: TextFormat, figures: Illustrations, *, folds: bool = False) -> str:
+def render(report: Report, target: TextFormat, figures: Illustrations, *, folds: bool = False) -> str:
     """The text of a report."""
     template = report.template or TemplateFolder()
     environment = environment_of(target.ending, template, target.shown)
@@ -99,7 +123,7 @@ def written(report: Report, target: TextFormat, figures: Illustrations, *, folds
         "notes": target.shown(report.notes) if any(report.notes) else "",
         "facts": blocks.facts(report.facts.rows),
         "contents": [{"name": section.name, "title": target.shown(section.title)} for section in report.sections],
-        "sections": blocks.all(placed(report.sections, folds=folds)),
+        "sections": blocks.all(number_blocks(report.sections, folds=folds)),
         "language": template.language,
         "word": template.wording,
         "image": lambda name: Markup(figures.image(name, _image(template, name, target.images))),
@@ -129,10 +153,10 @@ def environment_of(ending: str, template: TemplateFolder, shown: Callable[[Any],
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        **TAGS.get(ending, {}),
+        **TEMPLATE_TAGS.get(ending, {}),
     )
     environment.globals.clear()
-    environment.filters = {name: environment.filters[name] for name in FILTERS}
+    environment.filters = {name: environment.filters[name] for name in ALLOWED_FILTERS}
     return environment
 
 
@@ -197,4 +221,4 @@ class _Unknown(StrictUndefined):
         name = str(self._undefined_name)
         if self._undefined_obj is not missing:
             return f'there is no "{name}" in this'
-        return f'nothing is named "{name}"{suggestion_or(name, NAMES, "there are " + ", ".join(NAMES))}'
+        return f'nothing is named "{name}"{suggestion_or(name, PAGE_NAMES, "there are " + ", ".join(PAGE_NAMES))}'

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 
-def plain(name: str) -> str:
+def as_words(name: str) -> str:
     """A name from the model as words: ``input_shaft`` is the input shaft."""
     return name.replace("_", " ")
 
@@ -37,9 +37,9 @@ def channel_latex(name: str) -> str:
     sensor = None if is_symbol(name) else parse_sensor(name)
     if sensor is not None:
         second = sensor.at or sensor.against
-        at = f", {plain(second)}" if second else ""
-        return rf"\text{{{sensor.quantity}({plain(sensor.of)}{at})}}"
-    return symbol_latex(name) if is_symbol(name) else rf"\text{{{plain(name)}}}"
+        at = f", {as_words(second)}" if second else ""
+        return rf"\text{{{sensor.quantity}({as_words(sensor.of)}{at})}}"
+    return symbol_latex(name) if is_symbol(name) else rf"\text{{{as_words(name)}}}"
 
 
 def pair_latex(pair: Pair) -> str:
@@ -52,9 +52,9 @@ def quotient_latex(pair: Pair) -> str:
     return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
 
 
-def named(name: str) -> Inline:
+def symbol_or_words(name: str) -> Inline:
     """A sensor, input or parameter as symbol or words."""
-    return Math(symbol_latex(name)) if is_symbol(name) else plain(name)
+    return Math(symbol_latex(name)) if is_symbol(name) else as_words(name)
 
 
 def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
@@ -66,7 +66,10 @@ def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
     """
     text = text.replace(" %", "\N{NO-BREAK SPACE}%")
     symbols = {
-        name for table in (rig.inputs, rig.sensors, rig.parameters, further) for name in table if _can_be_told(name)
+        name
+        for table in (rig.inputs, rig.sensors, rig.parameters, further)
+        for name in table
+        if _is_quantity_name(name)
     }
     words = {name for name in (*rig.nodes, *rig.definition.elements) if "_" in name} - symbols
     names = sorted({*symbols, *words}, key=len, reverse=True)
@@ -77,13 +80,13 @@ def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
         if piece in symbols:
             parts.append(Math(symbol_latex(piece)))
         elif parts and isinstance(parts[-1], str):
-            parts[-1] += plain(piece) if piece in words else piece
+            parts[-1] += as_words(piece) if piece in words else piece
         elif piece:
-            parts.append(plain(piece) if piece in words else piece)
+            parts.append(as_words(piece) if piece in words else piece)
     return tuple(parts)
 
 
-def _can_be_told(name: str) -> bool:
+def _is_quantity_name(name: str) -> bool:
     """Whether a name in a sentence is surely that of a quantity, and no word or article."""
     return is_symbol(name) and "_" in name
 
@@ -102,31 +105,31 @@ def capital(text: str) -> str:
     return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
-def named_first(names: Sequence[str], most: int = 12) -> str:
+def first_names(names: Sequence[str], most: int = 12) -> str:
     """Names with commas; of many the first."""
     return comma_list(names, most, ", … and {} more")
 
 
-def in_common(names: Sequence[str]) -> str:
+def shared_choices(names: Sequence[str]) -> str:
     """What configurations have in common by their names; all names where that is nothing.
 
     Examples
     --------
-    >>> in_common(["water=wet,firing=normal", "water=wet,firing=misfire"]), in_common(["normal", "misfire"])
+    >>> shared_choices(["water=wet,firing=normal", "water=wet,firing=misfire"]), shared_choices(["normal", "misfire"])
     ('water=wet', 'normal, misfire')
     """
     parts = [name.split(",") for name in names]
     shared = [part for part in parts[0] if all(part in other for other in parts)] if parts else []
-    return ",".join(shared) or named_first(names, 3)
+    return ",".join(shared) or first_names(names, 3)
 
 
-def apart(name: str, names: Sequence[str]) -> str:
+def distinct_choices(name: str, names: Sequence[str]) -> str:
     """What a configuration has by its name that not all of them have.
 
     Examples
     --------
-    >>> apart("water=wet,firing=misfire", ["water=wet,firing=normal", "water=wet,firing=misfire"])
+    >>> distinct_choices("water=wet,firing=misfire", ["water=wet,firing=normal", "water=wet,firing=misfire"])
     'firing=misfire'
     """
-    shared = in_common(names).split(",")
+    shared = shared_choices(names).split(",")
     return ",".join(part for part in name.split(",") if part not in shared) or name

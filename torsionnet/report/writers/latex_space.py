@@ -13,47 +13,50 @@ from torsionnet.report.document_tree import (
     Section,
     TableBlock,
 )
-from torsionnet.report.writers.latex_columns import pieces
+from torsionnet.report.writers.latex_columns import table_pieces
 
-HEADING, CAPTION, HEAD = 3.5, 2.5, 2.0
+HEADING_LINES, CAPTION_LINES, TABLE_HEAD_LINES = 3.5, 2.5, 2.0
 """Lines of a heading with the room around it, of a caption, and of the head and foot of a table."""
-FEW, BEGINNING = 14, 6
+MOST_UNBROKEN_ROWS, ROWS_BELOW_HEADING = 14, 6
 """Rows of a table that stays on one page, and of a longer one that stand below its heading."""
-LETTERS, PARAGRAPH, OTHER = 100, 3, 2
-POINTS, ACROSS, HIGHEST = 12.0, 483.0, 48.0
+LETTERS_PER_LINE, PARAGRAPH_LINES, OTHER_LINES = 100, 3, 2
+LINE_POINTS, PAGE_POINTS, MOST_LINES = 12.0, 483.0, 48.0
 """Points of a line, of the width of a page, and lines that a figure fills at most."""
 
 
-def room(block: Block) -> str:
+def room_command(block: Block) -> str:
     """What goes to the next page if less than the block needs is left of this one."""
-    return rf"\room{{{needed(block):.0f}\baselineskip}}" + "\n"
+    return rf"\room{{{lines_needed(block):.0f}\baselineskip}}" + "\n"
 
 
-def needed(block: Block) -> float:
+def lines_needed(block: Block) -> float:
     """Lines."""
     if isinstance(block, Section):
-        return HEADING + (_beginning(block.blocks) if block.blocks else 0)
+        return HEADING_LINES + (_beginning(block.blocks) if block.blocks else 0)
     if isinstance(block, TableBlock):
         rows = [row for group in block.groups for row in group.rows]
-        lines = sum(max(map(_lines, row), default=1) for row in (rows if len(rows) <= FEW else rows[:BEGINNING]))
-        parts = pieces(block)
-        head = HEAD + max((len(heading) for heading in parts[0].headings), default=1)
-        return min(CAPTION + head + lines, HIGHEST)
+        lines = sum(
+            max(map(_lines, row), default=1)
+            for row in (rows if len(rows) <= MOST_UNBROKEN_ROWS else rows[:ROWS_BELOW_HEADING])
+        )
+        parts = table_pieces(block)
+        head = TABLE_HEAD_LINES + max((len(heading) for heading in parts[0].headings), default=1)
+        return min(CAPTION_LINES + head + lines, MOST_LINES)
     if isinstance(block, Picture):
-        width, height = (72 * float(size) for size in block.drawn.get_size_inches())
-        return min(height * min(1.0, ACROSS / width) / POINTS, HIGHEST) + CAPTION
+        width, height = (72 * float(size) for size in block.figure.get_size_inches())
+        return min(height * min(1.0, PAGE_POINTS / width) / LINE_POINTS, MOST_LINES) + CAPTION_LINES
     if isinstance(block, Paragraph):
-        return PARAGRAPH
+        return PARAGRAPH_LINES
     if isinstance(block, (Formula, Equations, Facts)):
-        return 2 * PARAGRAPH
-    return OTHER
+        return 2 * PARAGRAPH_LINES
+    return OTHER_LINES
 
 
 def _beginning(blocks: tuple[Block, ...]) -> float:
     """The first block, and the beginning of what a sentence leads to."""
-    first = needed(blocks[0])
+    first = lines_needed(blocks[0])
     if isinstance(blocks[0], Paragraph) and len(blocks) > 1 and not isinstance(blocks[1], Picture):
-        first += min(needed(blocks[1]), BEGINNING + CAPTION + HEAD)
+        first += min(lines_needed(blocks[1]), ROWS_BELOW_HEADING + CAPTION_LINES + TABLE_HEAD_LINES)
     return first
 
 
@@ -62,4 +65,4 @@ def _lines(cell: object) -> float:
     if isinstance(cell, Math) and "matrix" in cell.latex:
         return 1.3 * (cell.latex.count(r"\\") + 1) + 1
     text = "".join(part for part in cell if isinstance(part, str)) if isinstance(cell, tuple) else cell
-    return 1.15 * (1 + len(text) // (LETTERS // 2)) if isinstance(text, str) else 1.15
+    return 1.15 * (1 + len(text) // (LETTERS_PER_LINE // 2)) if isinstance(text, str) else 1.15

@@ -24,7 +24,7 @@ class Measured:
 
 
 @dataclass(frozen=True, eq=False)
-class Request:
+class ReportRequest:
     """Everything that shapes a report.
 
     Attributes

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.study.study import Study
 
-NO_MATTER = ("report", "description", "source")
+IGNORED_ENTRIES = ("report", "description", "source")
 """Entries of a model that no result depends on."""
-MOST = 6
+MOST_DIFFERENCES = 6
 """Names of what differs."""
 
 
-def require_own_studies(model: Drivetrain, studies: Iterable[Study]) -> None:
+def check_study_models(model: Drivetrain, studies: Iterable[Study]) -> None:
     """Refuse studies of other models, or of the same with other values, before anything is calculated.
 
     Raises
@@ -41,7 +41,7 @@ def _refusal(model: Drivetrain, study: Study) -> str:
         return ""
     if own.name != model.name:
         return f"the study {study.title} is of {own.name}, and the report of {model.name}"
-    what = comma_list(differing, MOST)
+    what = comma_list(differing, MOST_DIFFERENCES)
     return f"the study {study.title} is of another {own.title} than the report of {model.title}: they differ in {what}"
 
 
@@ -61,7 +61,7 @@ def _differing(one: Drivetrain, other: Drivetrain) -> list[str]:
 
 def _data(model: Drivetrain) -> dict[str, Any]:
     data = json.loads(json.dumps(model.definition.flat_data(), default=str))
-    return {key: value for key, value in data.items() if key not in NO_MATTER}
+    return {key: value for key, value in data.items() if key not in IGNORED_ENTRIES}
 
 
 def _values(study: Any, report: Any) -> str:

@@ -1,30 +1,30 @@
-"""How wide a formula will be, in letters, so that none runs off the page."""
+"""How wide a formula will be, in formula_letters, so that none runs off the page."""
 
 from __future__ import annotations
 
 from typing import Any
 
-FORMULA, MATRIX = 72, 60
+WIDEST_FORMULA, WIDEST_MATRIX = 72, 60
 """Letters of a formula, and of the rows of a symbolic matrix, that fit a page."""
 
 
-def letters(expression: Any) -> int:
+def formula_letters(expression: Any) -> int:
     """Letters side by side: a fraction is as wide as the wider of its halves.
 
     >>> import sympy
     >>> a, b, c = sympy.symbols("a b c")
-    >>> letters(a + b), letters((a + b) / c), letters(1 / (a + 1 / (b + c)))
+    >>> formula_letters(a + b), formula_letters((a + b) / c), formula_letters(1 / (a + 1 / (b + c)))
     (5, 5, 9)
     """
     if expression.is_Add:
-        return sum(letters(term) + 3 for term in expression.args) - 3
+        return sum(formula_letters(term) + 3 for term in expression.args) - 3
     if expression.is_Mul:
         above, below = _halves(expression)
         return max(_product(above), _product(below))
     if expression.is_Pow:
         if expression.exp.is_negative:
-            return letters(1 / expression)
-        return letters(expression.base) + (2 if expression.base.is_Add else 0) + 1
+            return formula_letters(1 / expression)
+        return formula_letters(expression.base) + (2 if expression.base.is_Add else 0) + 1
     text = str(expression)
     return len(text.replace("_", "")) if expression.is_Symbol else len(text)
 
@@ -41,10 +41,10 @@ def _halves(product: Any) -> tuple[list[Any], list[Any]]:
 
 
 def _product(factors: list[Any]) -> int:
-    return sum(letters(factor) + (2 if factor.is_Add and len(factors) > 1 else 0) for factor in factors)
+    return sum(formula_letters(factor) + (2 if factor.is_Add and len(factors) > 1 else 0) for factor in factors)
 
 
 def matrix_letters(matrix: Any) -> int:
     """Letters of a symbolic matrix from left to right."""
-    rows = [[letters(cell) for cell in row] for row in matrix.tolist()]
+    rows = [[formula_letters(cell) for cell in row] for row in matrix.tolist()]
     return sum(max(column) + 2 for column in zip(*rows, strict=True)) if rows else 0
