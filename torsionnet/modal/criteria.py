@@ -135,5 +135,5 @@ def _pair(first: ArrayLike, second: ArrayLike) -> tuple[ComplexArray, ComplexArr
         raise UsageError(f"shapes must be given at the same sensors, got {len(a)} and {len(b)}")
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     if not known.any():
-        raise UsageError("there is no sensor at which both shapes are known")
+        raise UsageError("there is no sensor at which both shapes are known; give shapes with a common sensor")
     return a[known], b[known]

@@ -1,4 +1,4 @@
-"""Functions of poles: natural frequencies, damping ratios, kinds, one pole of each conjugate pair."""
+"""Natural frequencies, damping ratios and kinds of poles, and one pole of each conjugate pair."""
 
 from __future__ import annotations
 

@@ -18,13 +18,13 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 SMALLEST_VALUE = 1e-12
 """Coefficient, and residual over the response, that is assumed at least: their logarithm and inverse are needed."""
 LARGEST_CORRELATION = 0.95
-"""Correlation of neighbouring lines that is assumed at most: at 1 standard errors would be infinite."""
+"""Largest correlation of residuals at neighbouring lines that is assumed: at 1 standard errors would be infinite."""
 ROUNDS = 2
 """Fits, the second with weights from the residuals of the first; more change the weights little."""
 
 
 @dataclass(frozen=True, eq=False)
-class Refined:
+class RefinedPoles:
     """Refined poles, sorted by magnitude, with standard errors.
 
     Attributes
@@ -42,7 +42,7 @@ class Refined:
     converged: bool
 
 
-def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
+def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPoles:
     """Refined poles and standard errors from stable start poles in rad/s, with weights from the residuals."""
     import scipy.optimize
 
@@ -68,7 +68,7 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
     frequency, damping = _errors(roots, slopes, covariance)
     order = np.argsort(np.abs(roots), kind="stable")
     per_turn = scale / (2 * np.pi)
-    return Refined(roots[order] * scale, frequency[order] * per_turn, damping[order], bool(found.status > 0))
+    return RefinedPoles(roots[order] * scale, frequency[order] * per_turn, damping[order], bool(found.status > 0))
 
 
 def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:

@@ -13,7 +13,7 @@ from torsionnet.modal.spectral_lines import ComplexArray, Lines
 ROUND_OFF = 1e-9
 """Residual, over the response, below which a fit is exact: a smaller one is rounding and must not favour more poles."""
 LARGEST_CORRELATION = 0.95
-"""Correlation of neighbouring lines that is assumed at most: at 1 the number of equations would be 0."""
+"""Largest correlation of residuals at neighbouring lines that is assumed: at 1 the number of equations would be 0."""
 
 
 def line_correlation(left: ComplexArray) -> float:

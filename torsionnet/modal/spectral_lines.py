@@ -92,7 +92,8 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
     if usable.sum() < FEWEST_LINES:
         where = "" if settings.band is None and np.isinf(high) else f" from {low:g} to {high:g} Hz"
         raise UsageError(
-            f"a fit of modes needs at least {FEWEST_LINES} frequencies above 0{where}, there are {usable.sum()}"
+            f"a fit of modes needs at least {FEWEST_LINES} frequencies above 0{where}, there are {usable.sum()}; "
+            "use finer lines or a wider band"
         )
     values = chosen.values[usable]
     dead = [

@@ -66,7 +66,7 @@ def is_active(system: RowSystem) -> bool:
 
 
 def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
-    """Modes, texts of warnings about uncertain modes, and notes.
+    """Modes of a drivetrain with controllers, texts of warnings about uncertain modes, and notes.
 
     Raises
     ------

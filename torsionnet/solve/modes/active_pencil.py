@@ -137,7 +137,7 @@ class ActivePencil:
 
     @property
     def _typical(self) -> float:
-        """A circular frequency between those of the drivetrain, rad/s."""
+        """Typical frequency of the drivetrain in rad/s, from total stiffness and inertia."""
         system = self.assembly.system
         stiff, heavy = float(np.abs(system.stiffness).sum()), float(system.inertia.sum())
         return float(np.sqrt(stiff / heavy)) if stiff and heavy else 1.0

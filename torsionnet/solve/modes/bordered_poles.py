@@ -67,7 +67,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
     counts = bordered.roots()
     if counts is None:
         raise UsageError(
-            f"the excitation does not reach {names}: the measured input is zero at every frequency; name another"
+            f"the excitation does not reach {names}: the measured input is zero at every frequency; choose another"
         )
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
     roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])

@@ -28,7 +28,7 @@ from torsionnet.solve.modes.modular_arithmetic import (
     determinant,
     interpolating_polynomial,
     primes,
-    rational,
+    rational_from_residue,
     residue,
     square_free,
 )
@@ -117,7 +117,7 @@ class Bordered:
                         x + modulus * ((y - x) * inverse % prime) for x, y in zip(values, found[m], strict=True)
                     ]
                 modulus *= prime
-            now = {m: [rational(value, modulus) for value in values] for m, values in joined.items()}
+            now = {m: [rational_from_residue(value, modulus) for value in values] for m, values in joined.items()}
             if now == last and not any(None in values for values in now.values()):
                 return now  # type: ignore[return-value]
             last = now

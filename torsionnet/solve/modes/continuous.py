@@ -71,7 +71,8 @@ def natural_rates(system: RowSystem, count: int) -> FloatArray:
     while modes.below(np.array([upper]))[0] < count:
         upper *= 2
         if upper > 1e12 * first:
-            raise SolveError("the modes of the continuous shafts cannot be counted")
+            text = f"fewer than {count} modes of the continuous shafts were found below {upper / (2 * np.pi):.3g} Hz"
+            raise SolveError(f"{text}; ask for fewer with lowest or up_to")
     low, high = np.full(len(wanted), SLOWEST_VIBRATION * first), np.full(len(wanted), upper)
     for _ in range(BISECTIONS):
         middle = np.where(high > 2 * low, np.sqrt(low * high), (low + high) / 2)

@@ -45,7 +45,7 @@ BISECTIONS = 60
 
 
 @dataclass(frozen=True)
-class Damped:
+class DampedSystem:
     """Dynamic stiffness D(s) of a system with a share of its damping."""
 
     system: RowSystem
@@ -124,7 +124,7 @@ def _is_damped(system: RowSystem, rates: FloatArray) -> bool:
 def _followed(
     system: RowSystem, rates: FloatArray, shapes: FloatArray, vibrating: list[list[int]]
 ) -> tuple[list[Mode], int]:
-    damped = Damped(system)
+    damped = DampedSystem(system)
     found: list[Mode] = []
     lost = 0
     for place, group in enumerate(vibrating):
@@ -154,7 +154,7 @@ def _without_repetitions(found: list[Mode]) -> int:
     return missing
 
 
-def _split_by_damping(damped: Damped, rate: float, shapes: ComplexArray) -> list[tuple[complex, ComplexArray]]:
+def _split_by_damping(damped: DampedSystem, rate: float, shapes: ComplexArray) -> list[tuple[complex, ComplexArray]]:
     """Starts (pole, shape) from shapes of one frequency, combined so that damping separates them."""
     if shapes.shape[1] == 1:
         return [(1j * rate, shapes[:, 0])]
@@ -164,7 +164,7 @@ def _split_by_damping(damped: Damped, rate: float, shapes: ComplexArray) -> list
     return [(1j * rate, shapes @ mixed[:, place]) for place in range(shapes.shape[1])]
 
 
-def _follow(damped: Damped, start: complex, shape: ComplexArray, room: float) -> Mode | None:
+def _follow(damped: DampedSystem, start: complex, shape: ComplexArray, room: float) -> Mode | None:
     """Mode with full damping that a mode without damping becomes; None where lost, as on the real axis."""
     mode, share, step = Mode(start, shape), 0.0, 1.0
     while share < 1:
@@ -203,7 +203,7 @@ def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
 
     No pole is there where a damper absorbs all waves that arrive.
     """
-    kappa, _, across = Damped(system).stiffness(complex(-size), 0.0)
+    kappa, _, across = DampedSystem(system).stiffness(complex(-size), 0.0)
     rate = -1j * across
     twist = np.abs(system.rows @ shape) ** 2
     drag = system.damping * size

@@ -38,11 +38,11 @@ class DelayedSum:
     delay: float
 
     def at(self, s: complex) -> complex:
-        """Value at s."""
+        """Value of the delayed terms at s."""
         return -sum(value * self._factor(power, s) for power, value in self.terms)
 
     def derivative(self, s: complex) -> complex:
-        """Derivative by s."""
+        """Derivative of the delayed terms by s."""
         total = 0j
         for power, value in self.terms:
             slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
@@ -55,7 +55,7 @@ class DelayedSum:
         return total
 
     def size(self, s: complex) -> float:
-        """Sum of the magnitudes of the terms at s."""
+        """Sum of the magnitudes of the delayed terms at s."""
         return float(sum(abs(value * self._factor(power, s)) for power, value in self.terms))
 
     def _factor(self, power: int, s: complex) -> complex:

@@ -83,9 +83,12 @@ class FrozenProblem:
         """Stiffness (n_laws,) of all laws at omega in rad/s, real where there are no losses."""
         total = self.system.stiffness + self.system.kappa(omega)
         if not np.all(np.isfinite(total)):
-            raise SolveError(f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s")
+            raise SolveError(
+                f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s; correct its values there"
+            )
         if self.undamped and np.any(total.real[self.spaces.springs] <= 0):
-            raise SolveError(f"a frequency-dependent stiffness has no positive real part at {omega:.6g} rad/s")
+            text = f"a frequency-dependent stiffness has no positive real part at {omega:.6g} rad/s"
+            raise SolveError(f"{text}; correct its values there")
         lossless = self.undamped or not np.any(total.imag)
         return np.asarray(total.real) if lossless else np.asarray(total)
 

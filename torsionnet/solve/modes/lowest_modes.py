@@ -34,13 +34,13 @@ from torsionnet.solve.modes.spectrum import MAX_OPERATIONS
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 
 MODES_PER_SPARSE_MODE = 4
-"""All modes over modes sought, below which the dense solution of all modes is quicker."""
+"""Number of all modes over number of modes sought, below which the dense solution of all modes is quicker."""
 SPARSE_TOLERANCE = 1e-10
 """Estimated relative error of an eigenvalue up to which the sparse result is used."""
 LARGEST_DENSE = 2000
 """Coordinates beyond which arrays of n by n cost hours and gigabytes."""
 _RIGID_ECHO = 1e-6
-"""Size of a polished eigenvalue, over its start, up to which the start was a rigid-body mode."""
+"""Ratio of a polished eigenvalue to its start value up to which the start was a rigid-body mode."""
 _LARGEST_REFINED_ERROR = 1e-3
 """Relative error up to which an eigenvalue is a start for many digits."""
 _KRYLOV_TOLERANCE = 1e-13

@@ -8,7 +8,7 @@ the end.
 >>> cubed = [2 % prime, 5, 4, 1]  # (x + 1)^2 (x + 2)
 >>> square_free(cubed, prime)
 {1: [2, 1], 2: [1, 1]}
->>> rational(residue(Fraction(-22, 7), prime), prime)
+>>> rational_from_residue(residue(Fraction(-22, 7), prime), prime)
 Fraction(-22, 7)
 """
 
@@ -48,7 +48,7 @@ def residue(value: Fraction, prime: int) -> int:
     return value.numerator * pow(value.denominator, -1, prime) % prime
 
 
-def rational(value: int, modulus: int) -> Fraction | None:
+def rational_from_residue(value: int, modulus: int) -> Fraction | None:
     """Rational number with small numerator and denominator that has a residue; None where there is none."""
     bound = isqrt(modulus // 2)
     r, s = (modulus, value % modulus), (0, 1)

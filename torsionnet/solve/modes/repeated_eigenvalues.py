@@ -18,7 +18,7 @@ EQUAL_EIGENVALUES = 1e-9
 """Relative difference of eigenvalues below which they are one repeated eigenvalue."""
 LEAST_INDEPENDENCE = 1e-6
 """Ratio of singular values below which shapes are linearly dependent: a repeated pole with too few shapes."""
-TIE = 1 - 1e-9
+EQUAL_MOTION = 1 - 1e-9
 """Motion of a node, over the largest, from which on nodes move equally; the first in the model is then chosen."""
 
 
@@ -70,7 +70,7 @@ def _nodes_apart(shapes: ComplexArray) -> list[int] | None:
     chosen: list[int] = []
     for _ in range(shapes.shape[1]):
         size = np.linalg.norm(left, axis=1)
-        node = int(np.argmax(size >= TIE * size.max()))
+        node = int(np.argmax(size >= EQUAL_MOTION * size.max()))
         chosen.append(node)
         along = left[node].conj() / size[node]
         left = left - np.outer(left @ along, along.conj())

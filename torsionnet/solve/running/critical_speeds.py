@@ -194,7 +194,7 @@ class _CrossingSearch:
 
     @staticmethod
     def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:
-        """Function of a mode: critical speed in rad/s by ``|lambda|/2pi``, else by the undamped frequency."""
+        """Critical speed in rad/s as a function of the mode, by ``|lambda|/2pi``, else by the undamped frequency."""
         which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
         return lambda mode: replace(one, mode=mode).speed(which)
 

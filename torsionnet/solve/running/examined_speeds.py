@@ -49,12 +49,12 @@ class ExaminedSpeeds:
 
     @property
     def reference(self) -> str:
-        """Node to which the speeds belong."""
+        """Node to which the examined speeds belong."""
         return self.question.reference
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Lowest and highest speed, rad/s."""
+        """Lowest and highest examined speed, rad/s."""
         return float(self.question.at.min()), float(self.question.at.max())
 
     def first(self, breaks: FloatArray) -> FloatArray:

@@ -45,7 +45,9 @@ def mean_response(
     reference, at, torques = external_torques(drivetrain, speeds)
     nodes = [node for node in torques if node in drivetrain.nodes]
     if not nodes:
-        raise UsageError(f"{', '.join(torques)}: nothing is attached there in this configuration")
+        raise UsageError(
+            f"mean torques act on {', '.join(torques)}, to which nothing is attached in this configuration"
+        )
     wanted = ask(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T

@@ -377,7 +377,7 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
             raise UsageError(f'{name} acts on "{missing}", to which nothing is attached in this configuration')
         if drivetrain.assembly.kinematics.holds_row(channel.row):
             held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
-            raise UsageError(f"{name} acts on {held} in this configuration; it would cause no vibration")
+            raise UsageError(f"{name} acts on {held} in this configuration and causes no vibration; leave it out")
 
 
 def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:

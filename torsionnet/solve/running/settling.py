@@ -68,7 +68,7 @@ def settled_by_vibration(
     open_ = moved > VALUE_TOLERANCE
     first = speeds[open_][0] * RPM
     text = f"{' and '.join(tables)} and the vibration do not settle within {VALUE_TOLERANCE:g} of each other"
-    advice = "make the steps of the table over the vibratory torque gentler"
+    advice = "give a smoother table over the vibratory torque"
     raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm; {advice}")
 
 
