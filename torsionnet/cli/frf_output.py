@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 from torsionnet.cli.cases import ConfiguredCase
+from torsionnet.core.result_rows import Out
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
-from torsionnet.response.frequency_response import SIGN_NOTE
+from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
 from torsionnet.response.phase import phase_at_rest
 from torsionnet.solve.responses.peaks import Peak, Solver, peaks, static_value
 
@@ -86,38 +87,138 @@ def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
     return Table(table.title, tuple(columns), tuple(map(tuple, rows)), table.notes)
 
 
-def response_json(
+@dataclass(frozen=True, eq=False)
+class CurveRow:
+    """Transfer function of one output to one input in the angle unit chosen, at all frequencies."""
+
+    output: str
+    input: str
+    quantity: str
+    unit: str
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True)
+class PeakRow:
+    """Peak of a transfer function."""
+
+    frequency: Annotated[float, Out(json="frequency_Hz")]
+    magnitude: float
+    phase: Annotated[float, Out(json="phase_deg")]
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedCurveRow:
+    """Calculated transfer function of one output to one input: static value, peaks, values at all frequencies."""
+
+    output: str
+    input: str
+    quantity: str
+    unit: str
+    static: complex
+    peaks: tuple[PeakRow, ...]
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatedCurveRow(CurveRow):
+    """Estimated transfer function of one output to one input, with its coherence."""
+
+    coherence: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
+class ResponsesRecord:
+    """Frequency responses of one configuration, as ``torsionnet frf --json`` prints them."""
+
+    title: str
+    configuration: str
+    notes: tuple[str, ...]
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    responses: tuple[SolvedCurveRow, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class EstimateRecord:
+    """Estimated frequency responses, as ``torsionnet estimate --json`` prints them."""
+
+    title: str
+    notes: tuple[str, ...]
+    usable_up_to: Annotated[float | None, Out(json="usable_up_to_Hz")]
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    responses: tuple[EstimatedCurveRow, ...]
+
+
+def responses_record(
     case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
-) -> dict[str, Any]:
-    """JSON data of a response: complex values in the angle unit chosen, static values, peaks; frequencies in Hz."""
-    return {
-        "title": response.title,
-        "configuration": case.configuration,
-        "notes": [*response.notes, SIGN_NOTE],
-        "frequencies_Hz": response.frequencies.tolist(),
-        "responses": [_pair(response, solve, conventions, o, i) for o, i, _ in output_input_pairs(response)],
-    }
+) -> ResponsesRecord:
+    """Response as plain data, for JSON: complex values in the angle unit chosen, static values, peaks; Hz."""
+    rows = []
+    for o, i, _ in output_input_pairs(response):
+        scale = response.scale(conventions, o, i)
+        found = tuple(
+            PeakRow(peak.frequency, peak.magnitude * scale, peak.phase) for peak in peaks(response, solve, o, i)
+        )
+        static = static_value(solve, o, i) * scale
+        *about, real, imag = _curve(response, conventions, o, i)
+        rows.append(SolvedCurveRow(*about, static, found, real, imag))
+    notes = (*response.notes, SIGN_NOTE)
+    return ResponsesRecord(response.title, case.configuration, notes, response.frequencies, tuple(rows))
 
 
-def _pair(response: FrequencyResponse, solve: Solver, conventions: Conventions, o: int, i: int) -> dict[str, Any]:
-    scale = response.scale(conventions, o, i)
-    static = static_value(solve, o, i) * scale
-    found = [
-        {"frequency_Hz": peak.frequency, "magnitude": peak.magnitude * scale, "phase_deg": peak.phase}
-        for peak in peaks(response, solve, o, i)
-    ]
-    return curve_data(response, conventions, o, i, static=[static.real, static.imag], peaks=found)
+def estimated_responses_record(response: FrequencyResponse, conventions: Conventions) -> EstimateRecord:
+    """Estimated response as plain data, for JSON: complex values in the angle unit chosen, and coherence."""
+    coherence = response.coherence
+    rows = tuple(
+        EstimatedCurveRow(*_curve(response, conventions, o, i), None if coherence is None else coherence[:, o, i])
+        for o, i, _ in output_input_pairs(response)
+    )
+    return EstimateRecord(response.title, response.notes, response.usable_up_to, response.frequencies, rows)
 
 
-def curve_data(response: FrequencyResponse, conventions: Conventions, o: int, i: int, **about: Any) -> dict[str, Any]:
-    """JSON data of one transfer function in the angle unit chosen; ``about`` is added between unit and values."""
+def _curve(
+    response: FrequencyResponse, conventions: Conventions, o: int, i: int
+) -> tuple[str, str, str, str, FloatArray, FloatArray]:
+    """Output, input, quantity, unit, real and imaginary part of one transfer function."""
     values = response.values[:, o, i] * response.scale(conventions, o, i)
-    return {
-        "output": response.outputs[o].name,
-        "input": response.inputs[i].name,
-        "quantity": response.kind(o, i),
-        "unit": response.unit(o, i, conventions),
-        **about,
-        "real": values.real.tolist(),
-        "imag": values.imag.tolist(),
-    }
+    names = response.outputs[o].name, response.inputs[i].name
+    return (*names, response.kind(o, i), response.unit(o, i, conventions), values.real, values.imag)
+
+
+@dataclass(frozen=True)
+class AgreementRow:
+    """Number that says how a test and the model agree, with the frequency where it was found."""
+
+    what: str
+    at: Annotated[float | None, Out(json="at_Hz")]
+    value: float | None
+    unit: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonRecord:
+    """Test against model, as ``torsionnet compare --json`` prints them; differences are test - model."""
+
+    test: EstimateRecord
+    model: EstimateRecord
+    decibels: Annotated[FloatArray, Out(json="difference_dB")]
+    degrees: Annotated[FloatArray, Out(json="difference_deg")]
+    summary: tuple[AgreementRow, ...]
+    notes: tuple[str, ...]
+
+
+def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:
+    """Test and model as plain data, for JSON, in the angle unit chosen."""
+    from torsionnet.signals.agreement import agreement
+    from torsionnet.signals.comparison import difference
+
+    apart, table = difference(test, model), agreement(test, model, conventions)
+    return ComparisonRecord(
+        *(estimated_responses_record(response, conventions) for response in (test, model)),
+        apart.decibels[:, 0, 0],
+        apart.degrees[:, 0, 0],
+        tuple(AgreementRow(*row) for row in table.rows),
+        table.notes,
+    )

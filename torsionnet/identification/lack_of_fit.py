@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from scipy import stats
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.result_rows import Out
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.noise_bias import noise_shift
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
@@ -96,10 +98,10 @@ class LackOfFit:
 
     measurements: tuple[Misfit, ...]
     explanations: tuple[Explanation, ...] = ()
-    data_warnings: tuple[str, ...] = ()
+    data_warnings: Annotated[tuple[str, ...], Out(json="doubts")] = ()
 
     @property
-    def rejected(self) -> bool:
+    def rejected(self) -> Annotated[bool, Out(json="rejected")]:
         """Whether the model does not fit, so that its values have no intervals."""
         return any(one.rejected for one in self.measurements)
 

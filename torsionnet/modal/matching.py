@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.result_rows import Out, json_schema
 from torsionnet.modal.criteria import mac
-from torsionnet.modal.modal_estimate import ModalEstimate
+from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
 from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response import SI, Column, Conventions, Modes, Table
-from torsionnet.response.mode_numbers import OSCILLATORY, REAL, mode_numbers
+from torsionnet.response.mode_numbers import MODE_NUMBER, OSCILLATORY, REAL, mode_numbers
 
 IntArray: TypeAlias = NDArray[np.int_]
 
@@ -203,3 +204,38 @@ def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
     rows, columns = linear_sum_assignment(np.where(allowed, cost, prohibitive))
     kept = allowed[rows, columns]
     return rows[kept], columns[kept]
+
+
+@dataclass(frozen=True)
+class MatchedMode:
+    """Pair of an identified mode and a mode of the model, with the relative errors of the identified one."""
+
+    identified: int
+    model: Annotated[int | None, Out(schema=MODE_NUMBER)]
+    frequency_error: float
+    damping_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class IdentifiedModesRecord:
+    """Identified modes, as ``torsionnet identify-modes --json`` prints them."""
+
+    title: str
+    method: str
+    notes: tuple[str, ...]
+    modes: tuple[IdentifiedMode, ...]
+    against_model: Annotated[
+        tuple[MatchedMode, ...] | None, Out(optional=True, schema=json_schema(tuple[MatchedMode, ...]))
+    ]
+
+
+def identified_modes_record(found: ModalEstimate, compared: Match | None) -> IdentifiedModesRecord:
+    """Identified modes as plain data, for JSON, with the modes of a model that they were compared with."""
+    pairs = compared and tuple(
+        MatchedMode(i + 1, compared.model_numbers[m], *errors)
+        for i, m, *errors in zip(
+            compared.identified.tolist(), compared.model.tolist(), compared.frequency_errors.tolist(),
+            compared.damping_errors.tolist(), strict=True,
+        )
+    )  # fmt: skip
+    return IdentifiedModesRecord(found.title, found.method, found.notes, found.rows(), pairs)

@@ -2,19 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
 from torsionnet.response import SI, Channel, Column, Conventions, FrequencyResponse, Table
+from torsionnet.response.table import result_table
+
+
+@dataclass(frozen=True, eq=False)
+class IdentifiedMode:
+    """One identified mode with standard errors; shape by sensor, 1 at the sensor that moves most."""
+
+    mode: Annotated[int, Out("mode")]
+    kind: Annotated[Literal["rigid body", "real pole", "oscillatory"], Out("kind")]
+    natural_frequency: Annotated[float, Out("natural frequency |lambda|/2pi", "Hz", "natural_frequency_Hz")]
+    frequency_error: Annotated[float, Out("+-", "Hz", "standard_error_Hz", digits=2)]
+    damping_ratio: Annotated[float, Out("damping ratio", "1")]
+    damping_error: Annotated[float, Out("+-", "1", "standard_error", digits=2)]
+    pole: Annotated[complex, Out(json="pole_rad_per_s")]
+    shape: Mapping[str, complex]
+    damped_frequency: Annotated[float, Out("damped frequency Im lambda/2pi", "Hz", None)]
+    collinearity: Annotated[float, Out("MPC", "1", None, digits=4)]
+    contribution: Annotated[float, Out("contribution", "1", None, digits=3)]
+
+
+IDENTIFIED_COLUMNS = (
+    "mode", "natural_frequency", "frequency_error", "damped_frequency", "damping_ratio", "damping_error", "kind",
+    "collinearity", "contribution",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,34 +156,22 @@ class ModalEstimate:
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row for each mode: frequency and damping with standard errors, MPC, contribution."""
-        scale, unit = conventions.frequency_scale, conventions.frequency
-        columns = (
-            Column("mode"),
-            Column("natural frequency |lambda|/2pi", unit),
-            Column("+-", unit, 2),
-            Column("damped frequency Im lambda/2pi", unit),
-            Column("damping ratio", "1"),
-            Column("+-", "1", 2),
-            Column("kind"),
-            Column("MPC", "1", 4),
-            Column("contribution", "1", 3),
-        )
+        title = f"{self.title}: modes by {self.method}"
+        return result_table(title, self.rows(), IdentifiedMode, IDENTIFIED_COLUMNS, conventions, self.notes)
+
+    def rows(self) -> tuple[IdentifiedMode, ...]:
+        """One record for each mode."""
+        names = [channel.name for channel in self.outputs]
         collinear = mpc(self.shapes)
-        rows = tuple(
-            (
-                mode + 1,
-                float(self.natural_frequencies[mode] * scale),
-                float(self.frequency_errors[mode] * scale),
-                float(self.damped_frequencies[mode] * scale),
-                float(self.damping_ratios[mode]),
-                float(self.damping_errors[mode]),
-                self.kinds[mode],
-                float(collinear[mode]),
-                float(self.contributions[mode]),
+        return tuple(
+            IdentifiedMode(
+                mode + 1, self.kinds[mode], float(self.natural_frequencies[mode]), float(self.frequency_errors[mode]),
+                float(self.damping_ratios[mode]), float(self.damping_errors[mode]), complex(self.poles[mode]),
+                dict(zip(names, self.shapes[:, mode].tolist(), strict=True)), float(self.damped_frequencies[mode]),
+                float(collinear[mode]), float(self.contributions[mode]),
             )
             for mode in range(len(self))
-        )
-        return Table(f"{self.title}: modes by {self.method}", columns, rows, self.notes)
+        )  # fmt: skip
 
     def shape_table(self) -> Table:
         """Table with a row for each sensor: magnitude and phase of every mode shape."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Spec
+from torsionnet.core.entries.spec import Schema, Spec
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.number_text import screen_text
+from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from torsionnet.model.configurations import Overlay
     from torsionnet.model.model import Model
 
+MODEL_FILE: Schema = {"type": "object", "description": "a model file, see torsionnet schema"}
+"""JSON Schema of the content of a model file, in short."""
 MOST_ROWS = 60
 """Rows of a table in a notebook beyond which the table is cut: a page that scrolls, and loads at once."""
 Written: TypeAlias = tuple[str | float, ...]
@@ -202,14 +205,29 @@ def speeds_table(rig: Model) -> Table:
     return without_empty_columns(Table("Operating point", columns, rows))
 
 
-def as_data(rig: Model) -> dict[str, Any]:
-    """Plain data of a model: the content of its file, and the resolved values."""
+@dataclass(frozen=True)
+class ParameterValue:
+    """Value of a parameter in its SI unit."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class ModelRecord:
+    """Model for a program: the content of its file, and the resolved values."""
+
+    title: str
+    configuration: str
+    model: Annotated[Mapping[str, object], Out(schema=MODEL_FILE)]
+    nodes: tuple[str, ...]
+    parameters: Mapping[str, ParameterValue]
+    mean_speeds: Annotated[Mapping[str, float], Out(json="mean_speeds_rad_per_s")]
+
+
+def model_record(rig: Model) -> ModelRecord:
+    """Model as plain data, for JSON."""
     units = parameter_units(rig.definition)
-    return {
-        "title": rig.title,
-        "configuration": rig.configuration,
-        "model": rig.definition.flat_data(),
-        "nodes": list(rig.nodes),
-        "parameters": {name: {"value": value, "unit": units[name]} for name, value in rig.parameters.items()},
-        "mean_speeds_rad_per_s": dict(rig.mean_speeds),
-    }
+    parameters = {name: ParameterValue(value, units[name]) for name, value in rig.parameters.items()}
+    content = rig.definition.flat_data()
+    return ModelRecord(rig.title, rig.configuration, content, rig.nodes, parameters, rig.mean_speeds)

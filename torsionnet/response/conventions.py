@@ -60,6 +60,14 @@ class Conventions:
         """Name of the unit shown for an SI unit."""
         return "N/mm^2" if unit == "Pa" else unit.replace("rad", self.angle)
 
+    def unit_of_column(self, unit: str) -> str:
+        """Unit shown for a column in SI units or Hz."""
+        return self.frequency if unit == "Hz" else self.unit(unit)
+
+    def scale_of_column(self, unit: str) -> float:
+        """Factor from SI units or Hz to the unit shown for a column."""
+        return self.frequency_scale if unit == "Hz" else self.scale(unit)
+
     @property
     def frequency_scale(self) -> float:
         """Factor from Hz to the unit of frequency shown."""

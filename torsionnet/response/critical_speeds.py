@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
+from typing import Annotated
 
+from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import screen_text
+from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
 from torsionnet.response.mode_numbers import COUNTING_NOTE
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.star_diagram import StarDiagram
-from torsionnet.response.table import Column, Table
+from torsionnet.response.table import Column, Table, result_table
 from torsionnet.response.vibration_mode import VibrationMode
 
 NEGLIGIBLE_FORCE = 1e-9
@@ -24,6 +27,8 @@ SAME_MODE_DISTANCE = 0.02
 """Relative difference of natural frequencies up to which modes of two conditions count as the same mode."""
 OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"
 """Note below tables with overdamped modes."""
+EXCITED: Schema = {"type": ["boolean", "null"], "description": "null where nothing says what acts"}
+"""JSON Schema of whether a mode is excited."""
 FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
 """Field of :class:`VibrationMode` for each kind of frequency of a mode."""
 
@@ -36,8 +41,59 @@ class SpeedPeak:
     """
 
     output: str
-    speed: float
+    speed: Annotated[float, Out(json="rad_per_s")]
     amplitude: float
+
+
+@dataclass(frozen=True)
+class StarVector:
+    """Vector of a star diagram: what acts, on which node, and its share of the generalised force."""
+
+    label: str
+    node: str
+    vector: complex
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalSpeedRow:
+    """One order, or one fixed frequency, and one mode; speeds of the reference shaft in rad/s."""
+
+    mode: int
+    excitation: str
+    order: float
+    fixed: Annotated[float, Out(json="fixed_Hz")]
+    of_reference: float
+    undamped: Annotated[float, Out(json="undamped_rad_per_s")]
+    natural: Annotated[float, Out(json="natural_rad_per_s")]
+    damped: Annotated[float, Out(json="damped_rad_per_s")]
+    margin: float
+    required: float | None
+    generalised_force: Annotated[float, Out(json="generalised_force_Nm")]
+    relative_force: float
+    excited: Annotated[bool | None, Out(schema=EXCITED)]
+    excited_in: tuple[str, ...]
+    peaks: tuple[SpeedPeak, ...]
+    star: tuple[StarVector, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ModeWithShape(VibrationMode):
+    """A vibration mode with its shape by node, 1 at the node that moves most."""
+
+    shape_by_node: Annotated[Mapping[str, complex], Out(json="shape")]
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalSpeedsRecord:
+    """Critical speeds of one configuration, as ``torsionnet critical-speeds --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    speed_range: Annotated[tuple[float, float], Out(json="speed_range_rad_per_s")]
+    margin_rule: str | None
+    modes: tuple[ModeWithShape, ...]
+    crossings: tuple[CriticalSpeedRow, ...]
 
 
 @dataclass(frozen=True)
@@ -107,6 +163,16 @@ class CriticalSpeed:
     def own_speed(self, which: str = "undamped") -> float:
         """Critical speed of the shaft of the excitation in rad/s, nan where there is none."""
         return self.speed(which) * float(self.ratio)
+
+    def row(self) -> CriticalSpeedRow:
+        """Critical speed as plain data, for JSON."""
+        star = self.star
+        vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
+        return CriticalSpeedRow(
+            self.mode.number, self.excitation, self.order, self.fixed, self.order * float(self.ratio),
+            *map(self.speed, FREQUENCY_FIELDS), self.margin, self.required, self.generalised_force, self.relative_force,
+            self.excited, self.excited_in, self.peaks, tuple(StarVector(*one) for one in vectors),
+        )  # fmt: skip
 
     @property
     def passes(self) -> bool | None:
@@ -271,36 +337,20 @@ class CriticalSpeeds:
 
     def mode_table(self) -> Table:
         """Table with a row per mode: frequencies with and without damping, damping ratio, amplification."""
-        columns = (
-            Column("mode"),
-            Column("undamped", "Hz"),
-            Column("|lambda|/2pi", "Hz"),
-            Column("damped Im lambda/2pi", "Hz"),
-            Column("damping ratio", "1", 4),
-            Column("amplification", "", 4),
-            Column("remark"),
+        overdamped = any(math.isnan(one.natural_frequency) for one in self.modes)
+        notes = (COUNTING_NOTE, *([OVERDAMPED_NOTE] if overdamped else []))
+        return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
+
+    def record(self, configuration: str = "") -> CriticalSpeedsRecord:
+        """Critical speeds as plain data, for JSON."""
+        modes = (
+            ModeWithShape(*(getattr(mode, one.name) for one in fields(mode)), self.shape(mode.number))
+            for mode in self.modes
         )
-        rows = tuple(
-            (
-                one.number,
-                one.undamped_frequency,
-                one.natural_frequency,
-                one.damped_frequency,
-                one.damping_ratio,
-                one.amplification,
-                one.remark,
-            )
-            for one in self.modes
-        )
-        return Table(
-            f"{self.title}: natural frequencies",
-            columns,
-            rows,
-            (
-                COUNTING_NOTE,
-                *([OVERDAMPED_NOTE] if any(math.isnan(one.natural_frequency) for one in self.modes) else []),
-            ),
-        )
+        return CriticalSpeedsRecord(
+            self.title, configuration, self.reference, self.speed_range, str(self.rule) if self.rule else None,
+            tuple(modes), tuple(one.row() for one in self.crossings),
+        )  # fmt: skip
 
     def shape(self, mode: int) -> Mapping[str, complex]:
         """Mode shape as complex angles by node, 1 at the node that moves most."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from torsionnet.core.result_rows import Out
 from torsionnet.core.units import expected_unit
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray
@@ -49,7 +51,7 @@ class DesignParameter:
 class LevelPeak:
     """Local maximum of the level over frequency (Hz) or speed (r/min)."""
 
-    point: float
+    point: Annotated[float, Out(json="at")]
     level: float
 
 
@@ -57,7 +59,7 @@ class LevelPeak:
 class FixedPoint:
     """Frequency in Hz where the level hardly depends on the damping; ``spread``: largest over smallest minus 1."""
 
-    point: float
+    point: Annotated[float, Out(json="at")]
     level: float
     spread: float
 
@@ -69,6 +71,38 @@ class LevelCurve:
     label: str
     points: FloatArray
     levels: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class DesignParameterRow:
+    """A value sought, and the largest level over its range with all other values at their optimum; SI."""
+
+    name: str
+    unit: str
+    start: float
+    lower: float
+    upper: float
+    value: float
+    at_bound: str | None
+    values: FloatArray
+    largest: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class DamperRecord:
+    """Best damper of one configuration, as ``torsionnet damper --json`` prints it."""
+
+    title: str
+    configuration: str
+    output: str
+    unit: str
+    over: str
+    parameters: tuple[DesignParameterRow, ...]
+    before: LevelPeak
+    after: LevelPeak
+    peaks: tuple[LevelPeak, ...]
+    fixed_points: tuple[FixedPoint, ...]
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +143,20 @@ class DamperOptimum:
     def values(self) -> dict[str, float]:
         """Optimal values by parameter, SI, as :meth:`torsionnet.Drivetrain.configured` takes them."""
         return {one.name: one.value for one in self.parameters}
+
+    def record(self, configuration: str = "") -> DamperRecord:
+        """Best damper as plain data, for JSON."""
+        rows = tuple(
+            DesignParameterRow(
+                one.name, one.unit, one.start, one.lower, one.upper, one.value, one.bound or None,
+                *self.effects[one.name].T,
+            )
+            for one in self.parameters
+        )  # fmt: skip
+        return DamperRecord(
+            self.title, configuration, self.channel.name, self.channel.unit, " ".join(self.of), rows, self.before,
+            self.after, self.peaks, self.fixed_points, self.words(),
+        )  # fmt: skip
 
     def words(self) -> tuple[str, ...]:
         """Sentences on the reliability of the optimum: parameters at bounds or without effect, peaks, fixed points."""

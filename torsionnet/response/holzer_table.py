@@ -5,14 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Schema
+from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 
 AMPLITUDE = Value("amplitude of the first station", "angle", exclusive=True)
 """Specification of the amplitude of the first station, for options and arguments."""
 FREQUENCY = Value("frequency of a trial", "frequency", exclusive=True)
 """Specification of a trial frequency, for options and arguments."""
+TRIAL_OR_MODE: Schema = {"type": ["integer", "null"], "description": "null for a trial frequency"}
+"""JSON Schema of the number of a mode, or none."""
 MPA_PER_PA = 1e-6
 """Factor from Pa to MPa."""
 NEGLIGIBLE_TORQUE = 1e-9
@@ -41,7 +46,12 @@ class HolzerLink:
     stiffness: float
     twist: float
     stress: float
-    ratio: float
+    ratio: Annotated[float, Out(json=None)]
+
+    @property
+    def rigid(self) -> Annotated[bool, Out(json="rigid", after="elements")]:
+        """Whether nothing between the stations twists."""
+        return math.isinf(self.stiffness)
 
 
 @dataclass(frozen=True)
@@ -81,17 +91,32 @@ class HolzerStation:
 class HolzerBranch:
     """Branch of a Holzer table: stations from a free end to where it joins another branch, or to the last station.
 
-    ``joins`` is the node it joins, empty for a main line.
+    ``joins`` is the node it joins, None for a main line.
     """
 
+    joins: str | None
     stations: tuple[HolzerStation, ...]
-    joins: str = ""
 
     @property
     def title(self) -> str:
         """Heading of the branch, such as 'pump to gearbox, which it joins'."""
         first, last = self.stations[0].node, self.joins or self.stations[-1].node
         return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
+
+
+@dataclass(frozen=True, eq=False)
+class HolzerRecord:
+    """Holzer table of one configuration, as ``torsionnet holzer --json`` prints it."""
+
+    title: str
+    configuration: str
+    mode: Annotated[int | None, Out(schema=TRIAL_OR_MODE)]
+    frequency: Annotated[float, Out(json="frequency_Hz")]
+    referred_to: str
+    remainder: Annotated[float, Out(json="remainder_Nm")]
+    relative_remainder: float
+    notes: tuple[str, ...]
+    branches: tuple[HolzerBranch, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +181,13 @@ class HolzerTable:
         tables = self.tables(referred=referred)
         rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
         return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())
+
+    def record(self, configuration: str = "") -> HolzerRecord:
+        """Holzer table as plain data, for JSON."""
+        return HolzerRecord(
+            self.title, configuration, self.mode, self.frequency, self.referred_to, self.remainder,
+            self.relative_remainder, self.notes, self.branches,
+        )  # fmt: skip
 
     @property
     def heading(self) -> str:

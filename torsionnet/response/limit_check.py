@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
+from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.listing import comma_list
+from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.equal_remarks import gathered
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans
-from torsionnet.response.table import Column, Table
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
+from torsionnet.response.table import Column, Table, result_table
 
 PASS, BARRED, INCOMPLETE, OPEN, FAIL = "pass", "barred range", "incomplete", "not judged", "fail"
 """Verdicts from best to gravest: the limit holds at every speed; outside of barred speeds; at all that was examined;
 data are missing; it does not hold."""
 
+VERDICT: Schema = {"enum": [PASS, BARRED, INCOMPLETE, OPEN, FAIL]}
+"""JSON Schema of a verdict."""
 MOST_NAMES = 6
 """Most configurations that a sentence names; of more, the first are named."""
 
@@ -125,6 +130,43 @@ class LimitVerdict:
         """Index of the speed with the largest utilisation; None if there is none."""
         found = self.utilisation
         return None if not np.isfinite(found).any() else int(np.nanargmax(found))
+
+
+@dataclass(frozen=True, eq=False)
+class LimitRow:
+    """One criterion of one limit over speed, and at its worst speed; SI, speeds in rpm."""
+
+    limit: Annotated[str, Out("limit")]
+    of: Annotated[str, Out("of")]
+    criterion: Annotated[str, Out("criterion")]
+    quantity: str
+    unit: str
+    verdict: Annotated[str, Out(schema=VERDICT)]
+    worst_rpm: float | None
+    value: float | None
+    allowed: float | None
+    utilisation: float | None
+    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    values: FloatArray
+    allowed_over_speed: FloatArray
+    source: str
+    formula: str
+    not_covered: str
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitPoint:
+    """One criterion of one limit at one speed, SI."""
+
+    limit: Annotated[str, Out("limit")]
+    of: Annotated[str, Out("of")]
+    criterion: Annotated[str, Out("criterion")]
+    speed: Annotated[float, Out("speed", "rpm")]
+    value: Annotated[float, Out("value")]
+    allowed: Annotated[float, Out("allowed")]
+    unit: Annotated[str, Out("unit")]
+    utilisation: Annotated[float, Out("utilisation")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,16 +308,21 @@ class LimitCheck:
 
     def long_table(self) -> Table:
         """Table with value, allowed value and utilisation of each criterion at every speed, SI."""
-        columns = (
-            Column("limit"), Column("of"), Column("criterion"), Column("speed", "rpm"), Column("value"),
-            Column("allowed"), Column("unit"), Column("utilisation"),
+        rows = [
+            LimitPoint(one.limit, one.of, one.criterion, rpm, value, allowed, one.unit, share)
+            for one in self.verdicts
+            if len(one.values)
+            for rpm, value, allowed, share in np.stack([self.rpm, one.values, one.allowed, one.utilisation]).T.tolist()
+        ]
+        notes = (f"speeds of {self.reference}",)
+        return result_table(f"{self.title}: limits over speed", rows, LimitPoint, notes=notes)
+
+    def row(self, one: LimitVerdict) -> LimitRow:
+        """Verdict as plain data, for JSON."""
+        at = one.worst
+        worst = [None] * 4 if at is None else [float(each[at]) for each in
+                 (self.rpm, one.values, one.allowed, one.utilisation)]  # fmt: skip
+        return LimitRow(
+            one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict, *worst, rpm_spans(one.barred),
+            one.values, one.allowed, one.text.source, one.text.formula, one.text.not_covered, one.remarks,
         )  # fmt: skip
-        rows = []
-        for one in self.verdicts:
-            cells = (self.rpm.tolist(), one.values.tolist(), one.allowed.tolist(), one.utilisation.tolist())
-            if len(one.values):
-                rows += [
-                    (one.limit, one.of, one.criterion, rpm, value, allowed, one.unit, share)
-                    for rpm, value, allowed, share in zip(*cells, strict=True)
-                ]
-        return Table(f"{self.title}: limits over speed", columns, tuple(rows), (f"speeds of {self.reference}",))

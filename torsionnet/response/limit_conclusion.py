@@ -4,19 +4,51 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.result_rows import Out
+from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import (
     FAIL,
     INCOMPLETE,
     OPEN,
+    VERDICT,
     LimitCheck,
+    LimitRow,
     LimitVerdict,
     gravest,
     listed_names,
     unexamined,
 )
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
+
+
+@dataclass(frozen=True, eq=False)
+class ConclusionRecord:
+    """Verdict on a model from all configurations examined."""
+
+    verdict: Annotated[str, Out(schema=VERDICT)]
+    conclusion: str
+    not_examined: tuple[str, ...]
+    left_out: tuple[str, ...]
+    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitsRecord:
+    """Limits of one configuration, as ``torsionnet limits --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    misfiring: bool
+    verdict: Annotated[str, Out(schema=VERDICT)]
+    overall: ConclusionRecord
+    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    limits: tuple[LimitRow, ...]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +74,19 @@ class LimitConclusion:
     def __post_init__(self) -> None:
         if not self.checks:
             raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
+
+    def records(self) -> list[LimitsRecord]:
+        """Limits of every configuration as plain data, for JSON."""
+        overall = ConclusionRecord(
+            self.verdict, self.sentence, self.not_examined, self.left_out, rpm_spans(self.barred)
+        )
+        return [
+            LimitsRecord(
+                one.title, one.configuration, one.reference, one.misfiring, one.verdict, overall,
+                rpm_spans(one.barred), one.rpm, tuple(map(one.row, one.verdicts)), one.notes,
+            )
+            for one in self.checks
+        ]  # fmt: skip
 
     @property
     def configurations(self) -> tuple[str, ...]:

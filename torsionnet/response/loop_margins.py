@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 
 STABLE_NOTE = "the drivetrain is stable"
@@ -25,7 +27,22 @@ class Margin:
     """Stability margin with the frequency in Hz at which the loop has it; nan where there is none."""
 
     value: float = math.nan
-    frequency: float = math.nan
+    frequency: Annotated[float, Out(json="frequency_Hz")] = math.nan
+
+
+@dataclass(frozen=True)
+class MarginsRecord:
+    """Stability margins of one configuration, as ``torsionnet margins --json`` prints them."""
+
+    title: str
+    configuration: str
+    controller: str
+    stable: bool
+    gain_increase: Margin
+    gain_decrease: Margin
+    phase: Annotated[Margin, Out(json="phase_deg")]
+    delay: Annotated[Margin, Out(json="delay_s")]
+    modulus: Margin
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +83,13 @@ class LoopMargins:
     delay: Margin
     modulus: Margin
     title: str = ""
+
+    def record(self, configuration: str = "") -> MarginsRecord:
+        """Stability margins as plain data, for JSON."""
+        return MarginsRecord(
+            self.title, configuration, self.controller, self.stable, self.gain_increase, self.gain_decrease,
+            self.phase, self.delay, self.modulus,
+        )  # fmt: skip
 
     def table(self) -> Table:
         """Table of the margins and their frequencies; for an unstable loop, where a pole reaches the axis."""

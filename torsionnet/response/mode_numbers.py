@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
 
+MODE_NUMBER: Schema = {"type": ["integer", "null"], "description": "null for rigid bodies and real poles"}
+"""JSON Schema of the number of a mode."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 """Kinds of modes."""
 COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"

@@ -6,19 +6,81 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.result_rows import Out
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.mode_numbers import COUNTING_NOTE, OSCILLATORY, REAL, RIGID, mode_names, mode_numbers
-from torsionnet.response.table import Column, Table
+from torsionnet.response.mode_numbers import (
+    COUNTING_NOTE,
+    MODE_NUMBER,
+    OSCILLATORY,
+    REAL,
+    RIGID,
+    mode_names,
+    mode_numbers,
+)
+from torsionnet.response.table import Column, Table, result_table
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 __all__ = ["OSCILLATORY", "REAL", "RIGID", "ComplexArray", "FloatArray", "Modes"]
+
+
+@dataclass(frozen=True)
+class EnergyShares:
+    """Shares of an element in the kinetic energy, strain energy and dissipation of a mode."""
+
+    kinetic: float
+    strain: float
+    dissipated: float
+
+
+@dataclass(frozen=True, eq=False)
+class ModeRow:
+    """One mode: SI units and Hz, shape by node (1 at the node that moves most), energy shares by element."""
+
+    mode: Annotated[int | None, Out("mode", schema=MODE_NUMBER)]
+    kind: Annotated[Literal["rigid body", "real pole", "oscillatory"], Out("kind")]
+    natural_frequency: Annotated[float, Out("natural frequency |lambda|/2pi", "Hz", "natural_frequency_Hz")]
+    damped_frequency: Annotated[float, Out("damped frequency Im lambda/2pi", "Hz", "damped_frequency_Hz")]
+    damping_ratio: Annotated[float, Out("damping ratio", "1")]
+    eigenvalue: Annotated[complex, Out(json="eigenvalue_rad_per_s")]
+    converged: bool
+    description: Annotated[str, Out("description")]
+    shape: Mapping[str, complex]
+    energy_shares: Mapping[str, EnergyShares]
+
+    @property
+    def real_part(self) -> Annotated[float, Out("Re lambda", "rad/s", None)]:
+        """Real part of the eigenvalue, rad/s."""
+        return self.eigenvalue.real
+
+    @property
+    def imaginary_part(self) -> Annotated[float, Out("Im lambda", "rad/s", None)]:
+        """Imaginary part of the eigenvalue, rad/s."""
+        return self.eigenvalue.imag
+
+
+MODE_COLUMNS = (
+    "mode", "natural_frequency", "damped_frequency", "damping_ratio", "real_part", "imaginary_part", "kind",
+    "description",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class ModesRecord:
+    """Modes of one configuration, as ``torsionnet modes --json`` prints them."""
+
+    title: str
+    configuration: str
+    notes: tuple[str, ...]
+    undamped_natural_frequencies: Annotated[FloatArray, Out(json="undamped_natural_frequencies_Hz")]
+    nodes: tuple[str, ...]
+    modes: tuple[ModeRow, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,34 +192,35 @@ class Modes:
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row per mode: natural and damped frequency, damping ratio, eigenvalue, kind, description."""
-        columns = (
-            Column("mode"),
-            Column("natural frequency |lambda|/2pi", conventions.frequency),
-            Column("damped frequency Im lambda/2pi", conventions.frequency),
-            Column("damping ratio", "1"),
-            Column("Re lambda", "rad/s"),
-            Column("Im lambda", "rad/s"),
-            Column("kind"),
-            Column("description"),
-        )
         scale = conventions.frequency_scale
-        rows = tuple(
-            (
-                self.numbers[index],
-                float(self.natural_frequencies[index] * scale),
-                float(self.damped_frequencies[index] * scale),
-                float(self.damping_ratios[index]),
-                float(value.real),
-                float(value.imag),
-                self.kinds[index],
-                self.descriptions[index],
-            )
-            for index, value in enumerate(self.eigenvalues)
-        )
         undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
         counting = [COUNTING_NOTE] if None in self.numbers else []
         notes = (*counting, f"undamped natural frequencies [{conventions.frequency}]: {undamped}", *self.notes)
-        return Table(self.title, columns, rows, notes)
+        return result_table(self.title, self.rows(), ModeRow, MODE_COLUMNS, conventions, notes)
+
+    def rows(self) -> tuple[ModeRow, ...]:
+        """One record for each mode."""
+        return tuple(
+            ModeRow(
+                self.numbers[index],
+                self.kinds[index],
+                float(self.natural_frequencies[index]),
+                float(self.damped_frequencies[index]),
+                float(self.damping_ratios[index]),
+                complex(value),
+                bool(self.converged[index]),
+                self.descriptions[index],
+                dict(zip(self.nodes, self.shapes[:, index].tolist(), strict=True)),
+                {name: EnergyShares(*parts) for name, parts in self.energy_shares(index).items()},
+            )
+            for index, value in enumerate(self.eigenvalues)
+        )
+
+    def record(self, configuration: str = "") -> ModesRecord:
+        """Modes as plain data, for JSON."""
+        return ModesRecord(
+            self.title, configuration, self.notes, self.undamped_natural_frequencies, self.nodes, self.rows()
+        )
 
     def shape_table(self) -> Table:
         """Table with a row per node: magnitude and phase of every mode shape."""

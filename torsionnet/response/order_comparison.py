@@ -3,20 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
 
+from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
+from torsionnet.core.result_rows import NUMBERS, Out, json_schema
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.order_sums import sums_of_lines
 from torsionnet.response.table import Column, Table
+from torsionnet.response.worst_response import WorstResponse
 
 SAME_ORDER_DIFFERENCE = 1e-3
 """Relative difference up to which two orders are the same: a tracked order has few digits."""
+
+
+NUMBERS_BY_NAME: Schema = {"type": "object", "additionalProperties": NUMBERS}
+"""JSON Schema of numbers over speed by name."""
+LARGEST_ANGLES: Schema = {
+    **NUMBERS_BY_NAME,
+    "description": "of engines that are not fixed to the first one, where the half range is "
+    "largest: by how much of its crank angle each fires later",
+}
+"""JSON Schema of the angles between engines with the largest half range."""
+SMALLEST_RANGE: Schema = {**NUMBERS, "description": "with these engines at the best angles"}
+"""JSON Schema of the smallest half range over speed."""
+WORST_CASES: Schema = {
+    "type": ["array", "null"],
+    "items": {"type": "string"},
+    "description": "what is worst at each speed",
+}
+"""JSON Schema of the names of the worst cases over speed."""
+COMMON_CYCLE: Schema = {"type": ["integer", "null"], "description": "null where there is none"}
+"""JSON Schema of the common cycle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,3 +145,100 @@ def order_comparison(
     left_out = [f"{one.order:g}" for one in measured if all(one.order != pair.measured.order for pair in pairs)]
     notes += [f"measured, but not calculated: {', '.join(left_out)}"] if left_out else []
     return Table(f"{response.title}: {channel.name}, test and model", columns, tuple(rows), tuple(notes))
+
+
+@dataclass(frozen=True, eq=False)
+class OrderRow:
+    """Complex amplitudes of one order of an excitation over speed, SI."""
+
+    excitation: str
+    order: float
+    fixed: Annotated[float, Out(json="fixed_Hz")]
+    of_reference: float
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class OrderSumRow:
+    """Complex amplitudes of lines of one frequency together over speed, SI."""
+
+    lines: str
+    fixed: Annotated[float, Out(json="fixed_Hz")]
+    of_reference: float
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredOrderRow:
+    """Measured and calculated amplitudes of one order over speed, SI."""
+
+    of_reference: float
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    measured: FloatArray
+    calculated: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class OrderOutputRow:
+    """One output over speed: half range and RMS of all orders together, and the orders, SI."""
+
+    output: str
+    unit: str
+    half_range: FloatArray
+    rms: FloatArray
+    cases: Annotated[tuple[str, ...] | None, Out(schema=WORST_CASES)]
+    angles: Annotated[Mapping[str, FloatArray] | None, Out(json="angles_deg", optional=True, schema=LARGEST_ANGLES)]
+    smallest_half_range: Annotated[FloatArray | None, Out(optional=True, schema=SMALLEST_RANGE)]
+    smallest_at: Annotated[
+        Mapping[str, FloatArray] | None, Out(json="smallest_at_deg", optional=True, schema=NUMBERS_BY_NAME)
+    ]
+    orders: tuple[OrderRow, ...]
+    sums: tuple[OrderSumRow, ...]
+    measured: Annotated[
+        tuple[MeasuredOrderRow, ...] | None, Out(optional=True, schema=json_schema(tuple[MeasuredOrderRow, ...]))
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class OrdersRecord:
+    """Order responses of one configuration, as ``torsionnet orders --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    revolutions: Annotated[int | None, Out(json="common_cycle_revolutions", schema=COMMON_CYCLE)]
+    outputs: tuple[OrderOutputRow, ...]
+
+
+def orders_record(
+    run: OrderResponse, configuration: str = "", tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({})
+) -> OrdersRecord:
+    """Order responses as plain data, for JSON; ``tests`` are the measured orders by output."""
+    outputs = tuple(_output_row(run, place, tests.get(channel.name)) for place, channel in enumerate(run.outputs))
+    return OrdersRecord(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
+
+
+def _output_row(run: OrderResponse, place: int, measured: Sequence[MeasuredOrder] | None) -> OrderOutputRow:
+    channel, worst = run.outputs[place], run if isinstance(run, WorstResponse) else None
+    turning = worst if worst and worst.angles else None
+    sums = ((one, run.values[:, list(one.places), place].sum(axis=1)) for one in sums_of_lines(run.lines))
+    orders = ((line, run.values[:, number, place]) for number, line in enumerate(run.lines))
+    return OrderOutputRow(
+        channel.name, channel.unit, run.half_range[:, place], run.rms[:, place],
+        worst.cases(channel.name) if worst else None,
+        {one.engine: one.degrees[:, place] for one in turning.angles} if turning else None,
+        turning.least.half_range[:, place] if turning else None,
+        {one.engine: one.degrees[:, place] for one in turning.least.angles} if turning else None,
+        tuple(
+            OrderRow(line.excitation, line.order, line.fixed, float(line.relative), values.real, values.imag)
+            for line, values in orders
+        ),
+        tuple(OrderSumRow(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
+        None if measured is None else tuple(
+            MeasuredOrderRow(pair.measured.order, pair.measured.speeds * RPM, pair.measured.amplitude, pair.calculated)
+            for pair in compared_orders(run, channel.name, measured)
+        ),
+    )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,3 +105,8 @@ def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -
         return float(speeds[inside])
     share = over[inside] / (over[inside] - over[outside])
     return float(speeds[inside] + share * (speeds[outside] - speeds[inside]))
+
+
+def rpm_spans(spans: Iterable[SpeedSpan]) -> tuple[tuple[float, float], ...]:
+    """Lowest and highest speed of every span, rpm."""
+    return tuple((span.low * RPM, span.high * RPM) for span in spans)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
-from torsionnet.core.entries.spec import Json
+from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.table import Column, Table
+from torsionnet.response.table import Table, result_table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,17 +30,38 @@ class ElementLoad:
         Nominal shear stress in N/m^2; at the first port of a shaft with diameters.
     """
 
-    element: str
-    port: str
-    speed: float | None
-    torque: float | None
-    twist: float | None = None
-    stress: float | None = None
+    element: Annotated[str, Out("element")]
+    port: Annotated[str, Out("at")]
+    speed: Annotated[float | None, Out("speed", "rpm", factor=RPM)]
+    torque: Annotated[float | None, Out("torque", "N*m")]
+    twist: Annotated[float | None, Out("twist", "rad")] = None
+    stress: Annotated[float | None, Out("stress", "Pa")] = None
 
     @property
-    def power(self) -> float | None:
+    def power(self) -> Annotated[float | None, Out("power", "kW", factor=1e-3, after="stress")]:
         """Power in W, torque times speed: into the element at its first port, out of it at the others."""
         return None if self.torque is None or self.speed is None else self.torque * self.speed
+
+
+@dataclass(frozen=True)
+class ExternalTorque:
+    """Mean torque from outside on a node, N m."""
+
+    node: str
+    torque: float
+
+
+@dataclass(frozen=True)
+class StaticRecord:
+    """Mean torques of one configuration in SI, as ``torsionnet static --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    speed: Annotated[float, Out(json="speed_rpm")]
+    external: tuple[ExternalTorque, ...]
+    elements: tuple[ElementLoad, ...]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -72,48 +94,19 @@ class StaticState:
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row for each element and port."""
-        columns = (
-            Column("element"),
-            Column("at"),
-            Column("speed", "rpm"),
-            Column("torque", "N*m"),
-            Column("twist", conventions.unit("rad")),
-            Column("stress", "N/mm^2"),
-            Column("power", "kW"),
-        )
-        scale = conventions.scale("rad")
-        rows = tuple(
-            (
-                one.element,
-                one.port,
-                _times(one.speed, RPM),
-                one.torque,
-                _times(one.twist, scale),
-                _times(one.stress, 1e-6),
-                _times(one.power, 1e-3),
-            )
-            for one in self.loads
-        )
         acting = ", ".join(f"{node} {torque:.6g} N*m" for node, torque in self.external.items())
         notes = (
             f"{self.reference} at {self.speed * RPM:.6g} rpm; from outside: {acting}",
             "torque: into the element at its first node, out of it at the others, signs of the nodes; power likewise",
             *self.notes,
         )
-        return Table(f"{self.title}: mean torques", columns, rows, notes)
+        return result_table(
+            f"{self.title}: mean torques", self.loads, ElementLoad, conventions=conventions, notes=notes
+        )
 
-    def to_data(self) -> dict[str, Json]:
-        """Static state as plain data in SI."""
-        names = ("element", "port", "speed", "torque", "twist", "stress", "power")
-        return {
-            "title": self.title,
-            "speed_of": self.reference,
-            "speed_rpm": self.speed * RPM,
-            "external": [{"node": node, "torque": torque} for node, torque in self.external.items()],
-            "elements": [{name: getattr(one, name) for name in names} for one in self.loads],
-            "notes": list(self.notes),
-        }
-
-
-def _times(value: float | None, factor: float) -> float | None:
-    return None if value is None else value * factor
+    def record(self, configuration: str = "") -> StaticRecord:
+        """Mean torques as plain data, for JSON."""
+        external = tuple(ExternalTorque(node, torque) for node, torque in self.external.items())
+        return StaticRecord(
+            self.title, configuration, self.reference, self.speed * RPM, external, self.loads, self.notes
+        )

@@ -13,6 +13,8 @@ from typing import Any
 
 from torsionnet.core.atomic import write_text
 from torsionnet.core.number_text import csv_value, json_finite, screen_text, unit_in_brackets
+from torsionnet.core.result_rows import OutField, out_fields
+from torsionnet.response.conventions import SI, Conventions
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,44 @@ class Table:
 
     def __str__(self) -> str:
         return self.to_text()
+
+
+def result_table(
+    title: str,
+    rows: Sequence[object],
+    kind: type,
+    columns: Sequence[str] = (),
+    conventions: Conventions = SI,
+    notes: Sequence[str] = (),
+) -> Table:
+    """Table of result rows, with a column for each declared field of their class that has a heading.
+
+    Parameters
+    ----------
+    title : str
+    rows : sequence
+        Objects of ``kind``.
+    kind : type
+        Result class, see :class:`torsionnet.core.result_rows.Out`.
+    columns : sequence of str
+        Names of the fields in the order of their columns; default: all with a heading, as declared.
+    conventions : Conventions
+        Units shown.
+    notes : sequence of str
+    """
+    fields = {one.name: one for one in out_fields(kind) if one.out.heading}
+    shown = [fields[name] for name in columns] if columns else list(fields.values())
+    headings = tuple(
+        Column(one.out.heading, conventions.unit_of_column(one.out.unit), one.out.digits, one.out.decimals)
+        for one in shown
+    )
+    cells = tuple(tuple(_cell(getattr(row, one.name), one, conventions) for one in shown) for row in rows)
+    return Table(title, headings, cells, tuple(notes))
+
+
+def _cell(value: Any, one: OutField, conventions: Conventions) -> Any:
+    scale = one.out.factor * conventions.scale_of_column(one.out.unit)
+    return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
 
 
 def _written(text: str, path: str | Path | None) -> str:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
+from torsionnet.core.result_rows import Out
 from torsionnet.response.frequency_response import ComplexArray
 
 SHIFTED_SHARE = 0.01
@@ -31,16 +33,16 @@ class VibrationMode:
         Angles, 1 at the node that moves most; the undamped shape if there is one.
     """
 
-    number: int
-    undamped_frequency: float
-    natural_frequency: float
-    damped_frequency: float
-    damping_ratio: float
+    number: Annotated[int, Out("mode", json="mode")]
+    undamped_frequency: Annotated[float, Out("undamped", "Hz", "undamped_natural_frequency_Hz")]
+    natural_frequency: Annotated[float, Out("|lambda|/2pi", "Hz", "natural_frequency_Hz")]
+    damped_frequency: Annotated[float, Out("damped Im lambda/2pi", "Hz", "damped_frequency_Hz")]
+    damping_ratio: Annotated[float, Out("damping ratio", "1", digits=4)]
     similarity: float
-    shape: ComplexArray
+    shape: Annotated[ComplexArray, Out(json=None)]
 
     @property
-    def amplification(self) -> float:
+    def amplification(self) -> Annotated[float, Out("amplification", digits=4, after="damping_ratio")]:
         """Amplification at resonance, ``1/(2 zeta)``; nan without a damped mode, infinite without damping."""
         if math.isnan(self.damping_ratio):
             return math.nan
@@ -52,7 +54,7 @@ class VibrationMode:
         return abs(self.natural_frequency - self.undamped_frequency) > SHIFTED_SHARE * self.undamped_frequency
 
     @property
-    def remark(self) -> str:
+    def remark(self) -> Annotated[str, Out("remark", json=None, after="shape")]:
         """Remark on why a frequency is missing (overdamped, or only with damping); empty if none is."""
         if math.isnan(self.natural_frequency):
             return "overdamped: none with damping"

@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.result_rows import NUMBER_ROWS, Out
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.record_blocks import check_processable
 from torsionnet.signals.sample_counts import check_count
 from torsionnet.signals.welch import Welch
+
+
+@dataclass(frozen=True, eq=False)
+class SpectrogramRecord:
+    """Spectrogram of one channel, as ``torsionnet spectrogram --json`` prints it; amplitude (n_f, n_t)."""
+
+    name: Annotated[str, Out(json="channel")]
+    unit: str
+    notes: tuple[str, ...]
+    times: Annotated[FloatArray, Out(json="times_s")]
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    amplitude: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +57,10 @@ class Spectrogram:
         """20 log10 of amplitude over reference, (n_f, n_t)."""
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.amplitude / reference))
+
+    def record(self) -> SpectrogramRecord:
+        """Spectrogram as plain data, for JSON."""
+        return SpectrogramRecord(self.name, self.unit, self.notes, self.times, self.frequencies, self.amplitude)
 
     @property
     def ridge(self) -> FloatArray:

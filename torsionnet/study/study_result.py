@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
+from torsionnet.core.result_rows import Out, json_schema, to_json
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Column, Table
@@ -24,13 +25,27 @@ from torsionnet.study.labelled_variants import labelled_variants
 from torsionnet.study.reductions.histogram import ACCURACY
 from torsionnet.study.reductions.kept_values import KeptValues
 from torsionnet.study.reductions.limit_counts import LimitTotals
-from torsionnet.study.reductions.quantity_summary import Summary
+from torsionnet.study.reductions.quantity_summary import QuantityRow, Summary
 from torsionnet.study.study import Study
 
 SHOWN = (2.5, 50.0, 97.5)
 """Percentiles in tables: the median and the limits of the middle 95 %."""
 CSV_BLOCK_LINES = 20_000
 """Number of lines made into text together, which takes a hundred times the memory of their numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class StatisticsRecord:
+    """Statistics of all quantities of a study."""
+
+    count: int
+    seed: Annotated[int | None, Out(schema=json_schema(int | None))]
+    model: str
+    version: str
+    percentiles: tuple[float, ...]
+    quantities: tuple[QuantityRow, ...]
+    notes: tuple[str, ...]
+    kept_every: Annotated[int | None, Out(optional=True, schema=json_schema(int))]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -188,22 +203,21 @@ class StudyResult:
             if count
         ]
 
+    def record(self) -> StatisticsRecord:
+        """Result in full precision, without the values of single variants, for JSON."""
+        every, study = self.kept.every, self.study
+        rows = tuple(
+            one.row(name, case, self.percentiles(name, SHOWN, case)) for (case, name), one in self.summaries.items()
+        )
+        return StatisticsRecord(
+            study.count, study.seed, study.model.title, __version__, SHOWN, rows, self.notes,
+            None if every == 1 else every,
+        )  # fmt: skip
+
     def to_data(self) -> dict[str, Json]:
         """Result as JSON data in full precision, without the values of single variants."""
-        quantities = [
-            {"quantity": name, "configuration": case, **one.to_data(self.percentiles(name, SHOWN, case))}
-            for (case, name), one in self.summaries.items()
-        ]
-        return {
-            "count": self.study.count,
-            "seed": self.study.seed,
-            "model": self.study.model.title,
-            "version": __version__,
-            "percentiles": list(SHOWN),
-            "quantities": quantities,
-            "notes": list(self.notes),
-            **({} if self.kept.every == 1 else {"kept_every": self.kept.every}),
-        }
+        data: dict[str, Json] = to_json(self.record())
+        return data
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Columns of the table of kept variants: configuration, parameters and quantities, each (n,) in SI.

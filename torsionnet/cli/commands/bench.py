@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -13,6 +14,7 @@ from torsionnet.cli.command import NUMBERS, Answer, Command, click_command, resu
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import SETTINGS, file_option
 from torsionnet.cli.terminal import print_warnings
+from torsionnet.core.result_rows import Out
 
 if TYPE_CHECKING:
     from torsionnet.bench import Bench
@@ -21,6 +23,37 @@ if TYPE_CHECKING:
 
     Result = tuple[str, str, Recording]
     """Name of the configuration, path of the file, record."""
+
+
+@dataclass(frozen=True)
+class ChannelRow:
+    """Channel of a record with its smallest and largest value and its RMS."""
+
+    name: Annotated[str, Out("channel")]
+    unit: Annotated[str, Out("unit")]
+    smallest: Annotated[float, Out("smallest", digits=4)]
+    largest: Annotated[float, Out("largest", digits=4)]
+    rms: Annotated[float, Out("RMS", json="RMS", digits=4)]
+    notes: tuple[str, ...]
+
+    @property
+    def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
+        """Notes as one text."""
+        return "; ".join(self.notes)
+
+
+@dataclass(frozen=True)
+class BenchRecord:
+    """Record of one configuration, as ``torsionnet bench --json`` prints it."""
+
+    title: str
+    configuration: str
+    file: str
+    sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
+    samples: int
+    duration: Annotated[float, Out(json="duration_s")]
+    notes: tuple[str, ...]
+    channels: tuple[ChannelRow, ...]
 
 
 class BenchCommand(Command):
@@ -65,7 +98,7 @@ class BenchCommand(Command):
         print_warnings(note for *_, record in results for note in record.notes)
         return Answer(
             screen=lambda: _screen(results),
-            data=lambda: [_as_data(*result) for result in results],
+            data=lambda: [_record(*result) for result in results],
             files=[(path, partial(write_recording, record)) for _, path, record in results],
             figures=lambda plot: [
                 (name, plot.time_histories(record, conventions=degrees)) for name, _, record in results
@@ -93,35 +126,24 @@ def _screen(results: list[Result]) -> Iterator[Table | str]:
 
 
 def _table(record: Recording) -> Table:
-    from torsionnet.response import Column, Table
+    from torsionnet.response.table import result_table
 
-    sizes = (Column(name, digits=4) for name in ("smallest", "largest", "RMS"))
-    columns = (Column("channel"), Column("unit"), *sizes, Column("notes"))
-    rows = tuple((s.name, s.unit, *_sizes(s.values), "; ".join(s.notes)) for s in record)
     span = f"{len(record)} samples at {record.sampling_rate:g} Hz, {record.duration:g} s"
-    return Table(f"{record.title}: {span}", columns, rows)
+    return result_table(f"{record.title}: {span}", _channels(record), ChannelRow)
+
+
+def _channels(record: Recording) -> tuple[ChannelRow, ...]:
+    return tuple(ChannelRow(one.name, one.unit, *_sizes(one.values), one.notes) for one in record)
 
 
 def _sizes(values: Any) -> tuple[float, float, float]:
     return float(values.min()), float(values.max()), float((values**2).mean() ** 0.5)
 
 
-def _as_data(name: str, path: str, record: Recording) -> dict[str, Any]:
-    channels = [
-        {"name": s.name, "unit": s.unit, **dict(zip(("smallest", "largest", "RMS"), _sizes(s.values), strict=True))}
-        | {"notes": list(s.notes)}
-        for s in record
-    ]
-    return {
-        "title": record.title,
-        "configuration": name,
-        "file": path,
-        "sampling_rate_Hz": record.sampling_rate,
-        "samples": len(record),
-        "duration_s": record.duration,
-        "notes": list(record.notes),
-        "channels": channels,
-    }
+def _record(name: str, path: str, record: Recording) -> BenchRecord:
+    return BenchRecord(
+        record.title, name, path, record.sampling_rate, len(record), record.duration, record.notes, _channels(record)
+    )
 
 
 command = click_command("bench", BenchCommand)

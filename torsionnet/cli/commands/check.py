@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
-from typing import Any
 
 from torsionnet.cli.command import JSON, Answer, Command, click_command
 from torsionnet.cli.declarations import argument
@@ -23,6 +21,8 @@ class CheckCommand(Command):
     models: tuple[str, ...] = argument("MODEL...")
 
     def answer(self) -> Answer:
+        from torsionnet.core.fault_rows import check_record
+
         reports: dict[str, Sequence[Fault]] = {}
         code = 0
         for model in dict.fromkeys(self.models):
@@ -35,7 +35,7 @@ class CheckCommand(Command):
             code = code or WRONG_MODEL
         return Answer(
             screen=lambda: _lines(reports),
-            data=lambda: [_as_data(model, faults) for model, faults in reports.items()],
+            data=lambda: [check_record(model, faults) for model, faults in reports.items()],
             exit_code=code,
         )
 
@@ -62,23 +62,6 @@ def summary(faults: Sequence[Fault]) -> str:
         for kind, count in counts.items()
         if count or kind == "error"
     )
-
-
-def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
-    listed = [
-        {
-            "severity": fault.severity,
-            "message": fault.text,
-            "meant": fault.meant,
-            "configuration": fault.configuration,
-            "path": list(fault.path),
-            "position": None if fault.position is None else asdict(fault.position),
-            "used_at": [asdict(position) for position in fault.used_at],
-            "defined_at": None if fault.defined_at is None else asdict(fault.defined_at),
-        }
-        for fault in faults
-    ]
-    return {"model": model, "errors": _errors(faults), "faults": listed}
 
 
 command = click_command("check", CheckCommand)

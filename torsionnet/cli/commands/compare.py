@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
@@ -45,6 +45,7 @@ class CompareCommand(ModelCommand, RecordCommand):
 
     def answer(self) -> Answer:
         from torsionnet.cli.commands.estimate import estimate_record
+        from torsionnet.cli.frf_output import comparison_record
         from torsionnet.response import Conventions
         from torsionnet.signals.agreement import agreement
 
@@ -59,7 +60,7 @@ class CompareCommand(ModelCommand, RecordCommand):
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: [agreement(test, calculated, conventions)],
-            data=lambda: _as_data(test, calculated, conventions),
+            data=lambda: comparison_record(test, calculated, conventions),
             csv=lambda: [("", _full(test, calculated, conventions))],
             figures=lambda plot: [("", plot.comparison(test, calculated, conventions=conventions))],
         )
@@ -98,22 +99,6 @@ def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conven
         data[("coherence", "1")] = test.coherence[:, 0, 0]
     rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
     return Table(model.title, tuple(Column(*key) for key in data), rows, test.notes)
-
-
-def _as_data(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
-    from torsionnet.cli.commands.estimate import estimate_json
-    from torsionnet.signals.agreement import agreement
-    from torsionnet.signals.comparison import difference
-
-    apart, table = difference(test, model), agreement(test, model, conventions)
-    return {
-        "test": estimate_json(test, conventions),
-        "model": estimate_json(model, conventions),
-        "difference_dB": apart.decibels[:, 0, 0].tolist(),
-        "difference_deg": apart.degrees[:, 0, 0].tolist(),
-        "summary": [dict(zip(("what", "at_Hz", "value", "unit"), row, strict=True)) for row in table.rows],
-        "notes": list(table.notes),
-    }
 
 
 command = click_command("compare", CompareCommand)

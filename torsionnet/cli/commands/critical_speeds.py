@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
+    from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.table import Table
 
 STATES = ("as_modelled", "free", "locked", "half")
@@ -66,7 +66,7 @@ class CriticalSpeedsCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(part for one in found for part in _shown(one)),
-            data=lambda: [_as_data(*pair) for pair in pairs],
+            data=lambda: [speeds.record(case.configuration) for case, speeds in pairs],
             csv=lambda: [("", self.joined(cases, [one.table() for one in found]))],
             figures=lambda plot: [(case.configuration, self._picture(plot, one)) for case, one in pairs],
         )
@@ -95,58 +95,6 @@ class CriticalSpeedsCommand(ModelCommand):
 def _shown(found: CriticalSpeeds) -> Iterator[Table]:
     yield found.mode_table()
     yield found.table()
-
-
-def _as_data(case: ConfiguredCase, found: CriticalSpeeds) -> dict[str, Any]:
-    rule = found.rule
-    return {
-        "title": found.title,
-        "configuration": case.configuration,
-        "speed_of": found.reference,
-        "speed_range_rad_per_s": list(found.speed_range),
-        "margin_rule": None if rule is None else str(rule),
-        "modes": [
-            {
-                "mode": mode.number,
-                "undamped_natural_frequency_Hz": mode.undamped_frequency,
-                "natural_frequency_Hz": mode.natural_frequency,
-                "damped_frequency_Hz": mode.damped_frequency,
-                "damping_ratio": mode.damping_ratio,
-                "amplification": mode.amplification,
-                "similarity": mode.similarity,
-                "shape": {node: [value.real, value.imag] for node, value in found.shape(mode.number).items()},
-            }
-            for mode in found.modes
-        ],
-        "crossings": [_crossing(one) for one in found.crossings],
-    }
-
-
-def _crossing(one: CriticalSpeed) -> dict[str, Any]:
-    star = one.star
-    return {
-        "mode": one.mode.number,
-        "excitation": one.excitation,
-        "order": one.order,
-        "fixed_Hz": one.fixed,
-        "of_reference": one.order * float(one.ratio),
-        "undamped_rad_per_s": one.speed("undamped"),
-        "natural_rad_per_s": one.speed("natural"),
-        "damped_rad_per_s": one.speed("damped"),
-        "margin": one.margin,
-        "required": one.required,
-        "generalised_force_Nm": one.generalised_force,
-        "relative_force": one.relative_force,
-        "excited": one.excited,
-        "excited_in": list(one.excited_in),
-        "peaks": [{"output": peak.output, "rad_per_s": peak.speed, "amplitude": peak.amplitude} for peak in one.peaks],
-        "star": []
-        if star is None
-        else [
-            {"label": label, "node": node, "vector": [vector.real, vector.imag]}
-            for label, node, vector in zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
-        ],
-    }
 
 
 command = click_command("critical-speeds", CriticalSpeedsCommand)

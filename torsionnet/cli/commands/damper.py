@@ -78,7 +78,7 @@ class DamperCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines([one.table(conventions) for one in found]),
-            data=lambda: [_as_data(*pair) for pair in pairs],
+            data=lambda: [optimum.record(case.configuration) for case, optimum in pairs],
             csv=lambda: [("", self.joined(cases, [one.effect_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.damper_design(one, conventions=conventions)) for case, one in pairs
@@ -94,35 +94,6 @@ class DamperCommand(ModelCommand):
             band=band,
             excitations=self.excitations or None,
         )
-
-
-def _as_data(case: ConfiguredCase, found: DamperOptimum) -> dict[str, Any]:
-    return {
-        "title": found.title,
-        "configuration": case.configuration,
-        "output": found.channel.name,
-        "unit": found.channel.unit,
-        "over": " ".join(found.of),
-        "parameters": [
-            {
-                "name": one.name,
-                "unit": one.unit,
-                "start": one.start,
-                "lower": one.lower,
-                "upper": one.upper,
-                "value": one.value,
-                "at_bound": one.bound or None,
-                "values": found.effects[one.name][:, 0].tolist(),
-                "largest": found.effects[one.name][:, 1].tolist(),
-            }
-            for one in found.parameters
-        ],
-        "before": {"at": found.before.point, "level": found.before.level},
-        "after": {"at": found.after.point, "level": found.after.level},
-        "peaks": [{"at": one.point, "level": one.level} for one in found.peaks],
-        "fixed_points": [{"at": one.point, "level": one.level, "spread": one.spread} for one in found.fixed_points],
-        "words": list(found.words()),
-    }
 
 
 command = click_command("damper", DamperCommand)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -11,6 +12,7 @@ from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import JSON, Answer, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import SIMPLIFY, EntryOption
+from torsionnet.core.result_rows import PAIR, Out, json_schema
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -24,9 +26,67 @@ MATRICES = (
     ("C", "N*m*s/rad", "Damping matrix"),
     ("K", "N*m/rad", "Stiffness matrix"),
 )
+TEXTS = json_schema(tuple[str, ...])
+"""JSON Schema of a list of texts."""
 EQUATION_WIDTH = 100
 """Characters after which an equation is continued on the next line."""
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded", "python")
+
+
+@dataclass(frozen=True)
+class Configured:
+    """Record of one configuration; empty for the model as written."""
+
+    configuration: str
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Equations of motion as texts; the matrices by rows."""
+
+    coordinates: tuple[str, ...]
+    equations: tuple[str, ...]
+    dependent: Mapping[str, str]
+    conditions: tuple[str, ...]
+    inertia: Annotated[list[list[str]], Out(json="M")]
+    damping: Annotated[list[list[str]], Out(json="C")]
+    stiffness: Annotated[list[list[str]], Out(json="K")]
+
+
+@dataclass(frozen=True)
+class ConfiguredMotion(Motion, Configured):
+    """Equations of motion of one configuration, as ``torsionnet equations --json`` prints them."""
+
+
+@dataclass(frozen=True)
+class SimplificationErrors:
+    """Relative errors of frequencies and damping ratios, and error of magnitudes in dB, of a simplified drivetrain."""
+
+    omega: float
+    zeta: float
+    decibels: float
+
+
+@dataclass(frozen=True)
+class TransferFunctionRecord:
+    """Transfer function as text, as ``torsionnet equations --tf --json`` prints it, and what was left out of it."""
+
+    configuration: str
+    transfer_function: str
+    text: str
+    left_out: Annotated[tuple[str, ...] | None, Out(optional=True, schema=TEXTS)] = None
+    band: Annotated[tuple[float, float] | None, Out(optional=True, schema=PAIR)] = None
+    errors: Annotated[SimplificationErrors | None, Out(optional=True, schema=json_schema(SimplificationErrors))] = None
+
+
+@dataclass(frozen=True)
+class MatricesRecord:
+    """Matrices of a drivetrain in numbers by rows, SI."""
+
+    coordinates: tuple[str, ...]
+    inertia: Annotated[list[list[float]], Out(json="M")]
+    damping: Annotated[list[list[float]], Out(json="C")]
+    stiffness: Annotated[list[list[float]], Out(json="K")]
 
 
 class EquationsCommand(ModelCommand):
@@ -60,7 +120,7 @@ class EquationsCommand(ModelCommand):
         self._refuse_what_would_be_ignored()
         cases = self.cases()
         return Answer(
-            screen=lambda: self._parts(cases), data=lambda: [found for case in cases for found in self._as_data(case)]
+            screen=lambda: self._parts(cases), data=lambda: [found for case in cases for found in self._records(case)]
         )
 
     def _refuse_what_would_be_ignored(self) -> None:
@@ -89,18 +149,14 @@ class EquationsCommand(ModelCommand):
                     yield f"{mark}error {low:g} to {high:g} Hz: {short.errors}"
                 yield self._written(found)
 
-    def _as_data(self, case: ConfiguredCase) -> Iterator[dict[str, Any]]:
+    def _records(self, case: ConfiguredCase) -> Iterator[ConfiguredMotion | TransferFunctionRecord]:
         if not self.pairs:
-            yield {"configuration": case.configuration, **equations_data(case.drivetrain)}
+            motion = equations_of_motion(case.drivetrain)
+            yield ConfiguredMotion(case.configuration, *(getattr(motion, one.name) for one in fields(motion)))
         for pair in self.pairs:
             found, short = self._found(case.drivetrain, pair)
-            data: dict[str, Any] = {"configuration": case.configuration, "transfer_function": str(pair)}
-            data["text"] = self._written(found)
-            if short is not None:
-                errors = short.errors
-                data |= {"left_out": list(short.changes), "band": list(short.band)}
-                data |= {"errors": {"omega": errors.omega, "zeta": errors.zeta, "decibels": errors.decibels}}
-            yield data
+            more = (short.changes, short.band, _errors(short)) if short is not None else ()
+            yield TransferFunctionRecord(case.configuration, str(pair), self._written(found), *more)
 
     def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
         symbolic = rig.symbolic()
@@ -198,21 +254,27 @@ def _rows(rig: Drivetrain, symbol: str) -> list[list[float]]:
     return rows
 
 
-def equations_data(rig: Drivetrain) -> dict[str, Any]:
+def _errors(short: Simplified) -> SimplificationErrors:
+    errors = short.errors
+    return SimplificationErrors(errors.omega, errors.zeta, errors.decibels)
+
+
+def equations_of_motion(rig: Drivetrain) -> Motion:
+    """Equations of motion of a drivetrain as texts."""
     system = rig.symbolic()
-    symbolic = {symbol: [[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK"}
-    return {
-        "coordinates": list(system.coordinates),
-        "equations": [*system.equations(), *system.laws()],
-        "dependent": _dependent(system),
-        "conditions": [str(condition) for condition in system.conditions],
-        **symbolic,
-    }
+    matrices = ([[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK")
+    return Motion(
+        system.coordinates,
+        (*system.equations(), *system.laws()),
+        _dependent(system),
+        tuple(map(str, system.conditions)),
+        *matrices,
+    )
 
 
-def matrices_data(rig: Drivetrain) -> dict[str, Any]:
-    coordinates = list(rig.assembly.kinematics.coordinates)
-    return {"coordinates": coordinates, **{symbol: _rows(rig, symbol) for symbol in "MCK"}}
+def matrices_record(rig: Drivetrain) -> MatricesRecord:
+    """Matrices of a drivetrain in numbers."""
+    return MatricesRecord(rig.assembly.kinematics.coordinates, *(_rows(rig, symbol) for symbol in "MCK"))
 
 
 command = click_command("equations", EquationsCommand)

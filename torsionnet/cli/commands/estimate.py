@@ -34,6 +34,7 @@ class EstimateCommand(EstimateArguments):
     output_file: str | None = file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
 
     def answer(self) -> Answer:
+        from torsionnet.cli.frf_output import estimated_responses_record
         from torsionnet.io import write_frequency_response
         from torsionnet.response import Conventions
 
@@ -49,7 +50,7 @@ class EstimateCommand(EstimateArguments):
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: [peak_table(response, conventions)],
-            data=lambda: estimate_json(response, conventions),
+            data=lambda: estimated_responses_record(response, conventions),
             csv=lambda: [("", response.table(conventions))],
             files=[(self.output_file, lambda file: write_frequency_response(response, file))],
             figures=lambda plot: [("", plot.bode(response, conventions=conventions))],
@@ -114,26 +115,6 @@ def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]
         return []
     found = peaks(response.between(0, meant_up_to(response, o)).magnitude[:, o, i])
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
-
-
-def estimate_json(response: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
-    """JSON data of an estimated response: complex values in the angle unit chosen, and coherence."""
-    from torsionnet.cli.frf_output import curve_data, output_input_pairs
-
-    coherence = response.coherence
-    return {
-        "title": response.title,
-        "notes": list(response.notes),
-        "usable_up_to_Hz": response.usable_up_to,
-        "frequencies_Hz": response.frequencies.tolist(),
-        "responses": [
-            {
-                **curve_data(response, conventions, o, i),
-                "coherence": None if coherence is None else coherence[:, o, i].tolist(),
-            }
-            for o, i, _ in output_input_pairs(response)
-        ],
-    }
 
 
 command = click_command("estimate", EstimateCommand)

@@ -12,7 +12,7 @@ from torsionnet.cli.terminal import message
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
-    from torsionnet.identification import Fit, Ranking
+    from torsionnet.identification import Ranking
     from torsionnet.identification.fit_file import FitPlan
     from torsionnet.response import Table
 
@@ -48,6 +48,7 @@ class FitCommand(Command):
         from torsionnet.cli.progress import progress
         from torsionnet.identification import identify, rank_causes
         from torsionnet.identification.fit_file import load_fit_plan
+        from torsionnet.identification.fit_record import fit_record
         from torsionnet.io import read_frequency_response
         from torsionnet.response import Conventions
 
@@ -64,7 +65,7 @@ class FitCommand(Command):
         table = found.table(true=plan.true or None)
         return Answer(
             screen=lambda: _screen(table, profiles, ranking),
-            data=lambda: {**_as_data(found, profiles, plan.true), **_ranking(ranking)},
+            data=lambda: fit_record(found, profiles, plan.true, ranking),
             csv=lambda: [("", table)],
             files=[
                 (self.output_file, found.to_yaml),
@@ -85,8 +86,10 @@ class FitCommand(Command):
             raise UsageError(
                 f"{' and '.join(named)}: the fit file names no parameters, so there is nothing but a ranking"
             )
+        from torsionnet.identification.fit_record import RankingRecord
+
         table = ranking.table()
-        return Answer(screen=lambda: [table], data=lambda: _ranking(ranking), csv=lambda: [("", table)])
+        return Answer(screen=lambda: [table], data=lambda: RankingRecord(ranking.causes), csv=lambda: [("", table)])
 
 
 def _residual(plan: FitPlan) -> str:
@@ -99,19 +102,6 @@ def _screen(table: Table, profiles: Intervals, ranking: Ranking | None) -> Itera
         yield (f"{name}: 95 % by profile likelihood from ", float(low), " to ", float(high))
     if ranking is not None:
         yield ranking.table()
-
-
-def _ranking(ranking: Ranking | None) -> dict[str, Any]:
-    from dataclasses import asdict
-
-    return {} if ranking is None else {"ranking": [asdict(one) for one in ranking.causes]}
-
-
-def _lack(found: Fit) -> dict[str, Any] | None:
-    from dataclasses import asdict
-
-    lack = found.lack_of_fit
-    return None if lack is None else {"rejected": lack.rejected, **asdict(lack)}
 
 
 def _announce(plan: FitPlan) -> None:
@@ -131,43 +121,6 @@ def _announce(plan: FitPlan) -> None:
                 message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
             demands.append(memory_demand(record, settings, one.band or (0.0, limit)))
     note_memory(total_memory(demands), "narrower bands, or shorter windows (seconds), take less")
-
-
-def _as_data(found: Fit, profiles: Intervals, true: Any) -> dict[str, Any]:
-    intervals = found.intervals()
-    return {
-        "title": found.title,
-        "parameters": [
-            {
-                "name": name,
-                "value": value,
-                "standard_error": found.standard_errors[name],
-                "interval_95": list(intervals[name]),
-                "profile_95": list(profiles[name]) if name in profiles else None,
-                "unit": found.units.get(name, ""),
-                "true": true.get(name),
-            }
-            for name, value in found.values.items()
-        ],
-        "correlation": found.correlation.tolist(),
-        "chi_squared": found.chi_squared,
-        "degrees_of_freedom": found.degrees_of_freedom,
-        "aicc": found.aicc,
-        "verdicts": list(found.verdicts),
-        "lack_of_fit": _lack(found),
-        "notes": list(found.notes),
-        "measurements": [
-            {
-                "name": one.name,
-                "unit": one.unit,
-                "frequencies_Hz": one.frequencies.tolist(),
-                "misfit": one.misfit,
-                "measured": [one.measured.real.tolist(), one.measured.imag.tolist()],
-                "fitted": [one.fitted.real.tolist(), one.fitted.imag.tolist()],
-            }
-            for one in found.comparisons
-        ],
-    }
 
 
 command = click_command("fit", FitCommand)

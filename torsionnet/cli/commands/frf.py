@@ -69,7 +69,7 @@ class FrfCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        from torsionnet.cli.frf_output import DisplayUnits, full_table, peak_table, response_json
+        from torsionnet.cli.frf_output import DisplayUnits, full_table, peak_table, responses_record
         from torsionnet.cli.sampling import Sampling
         from torsionnet.response import Conventions
 
@@ -87,7 +87,7 @@ class FrfCommand(ModelCommand):
 
         return Answer(
             screen=lambda: [self.joined(cases, full() if self.full else brief())],
-            data=lambda: [response_json(*trio, shown.conventions) for trio in trios],
+            data=lambda: [responses_record(*trio, shown.conventions) for trio in trios],
             csv=lambda: [("", self.joined(cases, full()))],
             figures=lambda plot: [("", plot.bode(responses, conventions=shown.conventions, decibels=self.decibels))],
         )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,7 +12,7 @@ from torsionnet.cli.declarations import option
 from torsionnet.cli.options import EntryOption
 
 if TYPE_CHECKING:
-    from torsionnet.response.holzer_table import HolzerStation, HolzerTable
+    from torsionnet.response.holzer_table import HolzerTable
 
 
 class HolzerCommand(ModelCommand):
@@ -55,7 +54,7 @@ class HolzerCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),
-            data=lambda: [_as_data(*pair) for pair in pairs],
+            data=lambda: [table.record(case.configuration) for case, table in pairs],
             csv=lambda: [("", self.joined(cases, [one.table(referred=self.referred) for one in found]))],
         )
 
@@ -63,45 +62,6 @@ class HolzerCommand(ModelCommand):
         return case.drivetrain.holzer_table(
             self.mode, at=self.at, first=self.first, amplitude=self.amplitude, referred_to=self.referred_to
         )
-
-
-def _as_data(case: ConfiguredCase, found: HolzerTable) -> dict[str, Any]:
-    return {
-        "title": found.title,
-        "configuration": case.configuration,
-        "mode": found.mode,
-        "frequency_Hz": found.frequency,
-        "referred_to": found.referred_to,
-        "remainder_Nm": found.remainder,
-        "relative_remainder": found.relative_remainder,
-        "notes": list(found.notes),
-        "branches": [
-            {"joins": branch.joins or None, "stations": [_station(one) for one in branch.stations]}
-            for branch in found.branches
-        ],
-    }
-
-
-def _station(one: HolzerStation) -> dict[str, Any]:
-    link = one.link
-    return {
-        "node": one.node,
-        "ratio": one.ratio,
-        "inertia": one.inertia,
-        "amplitude": one.amplitude,
-        "inertia_torque": one.inertia_torque,
-        "joined": one.joined,
-        "torque": one.torque,
-        "link": None
-        if link is None
-        else {
-            "elements": list(link.elements),
-            "rigid": math.isinf(link.stiffness),
-            "stiffness": link.stiffness,
-            "twist": link.twist,
-            "stress": link.stress,
-        },
-    }
 
 
 command = click_command("holzer", HolzerCommand)

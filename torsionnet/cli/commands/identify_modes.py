@@ -45,6 +45,7 @@ class IdentifyModesCommand(EstimateArguments):
 
     def answer(self) -> Answer:
         from torsionnet.cli.commands.estimate import estimate_record
+        from torsionnet.modal.matching import identified_modes_record
 
         if self.output.plot_file and self.method == "peaks":
             raise click.UsageError(
@@ -66,7 +67,7 @@ class IdentifyModesCommand(EstimateArguments):
         print_warnings(found.notes)
         return Answer(
             screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
-            data=lambda: _as_data(found, compared),
+            data=lambda: identified_modes_record(found, compared),
             csv=lambda: [("", found.table())],
             figures=lambda plot: [("", plot.stabilisation(diagram, found))],
         )
@@ -94,39 +95,6 @@ def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tupl
     rig = rig.configured(configuration) if configuration else rig
     measured = [name for name in inputs if name in rig.sensors]
     return match(found, rig.modes(measured_input=measured) if measured else rig.modes())
-
-
-def _as_data(found: ModalEstimate, compared: Match | None) -> dict[str, Any]:
-    modes = [
-        {
-            "mode": index + 1,
-            "kind": found.kinds[index],
-            "natural_frequency_Hz": float(found.natural_frequencies[index]),
-            "standard_error_Hz": float(found.frequency_errors[index]),
-            "damping_ratio": float(found.damping_ratios[index]),
-            "standard_error": float(found.damping_errors[index]),
-            "pole_rad_per_s": [float(found.poles[index].real), float(found.poles[index].imag)],
-            "shape": {
-                channel.name: [float(value.real), float(value.imag)]
-                for channel, value in zip(found.outputs, found.shapes[:, index], strict=True)
-            },
-        }
-        for index in range(len(found))
-    ]
-    data: dict[str, Any] = {"title": found.title, "method": found.method, "notes": list(found.notes), "modes": modes}
-    if compared is not None:
-        data["against_model"] = [
-            {
-                "identified": int(i) + 1,
-                "model": compared.model_numbers[m],
-                "frequency_error": float(df),
-                "damping_error": float(dz),
-            }
-            for i, m, df, dz in zip(
-                compared.identified, compared.model, compared.frequency_errors, compared.damping_errors, strict=True
-            )
-        ]
-    return data
 
 
 command = click_command("identify-modes", IdentifyModesCommand)

@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
 from torsionnet.cli.command import JSON, Answer, Command, click_command
+from torsionnet.core.result_rows import Out
+
+
+@dataclass(frozen=True)
+class LibraryRow:
+    """File of the library, as ``torsionnet library --json`` prints it."""
+
+    name: Annotated[str, Out("name")]
+    kind: Annotated[Literal["model", "part", "catalogue", "study"], Out("kind")]
+    what: Annotated[str, Out("what")]
+    source: Annotated[str, Out("source")]
+    file: str
 
 
 class LibraryCommand(Command):
@@ -13,7 +28,7 @@ class LibraryCommand(Command):
     def answer(self) -> Answer:
         from torsionnet.model.files import library_entry, library_models, library_studies
         from torsionnet.model.files.library import catalogue_entry, library_catalogues, library_parts, study_entry
-        from torsionnet.response.table import Column, Table
+        from torsionnet.response.table import result_table
 
         kinds = (
             ("model", library_models(), library_entry),
@@ -21,14 +36,12 @@ class LibraryCommand(Command):
             ("part", library_parts(), library_entry),
             ("catalogue", library_catalogues(), catalogue_entry),
         )
-        rows = tuple(
-            (name, kind, *read(path), str(path)) for kind, files, read in kinds for name, path in files.items()
-        )
-        names = ("name", "kind", "what", "source", "file")
-        return Answer(
-            screen=lambda: [Table("", tuple(map(Column, names)), rows).chosen(range(4))],
-            data=lambda: [dict(zip(names, row, strict=True)) for row in rows],
-        )
+        rows = [
+            LibraryRow(name, kind, *read(path), str(path))
+            for kind, files, read in kinds
+            for name, path in files.items()
+        ]
+        return Answer(screen=lambda: [result_table("", rows, LibraryRow)], data=lambda: rows)
 
 
 command = click_command("library", LibraryCommand)

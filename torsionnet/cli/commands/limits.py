@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
@@ -13,7 +13,6 @@ from torsionnet.cli.options import ANGLE
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions
-    from torsionnet.response.limit_check import LimitCheck, LimitVerdict
     from torsionnet.response.limit_conclusion import LimitConclusion
     from torsionnet.response.table import Table
 
@@ -54,7 +53,7 @@ class LimitsCommand(ModelCommand):
         overall = LimitConclusion(tuple(found))
         return Answer(
             screen=lambda: self._shown(cases, overall, conventions),
-            data=lambda: [_as_data(one, overall) for one in found],
+            data=overall.records,
             csv=lambda: [("", self.joined(cases, [one.long_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.limit_check(one, conventions=conventions))
@@ -89,56 +88,6 @@ def _exit_code(verdict: str) -> int:
     from torsionnet.response.limit_check import FAIL, INCOMPLETE, OPEN
 
     return LIMIT_FAILS if verdict == FAIL else NOT_ALL_JUDGED if verdict in (INCOMPLETE, OPEN) else 0
-
-
-def _as_data(check: LimitCheck, overall: LimitConclusion) -> dict[str, Any]:
-    return {
-        "title": check.title,
-        "configuration": check.configuration,
-        "speed_of": check.reference,
-        "misfiring": check.misfiring,
-        "verdict": check.verdict,
-        "overall": {
-            "verdict": overall.verdict,
-            "conclusion": overall.sentence,
-            "not_examined": list(overall.not_examined),
-            "left_out": list(overall.left_out),
-            "barred_rpm": _spans(overall.barred),
-        },
-        "barred_rpm": _spans(check.barred),
-        "speeds_rpm": check.rpm.tolist(),
-        "limits": [_verdict_as_data(check, one) for one in check.verdicts],
-        "notes": list(check.notes),
-    }
-
-
-def _verdict_as_data(check: LimitCheck, one: LimitVerdict) -> dict[str, Any]:
-    at = one.worst
-    return {
-        "limit": one.limit,
-        "of": one.of,
-        "criterion": one.criterion,
-        "quantity": one.quantity,
-        "unit": one.unit,
-        "verdict": one.verdict,
-        "worst_rpm": None if at is None else float(check.rpm[at]),
-        "value": None if at is None else float(one.values[at]),
-        "allowed": None if at is None else float(one.allowed[at]),
-        "utilisation": None if at is None else float(one.utilisation[at]),
-        "barred_rpm": _spans(one.barred),
-        "values": one.values.tolist(),
-        "allowed_over_speed": one.allowed.tolist(),
-        "source": one.text.source,
-        "formula": one.text.formula,
-        "not_covered": one.text.not_covered,
-        "remarks": list(one.remarks),
-    }
-
-
-def _spans(spans: Any) -> list[list[float]]:
-    from torsionnet.core.units import RPM
-
-    return [[span.low * RPM, span.high * RPM] for span in spans]
 
 
 command = click_command("limits", LimitsCommand)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 
 if TYPE_CHECKING:
-    from torsionnet.response.loop_margins import LoopMargins, Margin
+    pass
 
 
 class MarginsCommand(ModelCommand):
@@ -30,28 +30,10 @@ class MarginsCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(tables),
-            data=lambda: [_as_data(*pair) for pair in pairs],
+            data=lambda: [margins.record(case.configuration) for case, margins in pairs],
             csv=lambda: [("", self.joined(cases, tables))],
             figures=lambda plot: [(case.configuration, plot.nyquist(one)) for case, one in pairs],
         )
-
-
-def _as_data(case: ConfiguredCase, found: LoopMargins) -> dict[str, Any]:
-    return {
-        "title": found.title,
-        "configuration": case.configuration,
-        "controller": found.controller,
-        "stable": found.stable,
-        "gain_increase": _margin(found.gain_increase),
-        "gain_decrease": _margin(found.gain_decrease),
-        "phase_deg": _margin(found.phase),
-        "delay_s": _margin(found.delay),
-        "modulus": _margin(found.modulus),
-    }
-
-
-def _margin(one: Margin) -> dict[str, float]:
-    return {"value": one.value, "frequency_Hz": one.frequency}
 
 
 command = click_command("margins", MarginsCommand)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -71,7 +71,7 @@ class ModesCommand(ModelCommand):
             screen=lambda: separated_by_lines(
                 part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)
             ),
-            data=lambda: [_as_data(*pair) for pair in pairs],
+            data=lambda: [modes.record(case.configuration) for case, modes in pairs],
             csv=lambda: [("", self.joined(cases, tables))],
             # overlaid the shapes of several configurations could not be told apart
             figures=lambda plot: [
@@ -103,38 +103,6 @@ class ModesCommand(ModelCommand):
 def without_eigenvalues(table: Table) -> Table:
     """Copy of the table of modes without the columns of eigenvalues, which only files have."""
     return table.chosen([index for index, one in enumerate(table.columns) if one.name not in EIGENVALUES])
-
-
-def _as_data(case: ConfiguredCase, modes: Modes) -> dict[str, Any]:
-    return {
-        "title": modes.title,
-        "configuration": case.configuration,
-        "notes": list(modes.notes),
-        "undamped_natural_frequencies_Hz": modes.undamped_natural_frequencies.tolist(),
-        "nodes": list(modes.nodes),
-        "modes": [_mode(modes, index) for index in range(len(modes))],
-    }
-
-
-def _mode(modes: Modes, index: int) -> dict[str, Any]:
-    value = complex(modes.eigenvalues[index])
-    shares = modes.energy_shares(index)
-    return {
-        "mode": modes.numbers[index],
-        "kind": modes.kinds[index],
-        "natural_frequency_Hz": float(modes.natural_frequencies[index]),
-        "damped_frequency_Hz": float(modes.damped_frequencies[index]),
-        "damping_ratio": float(modes.damping_ratios[index]),
-        "eigenvalue_rad_per_s": [value.real, value.imag],
-        "converged": bool(modes.converged[index]),
-        "description": modes.descriptions[index],
-        "shape": {
-            node: [float(a.real), float(a.imag)] for node, a in zip(modes.nodes, modes.shapes[:, index], strict=True)
-        },
-        "energy_shares": {
-            name: dict(zip(("kinetic", "strain", "dissipated"), parts, strict=True)) for name, parts in shares.items()
-        },
-    }
 
 
 command = click_command("modes", ModesCommand)

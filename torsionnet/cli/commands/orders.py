@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from torsionnet.response.frequency_response import ComplexArray
     from torsionnet.response.order_comparison import MeasuredOrder
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.table import Table
@@ -70,6 +69,7 @@ class OrdersCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
+        from torsionnet.response.order_comparison import orders_record
 
         conventions = Conventions(angle=self.angle)
         if self.measured and self.drawn != PICTURES[0]:
@@ -81,7 +81,9 @@ class OrdersCommand(ModelCommand):
         tests = self._tests(cases[0], found[0]) if self.measured else {}
         return Answer(
             screen=lambda: _compared(found[0], tests, conventions) if tests else _shown(found, conventions),
-            data=lambda: [_as_data(case, run, tests) for case, run in zip(cases, found, strict=True)],
+            data=lambda: [
+                orders_record(run, case.configuration, tests) for case, run in zip(cases, found, strict=True)
+            ],
             csv=lambda: [("", self.joined(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
                 (case.configuration + ending, figure)
@@ -132,82 +134,6 @@ def _compared(run: OrderResponse, tests: Tests, conventions: Any) -> Iterator[Ta
     for number, (name, measured) in enumerate(tests.items()):
         yield from [""] if number else []
         yield order_comparison(run, name, measured, conventions)
-
-
-def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str, Any]:
-    from torsionnet.response.order_sums import sums_of_lines
-    from torsionnet.response.worst_response import WorstResponse
-
-    return {
-        "title": run.title,
-        "configuration": case.configuration,
-        "speed_of": run.reference,
-        "speeds_rpm": run.rpm.tolist(),
-        "common_cycle_revolutions": run.revolutions,
-        "outputs": [
-            {
-                "output": channel.name,
-                "unit": channel.unit,
-                "half_range": run.half_range[:, place].tolist(),
-                "rms": run.rms[:, place].tolist(),
-                "cases": list(run.cases(channel.name)) if isinstance(run, WorstResponse) else None,
-                **_over_angles(run, place),
-                "orders": [
-                    {
-                        "excitation": line.excitation,
-                        "order": line.order,
-                        "fixed_Hz": line.fixed,
-                        "of_reference": float(line.relative),
-                        **_complex(run.values[:, number, place]),
-                    }
-                    for number, line in enumerate(run.lines)
-                ],
-                "sums": [
-                    {
-                        "lines": one.name,
-                        "fixed_Hz": one.fixed,
-                        "of_reference": one.order,
-                        **_complex(run.values[:, list(one.places), place].sum(axis=1)),
-                    }
-                    for one in sums_of_lines(run.lines)
-                ],
-                **({"measured": _test_data(run, channel.name, tests)} if tests else {}),
-            }
-            for place, channel in enumerate(run.outputs)
-        ],
-    }
-
-
-def _complex(values: ComplexArray) -> dict[str, list[float]]:
-    return {"real": values.real.tolist(), "imag": values.imag.tolist()}
-
-
-def _over_angles(run: OrderResponse, place: int) -> dict[str, Any]:
-    """JSON data on the phase angles between independent engines that make the half range largest and smallest."""
-    from torsionnet.response.worst_response import WorstResponse
-
-    if not isinstance(run, WorstResponse) or not run.angles:
-        return {}
-    return {
-        "angles_deg": {one.engine: one.degrees[:, place].tolist() for one in run.angles},
-        "smallest_half_range": run.least.half_range[:, place].tolist(),
-        "smallest_at_deg": {one.engine: one.degrees[:, place].tolist() for one in run.least.angles},
-    }
-
-
-def _test_data(run: OrderResponse, output: str, tests: Tests) -> list[dict[str, Any]]:
-    from torsionnet.core.units import RPM
-    from torsionnet.response.order_comparison import compared_orders
-
-    return [
-        {
-            "of_reference": pair.measured.order,
-            "speeds_rpm": (pair.measured.speeds * RPM).tolist(),
-            "measured": pair.measured.amplitude.tolist(),
-            "calculated": pair.calculated.tolist(),
-        }
-        for pair in compared_orders(run, output, tests[output])
-    ]
 
 
 command = click_command("orders", OrdersCommand)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import EXCITATION
@@ -63,7 +63,7 @@ class SensitivityCommand(ModelCommand):
         pairs = list(zip(cases, results, strict=True))
         return Answer(
             screen=lambda: [self.joined(cases, tables if every else [_largest(table) for table in tables])],
-            data=lambda: [_as_data(*pair, self.modes) for pair in pairs],
+            data=lambda: [effects.record(case.configuration, self.modes) for case, effects in pairs],
             csv=lambda: [("", self.joined(cases, tables))],
             figures=lambda plot: [
                 (case.configuration, plot.tornado(one, modes=list(self.modes) or None)) for case, one in pairs
@@ -105,30 +105,6 @@ def _largest(table: Table) -> Table:
     notes = [note for note in table.notes if note.startswith(seen) or note == COUNTING_NOTE]
     rest = f"the {EFFECTS_SHOWN} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
-
-
-def _as_data(case: ConfiguredCase, found: ModeSensitivities, modes: tuple[int, ...]) -> dict[str, Any]:
-    every = range(len(found.poles))
-    chosen = [mode for mode in every if found.number(mode) in modes] or every
-    return {
-        "title": found.title,
-        "configuration": case.configuration,
-        "parameters": list(found.parameters),
-        "values": found.values.tolist(),
-        "modes": [
-            {
-                "mode": found.number(mode),
-                "natural_frequency_Hz": float(found.natural_frequencies[mode]),
-                "damping_ratio": float(found.damping_ratios[mode]),
-                "frequency_percent_per_percent": found.relative_frequencies[mode].tolist(),
-                "damping_percent_per_percent": found.relative_dampings[mode].tolist(),
-                "d_frequency": found.frequency_slopes[mode].tolist(),
-                "d_damping": found.damping_slopes[mode].tolist(),
-            }
-            for mode in chosen
-        ],
-        "words": list(found.words()),
-    }
 
 
 command = click_command("sensitivity", SensitivityCommand)

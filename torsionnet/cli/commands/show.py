@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
@@ -30,12 +30,15 @@ class ShowCommand(ModelCommand):
     matrices: bool = option("--matrices", help="M, C, K in numbers.")
 
     def answer(self) -> Answer:
+        from torsionnet.cli.model_output import shown_model
         from torsionnet.model.overview import elements_table
 
         cases = self.cases()
         return Answer(
             screen=lambda: self.parts(cases),
-            data=lambda: [self.as_data(case) for case in cases],
+            data=lambda: [
+                shown_model(case.drivetrain, equations=self.equations, matrices=self.matrices) for case in cases
+            ],
             csv=lambda: [("", self.joined(cases, [elements_table(case.drivetrain) for case in cases]))],
             figures=lambda plot: [
                 (case.configuration, plot.schematic(case.drivetrain, boxes=self.boxes)) for case in cases
@@ -62,17 +65,6 @@ class ShowCommand(ModelCommand):
 
                 yield from [""] if self.equations else []
                 yield from separated_by_lines(matrix_tables(case.drivetrain))
-
-    def as_data(self, case: ConfiguredCase) -> dict[str, Any]:
-        from torsionnet.cli.commands.equations import equations_data, matrices_data
-        from torsionnet.model.overview import as_data
-
-        data = as_data(case.drivetrain)
-        if self.equations:
-            data["equations"] = equations_data(case.drivetrain)
-        if self.matrices:
-            data["matrices"] = matrices_data(case.drivetrain)
-        return data
 
 
 def _described(rig: Drivetrain) -> Iterator[Table | str]:

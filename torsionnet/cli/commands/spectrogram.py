@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
@@ -42,7 +42,7 @@ class SpectrogramCommand(RecordCommand):
         seen, shown = self.transformed(), Conventions(angle=self.angle)
         return Answer(
             screen=lambda: map(_table, seen),
-            data=lambda: list(map(_as_data, seen)),
+            data=lambda: [one.record() for one in seen],
             csv=lambda: [(one.name, _table(one, every=True)) for one in seen],
             figures=lambda plot: [
                 (one.name, plot.spectrogram(one, highest=self.highest, span=self.span, conventions=shown))
@@ -90,17 +90,6 @@ def _table(seen: Spectrogram, *, every: bool = False) -> Table:
     strongest = seen.amplitude.max(axis=0)
     rows = tuple(zip(*(values[::step].tolist() for values in (seen.times, seen.ridge, strongest)), strict=True))
     return Table(seen.name, columns, rows, seen.notes)
-
-
-def _as_data(seen: Spectrogram) -> dict[str, Any]:
-    return {
-        "channel": seen.name,
-        "unit": seen.unit,
-        "notes": list(seen.notes),
-        "times_s": seen.times.tolist(),
-        "frequencies_Hz": seen.frequencies.tolist(),
-        "amplitude": seen.amplitude.tolist(),
-    }
 
 
 command = click_command("spectrogram", SpectrogramCommand)

@@ -41,10 +41,7 @@ class StaticCommand(ModelCommand):
         cases, found = self._found()
         return Answer(
             screen=lambda: separated_by_lines(state.table(conventions) for state in found),
-            data=lambda: [
-                {"configuration": case.configuration, **state.to_data()}
-                for case, state in zip(cases, found, strict=True)
-            ],
+            data=lambda: [state.record(case.configuration) for case, state in zip(cases, found, strict=True)],
             csv=lambda: [("", self.joined(cases, [state.table(conventions) for state in found]))],
         )
 

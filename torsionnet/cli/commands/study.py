@@ -66,6 +66,7 @@ class StudyCommand(Command):
     )
 
     def answer(self) -> Answer:
+        from torsionnet.cli.study_output import study_json
         from torsionnet.io.formats.extras import require_extra
         from torsionnet.study.loading_study import load_study
 
@@ -79,7 +80,7 @@ class StudyCommand(Command):
             message("error", f"{name}: {error}")
         return Answer(
             screen=lambda: _screen(result, conclusions),
-            data=lambda: _as_data(study, answered),
+            data=lambda: study_json(study, answered),
             csv=lambda: _tables(result, conclusions),
             files=[(self.variants_file, lambda file: _write_variants(study, result, file))],
             figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
@@ -189,15 +190,6 @@ def _figures(plot: Any, study: Study, conclusions: Conclusions) -> list[tuple[st
 
     units = shown_units(study)
     return [(name, one.figure(plot, units=units)) for name, one in conclusions.items()]
-
-
-def _as_data(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
-    result = {} if answered.result is None else answered.result.to_data()
-    answers = {
-        name: {"sentences": list(one.sentences), "numbers": one.to_data()} for name, one in answered.conclusions.items()
-    }
-    unanswered = {name: str(error) for name, error in answered.unanswered.items()}
-    return {"title": study.title, **result, "answers": answers} | ({"unanswered": unanswered} if unanswered else {})
 
 
 def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:

@@ -134,7 +134,7 @@ class _HolzerWalk:
             carried = torque * link.ratio if link else 0.0
         if line.joins:
             self.branch_torques[line.joins] = self.branch_torques.get(line.joins, 0.0) + carried
-        return HolzerBranch(tuple(stations), line.joins)
+        return HolzerBranch(line.joins or None, tuple(stations))
 
     def _link(self, node: str, after: str, torque: float) -> HolzerLink:
         loads = self.tree[node][after]

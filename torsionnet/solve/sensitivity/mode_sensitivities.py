@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.core.result_rows import Out
 from torsionnet.model.channels import Sensor
-from torsionnet.response import Column, Table
-from torsionnet.response.mode_numbers import COUNTING_NOTE, RIGID
+from torsionnet.response import Table
+from torsionnet.response.mode_numbers import COUNTING_NOTE, MODE_NUMBER, RIGID
+from torsionnet.response.table import result_table
 from torsionnet.solve.dynamic_stiffness.transfer_request import driven
 from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
@@ -21,6 +24,45 @@ from torsionnet.solve.sensitivity.unknowns import unknowns
 SAME = 1e-6
 """Poles closer than this share of their size count as repeated."""
 STRONG = 0.05
+
+
+@dataclass(frozen=True)
+class ModeEffect:
+    """Effect of one parameter on one mode, relative and per SI unit of the parameter."""
+
+    mode: Annotated[int | None, Out("mode")]
+    natural_frequency: Annotated[float, Out("natural frequency", "Hz", digits=5)]
+    damping_ratio: Annotated[float, Out("damping ratio", "1", digits=4)]
+    parameter: Annotated[str, Out("parameter")]
+    frequency: Annotated[float, Out("frequency", "% per %", digits=3)]
+    damping: Annotated[float, Out("damping", "% per %", digits=3)]
+    d_frequency: Annotated[float, Out("d frequency", "Hz per SI unit", digits=4)]
+    d_damping: Annotated[float, Out("d damping", "per SI unit", digits=4)]
+
+
+@dataclass(frozen=True, eq=False)
+class SensitivityRow:
+    """One mode and the effects of all parameters on it, arrays of shape (n_p,)."""
+
+    mode: Annotated[int | None, Out(schema=MODE_NUMBER)]
+    natural_frequency: Annotated[float, Out(json="natural_frequency_Hz")]
+    damping_ratio: float
+    frequency: Annotated[FloatArray, Out(json="frequency_percent_per_percent")]
+    damping: Annotated[FloatArray, Out(json="damping_percent_per_percent")]
+    d_frequency: FloatArray
+    d_damping: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SensitivityRecord:
+    """Sensitivities of one configuration, as ``torsionnet sensitivity --json`` prints them."""
+
+    title: str
+    configuration: str
+    parameters: tuple[str, ...]
+    values: FloatArray
+    modes: tuple[SensitivityRow, ...]
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,31 +167,34 @@ class ModeSensitivities:
 
     def table(self) -> Table:
         """A row for each mode and parameter."""
-        columns = (
-            Column("mode"),
-            Column("natural frequency", "Hz", 5),
-            Column("damping ratio", "1", 4),
-            Column("parameter"),
-            Column("frequency", "% per %", 3),
-            Column("damping", "% per %", 3),
-            Column("d frequency", "Hz per SI unit", 4),
-            Column("d damping", "per SI unit", 4),
-        )
+        rows = [row for mode in range(len(self.poles)) for row in self.rows(mode)]
+        notes = (*self.words(), *self._counting)
+        return result_table(f"{self.title}: what moves the modes", rows, ModeEffect, notes=notes)
+
+    def rows(self, mode: int) -> list[ModeEffect]:
+        """Effects of all parameters on the mode at this index."""
+        about = self.number(mode), float(self.natural_frequencies[mode]), float(self.damping_ratios[mode])
+        effects = [
+            self.relative_frequencies[mode], self.relative_dampings[mode],
+            self.frequency_slopes[mode], self.damping_slopes[mode],
+        ]  # fmt: skip
+        return [
+            ModeEffect(*about, name, *numbers)
+            for name, numbers in zip(self.parameters, np.stack(effects, axis=1).tolist(), strict=True)
+        ]
+
+    def record(self, configuration: str = "", modes: Sequence[int] = ()) -> SensitivityRecord:
+        """Effects on all modes, or on those of some numbers, as plain data, for JSON."""
+        every = range(len(self.poles))
         rows = tuple(
-            (
-                self.number(mode),
-                float(self.natural_frequencies[mode]),
-                float(self.damping_ratios[mode]),
-                name,
-                float(self.relative_frequencies[mode, p]),
-                float(self.relative_dampings[mode, p]),
-                float(self.frequency_slopes[mode, p]),
-                float(self.damping_slopes[mode, p]),
+            SensitivityRow(
+                self.number(mode), float(self.natural_frequencies[mode]), float(self.damping_ratios[mode]),
+                self.relative_frequencies[mode], self.relative_dampings[mode],
+                self.frequency_slopes[mode], self.damping_slopes[mode],
             )
-            for mode in range(len(self.poles))
-            for p, name in enumerate(self.parameters)
-        )
-        return Table(f"{self.title}: what moves the modes", columns, rows, (*self.words(), *self._counting))
+            for mode in [mode for mode in every if self.number(mode) in modes] or every
+        )  # fmt: skip
+        return SensitivityRecord(self.title, configuration, self.parameters, self.values, rows, self.words())
 
 
 def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:

@@ -3,14 +3,42 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
 
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Json
+from torsionnet.core.entries.spec import Schema
+from torsionnet.core.result_rows import NUMBER, NUMBER_ROWS, NUMBERS, Out
 from torsionnet.study.quantities.quantity import QuantityForm
 from torsionnet.study.reductions.histogram import Histogram
 from torsionnet.study.reductions.moments import Moments
+
+OVER: Schema = {"enum": ["frequency", "speed"]}
+"""JSON Schema of what the points of a curve are."""
+NUMBER_OR_CURVE: Schema = {"anyOf": [NUMBER, NUMBERS], "description": "of a curve one for each point"}
+"""JSON Schema of a statistic of a number or of a curve."""
+OverPoints: TypeAlias = Annotated[Any, Out(schema=NUMBER_OR_CURVE)]
+"""Statistic of a number, or of a curve, (n_points,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class QuantityRow:
+    """Statistics of a quantity over all variants of one configuration, SI."""
+
+    quantity: str
+    configuration: str
+    unit: str
+    over: Annotated[str | None, Out(optional=True, schema=OVER)]
+    points: Annotated[FloatArray | None, Out(optional=True, schema=NUMBERS)]
+    variants: OverPoints
+    mean: OverPoints
+    standard_deviation: OverPoints
+    smallest: OverPoints
+    smallest_at: OverPoints
+    largest: OverPoints
+    largest_at: OverPoints
+    percentiles: Annotated[Any, Out(schema={"anyOf": [NUMBERS, NUMBER_ROWS]})]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,19 +53,16 @@ class Summary:
         """Percentiles (n_shares, n_points) at shares in per cent, within 0.2 % of themselves."""
         return self.histogram.percentiles(shares, len(self.measure.points))
 
-    def to_data(self, percentiles: FloatArray) -> dict[str, Json]:
-        """Statistics as JSON data in full precision, with percentiles (n_shares, n_points)."""
-        moments, is_curve = self.moments, self.measure.is_curve
-        known = {
-            "variants": moments.count,
-            "mean": moments.mean,
-            "standard_deviation": moments.deviation,
-            "smallest": moments.smallest,
-            "smallest_at": moments.smallest_at,
-            "largest": moments.largest,
-            "largest_at": moments.largest_at,
-        }
-        said = {key: array.tolist() if is_curve else array.tolist()[0] for key, array in known.items()}
-        said["percentiles"] = percentiles.tolist() if is_curve else percentiles[:, 0].tolist()
-        points = {"over": self.measure.over, "points": self.measure.points.tolist()} if is_curve else {}
-        return {"unit": self.measure.unit, **points, **said}
+    def row(self, name: str, configuration: str, percentiles: FloatArray) -> QuantityRow:
+        """Statistics as plain data, for JSON, with percentiles (n_shares, n_points)."""
+        is_curve = self.measure.is_curve
+        moments = self.moments
+        numbers = (
+            moments.count, moments.mean, moments.deviation, moments.smallest, moments.smallest_at, moments.largest,
+            moments.largest_at,
+        )  # fmt: skip
+        points = (self.measure.over, self.measure.points) if is_curve else (None, None)
+        shown = (array if is_curve else array[0] for array in numbers)
+        return QuantityRow(
+            name, configuration, self.measure.unit, *points, *shown, percentiles if is_curve else percentiles[:, 0]
+        )

@@ -1,0 +1,28 @@
+"""Model as ``torsionnet show --json`` prints it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from torsionnet.cli.commands.equations import MatricesRecord, Motion, equations_of_motion, matrices_record
+from torsionnet.core.result_rows import Out, json_schema
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.overview import ModelRecord, model_record
+
+
+@dataclass(frozen=True)
+class ShownModel(ModelRecord):
+    """Model with its values, and its equations of motion and matrices where these are asked for."""
+
+    equations: Annotated[Motion | None, Out(optional=True, schema=json_schema(Motion))]
+    matrices: Annotated[MatricesRecord | None, Out(optional=True, schema=json_schema(MatricesRecord))]
+
+
+def shown_model(rig: Drivetrain, *, equations: bool, matrices: bool) -> ShownModel:
+    """Model of one configuration as plain data, for JSON."""
+    return ShownModel(
+        **vars(model_record(rig)),
+        equations=equations_of_motion(rig) if equations else None,
+        matrices=matrices_record(rig) if matrices else None,
+    )

@@ -1,0 +1,48 @@
+"""Study and what was concluded from it, as ``torsionnet study --json`` prints them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from torsionnet.core.entries.spec import Schema
+from torsionnet.core.result_rows import Out, json_schema, to_json
+from torsionnet.study.run.answering import AnsweredStudy
+from torsionnet.study.study import Study
+from torsionnet.study.study_result import StatisticsRecord
+
+AS_ANSWERED: Schema = {"description": "as the type of the answer has them"}
+"""JSON Schema of the numbers of an answer."""
+
+
+@dataclass(frozen=True)
+class ConclusionRow:
+    """What one answer concludes, in words and numbers."""
+
+    sentences: tuple[str, ...]
+    numbers: Annotated[Any, Out(schema=AS_ANSWERED)]
+
+
+@dataclass(frozen=True)
+class StudyRecord:
+    """Title, answers, and why some could not be answered."""
+
+    title: str
+    answers: Mapping[str, ConclusionRow]
+    unanswered: Annotated[Mapping[str, str] | None, Out(optional=True, schema=json_schema(Mapping[str, str]))]
+
+
+def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
+    """JSON data of a study: statistics of its variants, if it has any, between the title and the answers."""
+    answers = {name: ConclusionRow(one.sentences, one.to_data()) for name, one in answered.conclusions.items()}
+    unanswered = {name: str(error) for name, error in answered.unanswered.items()}
+    record = to_json(StudyRecord(study.title, answers, unanswered or None))
+    statistics = {} if answered.result is None else answered.result.to_data()
+    return {"title": study.title, **statistics, **record}
+
+
+def study_schema() -> Schema:
+    """JSON Schema of the data of :func:`study_json`."""
+    whole, statistics = json_schema(StudyRecord), json_schema(StatisticsRecord)
+    return {**whole, "properties": {**statistics["properties"], **whole["properties"]}}

@@ -1,0 +1,90 @@
+"""Fits as plain data, for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.result_rows import NUMBER_ROWS, Out, json_schema
+from torsionnet.identification.fit_result import FitResult
+from torsionnet.identification.lack_of_fit import LackOfFit
+from torsionnet.identification.ranking import RankedCause, Ranking
+
+Intervals = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class FittedRow:
+    """Fitted value with its standard error and 95 % intervals, SI; ``true`` is the value of a known plant."""
+
+    name: str
+    value: float
+    standard_error: float
+    interval: Annotated[tuple[float, float], Out(json="interval_95")]
+    profile: Annotated[tuple[float, float] | None, Out(json="profile_95")]
+    unit: str
+    true: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedRow:
+    """Real and imaginary parts of test and fitted model for one measurement, SI, arrays of shape (2, n_f)."""
+
+    name: str
+    unit: str
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    misfit: float
+    measured: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    fitted: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+
+
+@dataclass(frozen=True)
+class RankingRecord:
+    """Ranked causes of a misfit alone, as ``torsionnet fit --rank --json`` prints them where nothing is fitted."""
+
+    ranking: tuple[RankedCause, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class FitRecord:
+    """Fit, as ``torsionnet fit --json`` prints it."""
+
+    title: str
+    parameters: tuple[FittedRow, ...]
+    correlation: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    chi_squared: float
+    degrees_of_freedom: int
+    aicc: float
+    verdicts: tuple[str, ...]
+    lack_of_fit: LackOfFit | None
+    notes: tuple[str, ...]
+    measurements: tuple[ComparedRow, ...]
+    ranking: Annotated[tuple[RankedCause, ...] | None, Out(optional=True, schema=json_schema(tuple[RankedCause, ...]))]
+
+
+def fit_record(found: FitResult, profiles: Intervals, true: Mapping[str, float], ranking: Ranking | None) -> FitRecord:
+    """Fit as plain data; ``profiles`` are intervals by profile likelihood, ``true`` values of a known plant."""
+    intervals = found.intervals()
+    parameters = tuple(
+        FittedRow(
+            name, value, found.standard_errors[name], intervals[name], profiles.get(name), found.units.get(name, ""),
+            true.get(name),
+        )
+        for name, value in found.values.items()
+    )  # fmt: skip
+    measurements = tuple(
+        ComparedRow(one.name, one.unit, one.frequencies, one.misfit, *map(_parts, (one.measured, one.fitted)))
+        for one in found.comparisons
+    )
+    return FitRecord(
+        found.title, parameters, found.correlation, found.chi_squared, found.degrees_of_freedom, found.aicc,
+        found.verdicts, found.lack_of_fit, found.notes, measurements, ranking and ranking.causes,
+    )  # fmt: skip
+
+
+def _parts(values: np.ndarray) -> FloatArray:
+    return np.stack([values.real, values.imag])
