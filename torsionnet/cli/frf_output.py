@@ -109,17 +109,11 @@ class PeakRow:
 
 
 @dataclass(frozen=True, eq=False)
-class SolvedCurveRow:
+class SolvedCurveRow(CurveRow):
     """Calculated transfer function of one output to one input: static value, peaks, values at all frequencies."""
 
-    output: str
-    input: str
-    quantity: str
-    unit: str
-    static: complex
-    peaks: tuple[PeakRow, ...]
-    real: FloatArray
-    imag: FloatArray
+    static: Annotated[complex, Out(after="unit")]
+    peaks: Annotated[tuple[PeakRow, ...], Out(after="static")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +156,7 @@ def responses_record(
             PeakRow(peak.frequency, peak.magnitude * scale, peak.phase) for peak in peaks(response, solve, o, i)
         )
         static = static_value(solve, o, i) * scale
-        *about, real, imag = _curve(response, conventions, o, i)
-        rows.append(SolvedCurveRow(*about, static, found, real, imag))
+        rows.append(SolvedCurveRow(**vars(_curve(response, conventions, o, i)), static=static, peaks=found))
     notes = (*response.notes, SIGN_NOTE)
     return ResponsesRecord(response.title, case.configuration, notes, response.frequencies, tuple(rows))
 
@@ -172,19 +165,18 @@ def estimated_responses_record(response: FrequencyResponse, conventions: Convent
     """Estimated response as plain data, for JSON: complex values in the angle unit chosen, and coherence."""
     coherence = response.coherence
     rows = tuple(
-        EstimatedCurveRow(*_curve(response, conventions, o, i), None if coherence is None else coherence[:, o, i])
+        EstimatedCurveRow(
+            **vars(_curve(response, conventions, o, i)), coherence=None if coherence is None else coherence[:, o, i]
+        )
         for o, i, _ in output_input_pairs(response)
     )
     return EstimateRecord(response.title, response.notes, response.usable_up_to, response.frequencies, rows)
 
 
-def _curve(
-    response: FrequencyResponse, conventions: Conventions, o: int, i: int
-) -> tuple[str, str, str, str, FloatArray, FloatArray]:
-    """Output, input, quantity, unit, real and imaginary part of one transfer function."""
+def _curve(response: FrequencyResponse, conventions: Conventions, o: int, i: int) -> CurveRow:
     values = response.values[:, o, i] * response.scale(conventions, o, i)
     names = response.outputs[o].name, response.inputs[i].name
-    return (*names, response.kind(o, i), response.unit(o, i, conventions), values.real, values.imag)
+    return CurveRow(*names, response.kind(o, i), response.unit(o, i, conventions), values.real, values.imag)
 
 
 @dataclass(frozen=True)
@@ -216,7 +208,8 @@ def comparison_record(test: FrequencyResponse, model: FrequencyResponse, convent
 
     apart, table = difference(test, model), agreement(test, model, conventions)
     return ComparisonRecord(
-        *(estimated_responses_record(response, conventions) for response in (test, model)),
+        estimated_responses_record(test, conventions),
+        estimated_responses_record(model, conventions),
         apart.decibels[:, 0, 0],
         apart.degrees[:, 0, 0],
         tuple(AgreementRow(*row) for row in table.rows),

@@ -42,7 +42,7 @@ def output_schema(command: str) -> Schema:
     place = OUTPUTS[command]
     module, names = place.removeprefix("list[").removesuffix("]").split(":")
     schemas = [_schema(getattr(import_module(module), name)) for name in names.split("|")]
-    one = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
+    one: Schema = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
     return {"type": "array", "items": one} if place.startswith("list[") else one
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from torsionnet.core.entries.spec import Schema
-from torsionnet.core.result_rows import Out, json_schema, to_json
+from torsionnet.core.result_rows import Out, json_schema, out_fields, record_schema, to_json
 from torsionnet.study.run.answering import AnsweredStudy
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StatisticsRecord
@@ -44,5 +44,6 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
 def study_schema() -> Schema:
     """JSON Schema of the data of :func:`study_json`."""
-    whole, statistics = json_schema(StudyRecord), json_schema(StatisticsRecord)
-    return {**whole, "properties": {**statistics["properties"], **whole["properties"]}}
+    fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
+    properties = {str(one.key): one.out.schema or json_schema(one.type) for one in fields}
+    return record_schema(properties, optional=properties.keys() - {"title", "answers"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import types
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
@@ -46,7 +46,7 @@ class Out:
     factor : float
         Number in the column over the value of the field.
     after : str
-        Field that a property follows in JSON and tables; empty: it is before all fields.
+        Field that this one follows in JSON and tables; empty: fields stand as declared, properties before them.
     optional : bool
         Whether JSON leaves the key out where the value is None.
     schema : mapping or None
@@ -81,14 +81,21 @@ class OutField(NamedTuple):
 def out_fields(kind: type) -> tuple[OutField, ...]:
     """Fields of a result class in the order of JSON; of its properties those that are declared."""
     hints = get_type_hints(kind, include_extras=True)
-    found = [_declared(field.name, hints[field.name]) for field in dataclasses.fields(kind)]
+    found: list[OutField] = []
+    for field in dataclasses.fields(kind):
+        _insert(found, _declared(field.name, hints[field.name]), len(found))
     for name, member in ((name, member) for base in reversed(kind.__mro__) for name, member in vars(base).items()):
         if isinstance(member, property):
             one = _declared(name, get_type_hints(member.fget, include_extras=True).get("return"))
             if one.out != Out():
-                places = [place for place, other in enumerate(found, 1) if other.name == one.out.after]
-                found.insert(places[0] if places else 0, one)
+                _insert(found, one, 0)
     return tuple(found)
+
+
+def _insert(found: list[OutField], one: OutField, otherwise: int) -> None:
+    """Insert a field behind the one that it follows, or at the place given."""
+    places = [place for place, other in enumerate(found, 1) if other.name == one.out.after]
+    found.insert(places[0] if places else otherwise, one)
 
 
 def _declared(name: str, annotation: Any) -> OutField:
@@ -114,7 +121,7 @@ def to_json(value: Any) -> Any:
     return value
 
 
-def record_schema(properties: Mapping[str, Schema], optional: frozenset[str] = frozenset()) -> Schema:
+def record_schema(properties: Mapping[str, Schema], optional: Collection[str] = ()) -> Schema:
     """JSON Schema of an object with these keys and no others."""
     return {
         "type": "object",
@@ -156,4 +163,4 @@ def json_schema(kind: Any) -> Schema:
         raise TypeError(f"no JSON Schema is known of {kind}; give one by Out(schema=...)")
     fields = [one for one in out_fields(kind) if one.key is not None]  # type: ignore[arg-type]
     properties = {str(one.key): one.out.schema or json_schema(one.type) for one in fields}
-    return record_schema(properties, frozenset(str(one.key) for one in fields if one.out.optional))
+    return record_schema(properties, [str(one.key) for one in fields if one.out.optional])

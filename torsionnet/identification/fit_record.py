@@ -82,7 +82,7 @@ def fit_record(found: FitResult, profiles: Intervals, true: Mapping[str, float],
     )
     return FitRecord(
         found.title, parameters, found.correlation, found.chi_squared, found.degrees_of_freedom, found.aicc,
-        found.verdicts, found.lack_of_fit, found.notes, measurements, ranking and ranking.causes,
+        found.verdicts, found.lack_of_fit, found.notes, measurements, None if ranking is None else ranking.causes,
     )  # fmt: skip
 
 

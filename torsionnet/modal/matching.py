@@ -231,7 +231,7 @@ class IdentifiedModesRecord:
 
 def identified_modes_record(found: ModalEstimate, compared: Match | None) -> IdentifiedModesRecord:
     """Identified modes as plain data, for JSON, with the modes of a model that they were compared with."""
-    pairs = compared and tuple(
+    pairs = None if compared is None else tuple(
         MatchedMode(i + 1, compared.model_numbers[m], *errors)
         for i, m, *errors in zip(
             compared.identified.tolist(), compared.model.tolist(), compared.frequency_errors.tolist(),

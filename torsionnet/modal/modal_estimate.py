@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
 from torsionnet.response import SI, Channel, Column, Conventions, FrequencyResponse, Table
+from torsionnet.response.mode_numbers import MODE_KIND
 from torsionnet.response.table import result_table
 
 
@@ -26,7 +27,7 @@ class IdentifiedMode:
     """One identified mode with standard errors; shape by sensor, 1 at the sensor that moves most."""
 
     mode: Annotated[int, Out("mode")]
-    kind: Annotated[Literal["rigid body", "real pole", "oscillatory"], Out("kind")]
+    kind: Annotated[str, Out("kind", schema=MODE_KIND)]
     natural_frequency: Annotated[float, Out("natural frequency |lambda|/2pi", "Hz", "natural_frequency_Hz")]
     frequency_error: Annotated[float, Out("+-", "Hz", "standard_error_Hz", digits=2)]
     damping_ratio: Annotated[float, Out("damping ratio", "1")]

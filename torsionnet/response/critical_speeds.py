@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated
 
@@ -170,7 +170,8 @@ class CriticalSpeed:
         vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
         return CriticalSpeedRow(
             self.mode.number, self.excitation, self.order, self.fixed, self.order * float(self.ratio),
-            *map(self.speed, FREQUENCY_FIELDS), self.margin, self.required, self.generalised_force, self.relative_force,
+            self.speed("undamped"), self.speed("natural"), self.speed("damped"), self.margin, self.required,
+            self.generalised_force, self.relative_force,
             self.excited, self.excited_in, self.peaks, tuple(StarVector(*one) for one in vectors),
         )  # fmt: skip
 
@@ -343,10 +344,7 @@ class CriticalSpeeds:
 
     def record(self, configuration: str = "") -> CriticalSpeedsRecord:
         """Critical speeds as plain data, for JSON."""
-        modes = (
-            ModeWithShape(*(getattr(mode, one.name) for one in fields(mode)), self.shape(mode.number))
-            for mode in self.modes
-        )
+        modes = (ModeWithShape(**vars(mode), shape_by_node=self.shape(mode.number)) for mode in self.modes)
         return CriticalSpeedsRecord(
             self.title, configuration, self.reference, self.speed_range, str(self.rule) if self.rule else None,
             tuple(modes), tuple(one.row() for one in self.crossings),

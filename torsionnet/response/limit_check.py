@@ -319,10 +319,10 @@ class LimitCheck:
 
     def row(self, one: LimitVerdict) -> LimitRow:
         """Verdict as plain data, for JSON."""
-        at = one.worst
-        worst = [None] * 4 if at is None else [float(each[at]) for each in
-                 (self.rpm, one.values, one.allowed, one.utilisation)]  # fmt: skip
-        return LimitRow(
-            one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict, *worst, rpm_spans(one.barred),
-            one.values, one.allowed, one.text.source, one.text.formula, one.text.not_covered, one.remarks,
-        )  # fmt: skip
+        at, spans = one.worst, rpm_spans(one.barred)
+        text = (one.text.source, one.text.formula, one.text.not_covered, one.remarks)
+        about = (one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict)
+        if at is None:
+            return LimitRow(*about, None, None, None, None, spans, one.values, one.allowed, *text)
+        worst = (float(self.rpm[at]), float(one.values[at]), float(one.allowed[at]), float(one.utilisation[at]))
+        return LimitRow(*about, *worst, spans, one.values, one.allowed, *text)

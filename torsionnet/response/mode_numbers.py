@@ -12,6 +12,8 @@ MODE_NUMBER: Schema = {"type": ["integer", "null"], "description": "null for rig
 """JSON Schema of the number of a mode."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 """Kinds of modes."""
+MODE_KIND: Schema = {"enum": [RIGID, REAL, OSCILLATORY]}
+"""JSON Schema of the kind of a mode."""
 COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
 """Note below tables of modes on how they are counted."""
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from torsionnet.core.result_rows import Out
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.mode_numbers import (
     COUNTING_NOTE,
+    MODE_KIND,
     MODE_NUMBER,
     OSCILLATORY,
     REAL,
@@ -44,7 +45,7 @@ class ModeRow:
     """One mode: SI units and Hz, shape by node (1 at the node that moves most), energy shares by element."""
 
     mode: Annotated[int | None, Out("mode", schema=MODE_NUMBER)]
-    kind: Annotated[Literal["rigid body", "real pole", "oscillatory"], Out("kind")]
+    kind: Annotated[str, Out("kind", schema=MODE_KIND)]
     natural_frequency: Annotated[float, Out("natural frequency |lambda|/2pi", "Hz", "natural_frequency_Hz")]
     damped_frequency: Annotated[float, Out("damped frequency Im lambda/2pi", "Hz", "damped_frequency_Hz")]
     damping_ratio: Annotated[float, Out("damping ratio", "1")]

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated
 
 from torsionnet.cli.command import JSON, Answer, Command, click_command
+from torsionnet.core.entries.spec import Schema
 from torsionnet.core.result_rows import Out
+
+LIBRARY_KIND: Schema = {"enum": ["model", "part", "catalogue", "study"]}
+"""JSON Schema of the kind of a file of the library."""
 
 
 @dataclass(frozen=True)
@@ -14,7 +18,7 @@ class LibraryRow:
     """File of the library, as ``torsionnet library --json`` prints it."""
 
     name: Annotated[str, Out("name")]
-    kind: Annotated[Literal["model", "part", "catalogue", "study"], Out("kind")]
+    kind: Annotated[str, Out("kind", schema=LIBRARY_KIND)]
     what: Annotated[str, Out("what")]
     source: Annotated[str, Out("source")]
     file: str

@@ -55,14 +55,15 @@ class Summary:
 
     def row(self, name: str, configuration: str, percentiles: FloatArray) -> QuantityRow:
         """Statistics as plain data, for JSON, with percentiles (n_shares, n_points)."""
-        is_curve = self.measure.is_curve
-        moments = self.moments
-        numbers = (
-            moments.count, moments.mean, moments.deviation, moments.smallest, moments.smallest_at, moments.largest,
-            moments.largest_at,
-        )  # fmt: skip
-        points = (self.measure.over, self.measure.points) if is_curve else (None, None)
-        shown = (array if is_curve else array[0] for array in numbers)
+        moments, is_curve = self.moments, self.measure.is_curve
+
+        def shown(array: Any) -> Any:
+            return array if is_curve else array[0]
+
         return QuantityRow(
-            name, configuration, self.measure.unit, *points, *shown, percentiles if is_curve else percentiles[:, 0]
-        )
+            name, configuration, self.measure.unit,
+            self.measure.over if is_curve else None, self.measure.points if is_curve else None,
+            shown(moments.count), shown(moments.mean), shown(moments.deviation), shown(moments.smallest),
+            shown(moments.smallest_at), shown(moments.largest), shown(moments.largest_at),
+            percentiles if is_curve else percentiles[:, 0],
+        )  # fmt: skip
