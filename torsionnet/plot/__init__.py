@@ -1,4 +1,4 @@
-"""Pictures of drivetrains and results. Each function returns a matplotlib figure and shows or writes nothing."""
+"""Pictures of drivetrains and results as matplotlib figures, which are neither shown nor written to files."""
 
 from torsionnet.core.lazy import lazy_exports
 

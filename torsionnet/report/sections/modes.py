@@ -203,12 +203,12 @@ def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[n
 
 def _shapes(subject: ReportData) -> Picture:
     from torsionnet.plot.shape_grid import shape_grid
-    from torsionnet.plot.shapes import view_of
+    from torsionnet.plot.shapes import shape_view
 
     cases, modes = subject.cases[:MOST_DRAWN], subject.modes[:MOST_DRAWN]
     drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.configuration for case in cases])
     rest = len(subject.cases) - len(cases)
-    views = [view_of(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
+    views = [shape_view(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
     geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
     caption = (
         f"Mode shapes: {views[0].label.removesuffix(' [-]')}, the largest 1. Filled dots are the real part; open dots "
