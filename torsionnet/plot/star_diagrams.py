@@ -26,8 +26,8 @@ COVERING_COSINE = 0.95
 def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> Figure:
     """Star diagrams with the phase vectors of the cylinders in colour and their sum in black.
 
-    Orders with equal vectors share a diagram. Angles are those of the torques, zero to the right, counter-clockwise; the circle is one cylinder at the largest
-    amplitude.
+    Orders with equal vectors share a diagram. Angles are those of the torques, zero to the right, counter-clockwise;
+    the circle is one cylinder at the largest amplitude.
 
     Parameters
     ----------
