@@ -36,7 +36,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.map_answer import MapFound, ParameterMap
+    from torsionnet.study.answers.map_answer import MapResult, ParameterMap
 
 MOST_CONTOUR_LINES = 9
 """Contour lines at most; more would hide the colours."""
@@ -52,7 +52,7 @@ LABEL_LINE = 0.155
 """Height in inches of a line of a label."""
 
 
-def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def contour_map(found: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Contours of a quantity over two parameters, a panel for each configuration; a limit of the quantity in red.
 
     Colours are the same in all configurations. An axis is logarithmic if the values of its parameter have equal
@@ -60,7 +60,7 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
 
     Parameters
     ----------
-    found : MapFound
+    found : MapResult
         What the answer ``map`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -109,7 +109,7 @@ class _Labels:
     height: float
 
     @classmethod
-    def within(cls, found: MapFound, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
+    def within(cls, found: MapResult, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
         """Labels for panels in columns and rows; ``apart`` inches are kept for numbers along y between panels."""
         high = HEIGHTS[columns]
         y = axis_label(found.y[0], units.unit(*found.y), high)
@@ -123,7 +123,7 @@ class _Labels:
         return cls(x, y, bar, width, height)
 
 
-def _besides(found: MapFound) -> str:
+def _besides(found: MapResult) -> str:
     """Remark at the bar of colours: the choice of the other parameters, and the meaning of blank fields."""
     over = "" if found.others == "fixed" else f"{found.others} over the others"
     blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else "blank where there is none"
@@ -143,7 +143,7 @@ def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
     return np.linspace(low, high, COLOURS + 1), Normalize(low, high)
 
 
-def _axes_of(found: MapFound, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
+def _axes_of(found: MapResult, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
     return one.x * units.scale(*found.x), one.y * units.scale(*found.y)
 
 
@@ -184,7 +184,7 @@ def _lines(here: FloatArray) -> Any:
     return 10.0 ** np.arange(first, last + 1, max(1, (last - first) // MOST_CONTOUR_LINES))
 
 
-def _limits(axes: Axes, found: MapFound, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
+def _limits(axes: Axes, found: MapResult, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
     here = values[np.isfinite(values)]
     if found.limit is None or not len(here):
         return
@@ -194,7 +194,7 @@ def _limits(axes: Axes, found: MapFound, at: tuple[FloatArray, FloatArray], valu
 
 
 def _bar(
-    figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
+    figure: Figure, found: MapResult, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
 ) -> None:
     unit, scale = units.unit(*found.quantity), units.scale(*found.quantity)
     bar: Colorbar = figure.colorbar(colours, ax=panels, shrink=0.9)

@@ -15,19 +15,21 @@ from torsionnet.plot.study.study_axes import BEYOND_COLOR, log_axis, text_rows
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.failure_probability import FailureFound
+    from torsionnet.study.answers.failure_probability import FailureProbabilityResult
     from torsionnet.study.answers.rare_event import RareEvent
 
 LEAST_LOG_RATIO = 4.0
 """Ratio of the ends of an axis below which it stays linear, as it would have hardly a number on a log scale."""
 
 
-def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def failure_probabilities(
+    found: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None
+) -> Figure:
     """Probabilities that a limit is not kept, by configuration, with intervals; hollow where not to be trusted.
 
     Parameters
     ----------
-    found : FailureFound
+    found : FailureProbabilityResult
         What the answer ``failure_probability`` of a study found.
     units : ShownUnits, optional
         Probabilities have none.

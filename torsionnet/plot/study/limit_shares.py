@@ -21,7 +21,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.study.answers.draws_beyond import LimitedValues
-    from torsionnet.study.answers.yield_answer import YieldFound
+    from torsionnet.study.answers.yield_answer import YieldResult
 
 SIDE_MARGIN = 0.05
 """Margin at the sides over the range of all values and near limits."""
@@ -31,12 +31,12 @@ LEGEND_LINE = 0.165
 """Height in inches of a line of the legend."""
 
 
-def limit_shares(found: YieldFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def limit_shares(found: YieldResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Distributions of the variants of each configuration about every limit, with the range beyond it shaded.
 
     Parameters
     ----------
-    found : YieldFound
+    found : YieldResult
         What the answer ``yield`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -56,7 +56,7 @@ def limit_shares(found: YieldFound, *, units: ShownUnits = IN_SI, title: str | N
     return figure
 
 
-def _panel(axes: Axes, found: YieldFound, distributions: list[LimitedValues], units: ShownUnits) -> None:
+def _panel(axes: Axes, found: YieldResult, distributions: list[LimitedValues], units: ShownUnits) -> None:
     first = distributions[0]
     scale = units.scale(first.curve or first.quantity, first.unit)
     for number, one in enumerate(distributions):
@@ -74,7 +74,7 @@ def _panel(axes: Axes, found: YieldFound, distributions: list[LimitedValues], un
     (legend_inside if len(distributions) <= MOST_NAMES_INSIDE else legend_beside)(axes)
 
 
-def _label(found: YieldFound, one: LimitedValues) -> str:
+def _label(found: YieldResult, one: LimitedValues) -> str:
     share = next(
         (each.share for each in found.shares
          if each.configuration == one.configuration and f" {one.quantity} " in f" {each.limit} "), None,

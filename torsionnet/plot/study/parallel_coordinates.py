@@ -27,7 +27,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.parallel_coordinates_answer import ParallelFound
+    from torsionnet.study.answers.parallel_coordinates_answer import ParallelCoordinatesResult
 
 WIDE_RANGE = 100.0
 """Ratio of the largest to the smallest value from which an axis is logarithmic."""
@@ -37,14 +37,16 @@ AXIS_DISTANCE, TALL_PANEL, LOW_PANEL, MOST_TALL = 0.95, 2.6, 1.5, 4
 """Inches between two axes, of a tall and of a low panel; configurations up to which panels are tall."""
 
 
-def parallel_coordinates(found: ParallelFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def parallel_coordinates(
+    found: ParallelCoordinatesResult, *, units: ShownUnits = IN_SI, title: str | None = None
+) -> Figure:
     """Variants as lines across parallel axes of parameters and quantities, those beyond a limit in red.
 
     Each configuration has a panel; the ends of an axis are the extreme values in all configurations.
 
     Parameters
     ----------
-    found : ParallelFound
+    found : ParallelCoordinatesResult
         What the answer ``parallel_coordinates`` of a study found.
     units : ShownUnits, optional
         By default SI.

@@ -23,7 +23,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.percentile_bands_answer import BandsFound
+    from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
 
 MOST_COLUMNS = 3
 """Panels side by side at most; narrower ones have no room for numbers along the axis."""
@@ -31,12 +31,12 @@ PANEL_HEIGHT = 2.3
 """Height of a panel in inches."""
 
 
-def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def percentile_bands(found: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Percentiles of curves as bands, one within the other, the middle one as a line; a panel for each configuration.
 
     Parameters
     ----------
-    found : BandsFound
+    found : PercentileBandsResult
         What the answer ``percentile_bands`` of a study found.
     units : ShownUnits, optional
         By default SI.

@@ -24,7 +24,7 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.scatter_answer import ScatterFound
+    from torsionnet.study.answers.scatter_answer import ScatterResult
 
 MANY_POINTS = 3000
 """Points from which their density is drawn, as single points would cover each other."""
@@ -39,13 +39,13 @@ WIDE_RANGE = 30.0
 
 
 def scatter_matrix(
-    found: ScatterFound, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
+    found: ScatterResult, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
     """Scatter plots of every quantity over every parameter, with the rank correlation in the corner.
 
     Parameters
     ----------
-    found : ScatterFound
+    found : ScatterResult
         What the answer ``scatter`` of a study found.
     configuration : str, optional
         By default all, distinguished by colours; densities are drawn of all together.
@@ -88,7 +88,7 @@ def scatter_matrix(
     return figure
 
 
-def _strongest(found: ScatterFound, cases: list[str]) -> list[str]:
+def _strongest(found: ScatterResult, cases: list[str]) -> list[str]:
     sizes = np.nan_to_num(
         np.max([np.abs(one.coefficients) for (case, _), one in found.correlations.items() if case in cases], axis=0)
     )
@@ -96,7 +96,7 @@ def _strongest(found: ScatterFound, cases: list[str]) -> list[str]:
     return [list(found.parameter_units)[place] for place in kept]
 
 
-def _columns(found: ScatterFound, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
+def _columns(found: ScatterResult, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
     return {case: scale * found.points[case][name] for case in cases}
 
 
@@ -138,7 +138,7 @@ def _scaled(axes: Axes, side: str, columns: dict[str, FloatArray]) -> None:
         (axes.set_xlim if side == "x" else axes.set_ylim)(*ends)
 
 
-def _coefficient(axes: Axes, found: ScatterFound, cases: list[str], parameter: str, quantity: str) -> None:
+def _coefficient(axes: Axes, found: ScatterResult, cases: list[str], parameter: str, quantity: str) -> None:
     place = list(found.parameter_units).index(parameter)
     values = np.array([found.correlations[case, quantity].coefficients[place] for case in cases])
     if np.isnan(values).all():

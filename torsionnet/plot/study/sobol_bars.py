@@ -15,7 +15,7 @@ from torsionnet.plot.study.study_axes import bars_legend, panel_title, parameter
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.sobol_indices import SobolEstimates, SobolFound
+    from torsionnet.study.answers.sobol_indices import SobolEstimates, SobolResult
 
 BAR_HEIGHT = 0.36
 """Height of a bar over that of a row: two bars with a gap to the next row."""
@@ -25,12 +25,12 @@ AXIS_ENDS = -0.1, 1.15
 """Ends of the axis of indices, at which wider intervals are cut off: indices lie between 0 and 1."""
 
 
-def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def sobol_indices(found: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Sobol indices (first-order and total) of every parameter; a panel for each quantity and configuration.
 
     Parameters
     ----------
-    found : SobolFound
+    found : SobolResult
         What the answer ``sobol_indices`` of a study found.
     units : ShownUnits, optional
         Shares have none.
@@ -59,7 +59,7 @@ def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | 
     return figure
 
 
-def _matrix(found: SobolFound, cases: list[str]) -> Figure:
+def _matrix(found: SobolResult, cases: list[str]) -> Figure:
     """Figure with a matrix of the total indices, without first-order indices."""
     quantities = list(dict.fromkeys(name for _, name in found.indices))
     totals = {name: np.column_stack([found.indices[case, name].total for case in cases]) for name in quantities}
@@ -67,7 +67,7 @@ def _matrix(found: SobolFound, cases: list[str]) -> Figure:
     return parameter_matrix(totals, found.parameters, cases, dict.fromkeys(quantities, scale))
 
 
-def _by_quantity(found: SobolFound) -> list[tuple[tuple[str, str], SobolEstimates]]:
+def _by_quantity(found: SobolResult) -> list[tuple[tuple[str, str], SobolEstimates]]:
     names = list(dict.fromkeys(name for _, name in found.indices))
     return sorted(found.indices.items(), key=lambda one: names.index(one[0][1]))
 

@@ -24,18 +24,18 @@ from torsionnet.plot.study.study_axes import (
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.tornado_answer import Swings, TornadoFound
+    from torsionnet.study.answers.tornado_answer import Swings, TornadoResult
 
 MOST_PARAMETERS = 12
 """Parameters in a panel, those with the widest bars."""
 
 
-def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def study_tornado(found: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Bars from the value of a quantity at the low end of each parameter to that at its high end, the widest on top.
 
     Parameters
     ----------
-    found : TornadoFound
+    found : TornadoResult
         What the answer ``tornado`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -66,7 +66,7 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
     return figure
 
 
-def _matrix(found: TornadoFound, units: ShownUnits) -> Figure:
+def _matrix(found: TornadoResult, units: ShownUnits) -> Figure:
     """Figure with a matrix of the changes from the low to the high end of each parameter, for many panels."""
     names, cases = list(found.parameter_units), list(found.spans)
     changes, scales = {}, {}

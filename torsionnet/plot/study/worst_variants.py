@@ -15,7 +15,7 @@ from torsionnet.plot.study.study_axes import axis_label, legend_below, parameter
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.worst_case_answer import WorstCaseFound, WorstVariant
+    from torsionnet.study.answers.worst_case_answer import WorstCaseResult, WorstVariant
 
 COLORS = {"largest": style.PALETTE[1], "smallest": style.PALETTE[0]}
 MOST_PANELS = 4
@@ -26,12 +26,12 @@ PLACES = {"v": "at the lower bound", "^": "at the upper bound", "o": "between"}
 HALF_WIDTH = style.WIDTH / 2  # inches
 
 
-def worst_variants(found: WorstCaseFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def worst_variants(found: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Values of a quantity as given and in the worst case on the left, parameters within tolerances on the right.
 
     Parameters
     ----------
-    found : WorstCaseFound
+    found : WorstCaseResult
         What the answer ``worst_case`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -56,7 +56,7 @@ def worst_variants(found: WorstCaseFound, *, units: ShownUnits = IN_SI, title: s
     return figure
 
 
-def _panels(found: WorstCaseFound, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
+def _panels(found: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
     """Figure with a row of panels for each configuration."""
     lines = max(axis_label(name, "", HALF_WIDTH / 2).count("\n") + 1 for name in names)
     height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
@@ -74,7 +74,7 @@ def _panels(found: WorstCaseFound, cases: list[str], names: list[str], units: Sh
     return figure
 
 
-def _table(found: WorstCaseFound, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
+def _table(found: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
     """Figure with a row for each configuration and direction: the value, and marks for the places of parameters."""
     figure = style.new_figure(max(style.WIDTH, HALF_WIDTH + 0.45 * len(names)), 1.9 + 0.38 * len(cases))
     values, places = figure.subplots(1, 2, sharey=True)

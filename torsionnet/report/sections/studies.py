@@ -25,7 +25,7 @@ from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import capital, sentence, symbol_or_words, unit
 from torsionnet.report.sections.varied_parameters import correlations, varied_parameters
 from torsionnet.report.shown_numbers import in_shown_units
-from torsionnet.study.run.answering import asked_in
+from torsionnet.study.run.answering import study_for_answers
 from torsionnet.study.shown_units import ShownUnits, shown_units
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
         blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
         blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
-    with asked_in(study, result.folder) as (asked, _):
+    with study_for_answers(study, result.folder) as (asked, _):
         blocks += [
             _answer(subject, asked, result, f"study_{number}_{place}", name, units)
             for place, name in enumerate(study.answers, 1)
@@ -111,7 +111,7 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
 
     answer, title = study.answers[name], (capital(name.replace("_", " ")),)
     try:
-        found = answer.found(study, result)
+        found = answer.conclude(study, result)
     except SolveError as error:
         text = sentence(f"{answer.kind.replace('_', ' ')}: {error}", subject.model)
         return Section(file, title, (Remark("warning", text),))

@@ -68,7 +68,7 @@ class BestDamper(StudyAnswer):
             except UsageError as error:
                 yield Fault(str(error), (name,))
 
-    def found(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
         del result
         parameters, _ = bounded(study.model, self.design)
         evaluator, asked = study.evaluator(), self.to_data()
