@@ -323,12 +323,12 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     >>> usable(tn.load("dmf_rig"))
     (['T_M'], ['theta_1', 'T_T'])
     """
-    nodes, stills = set(drivetrain.nodes), drivetrain.assembly.kinematics.stills
+    nodes, holds_row = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds_row
 
     def acts(channel: Input | Sensor) -> bool:
         if channel.is_on_element:
             return channel.of in drivetrain.elements
-        return nodes.issuperset(channel.nodes) and not stills(channel.row)
+        return nodes.issuperset(channel.nodes) and not holds_row(channel.row)
 
     tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
     inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)

@@ -192,8 +192,8 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
         name = one.element_entry[1]
         row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
         return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
-    stills = drivetrain.assembly.kinematics.stills
-    return {node: _sense(drivetrain, node, reference) for node in one.nodes if not stills(one.channel(node).row)}
+    holds_row = drivetrain.assembly.kinematics.holds_row
+    return {node: _sense(drivetrain, node, reference) for node in one.nodes if not holds_row(one.channel(node).row)}
 
 
 def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
