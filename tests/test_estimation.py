@@ -14,7 +14,7 @@ from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.advice import half_power_bandwidth, peaks, remarks, resolution_limit
 from torsionnet.signals.comparison import difference, frac
 from torsionnet.signals.estimators import estimate, multiple_coherence
-from torsionnet.signals.record_blocks import in_order
+from torsionnet.signals.record_blocks import blocks_in_order
 from torsionnet.signals.single_tests import Step, full_record, stepped_sine
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.uncertainty import random_error, random_errors
@@ -324,8 +324,8 @@ class TestBlocks:
 
     def test_which_blocks_follow_on_each_other(self):
         whole = recorded(T=white(100))
-        assert [follows for _, follows in in_order(self.cut(whole, 30, 60))] == [False, True, True]
-        assert [follows for _, follows in in_order([whole, whole])] == [False, False]
+        assert [follows for _, follows in blocks_in_order(self.cut(whole, 30, 60))] == [False, True, True]
+        assert [follows for _, follows in blocks_in_order([whole, whole])] == [False, False]
 
     @pytest.mark.parametrize(
         ("blocks", "message"),

@@ -18,7 +18,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import SI, Conventions, FrequencyResponse
 from torsionnet.response.phase import HALF_TURN, unwrapped
-from torsionnet.signals.advice import is_coherent, meant_up_to
+from torsionnet.signals.advice import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10
 """Conditioning of a measured input below which its ranges are shaded as not to be trusted."""
@@ -198,7 +198,7 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
 
 def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Frequencies at which an output is usable, and those at which it is usable or coherent (all if there are none)."""
-    is_usable = np.asarray(response.frequencies <= meant_up_to(response, output))
+    is_usable = np.asarray(response.frequencies <= above_noise_up_to(response, output))
     found = is_usable | is_coherent(response, output)
     return is_usable, found if found.any() else np.ones_like(found)
 

@@ -1,4 +1,4 @@
-"""Recorded and simulated signals: records, processing, and the frequency responses estimated from them."""
+"""Recorded and simulated signals, their processing, and the frequency responses estimated from them."""
 
 from torsionnet.core.lazy import lazy_exports
 

@@ -108,11 +108,11 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
 
 
 def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]]:
-    from torsionnet.signals.advice import meant_up_to, peaks
+    from torsionnet.signals.advice import above_noise_up_to, peaks
 
     if not len(response.frequencies):
         return []
-    found = peaks(response.between(0, meant_up_to(response, o)).magnitude[:, o, i])
+    found = peaks(response.between(0, above_noise_up_to(response, o)).magnitude[:, o, i])
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
 
 
