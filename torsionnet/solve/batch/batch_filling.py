@@ -1,4 +1,4 @@
-"""The arrays of a batch while passes over its variants fill them."""
+"""Arrays of a batch under construction, filled by passes over the variants."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.solve.batch.variant_numbers import Decisions, column
 
 
 class Filling:
-    """Coefficients that start as those of the drivetrain, and what is known of every variant."""
+    """Batch under construction: coefficients, at first those of the drivetrain, and the state of every variant."""
 
     def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
         self.drivetrain: AssembledModel = drivetrain
@@ -37,13 +37,13 @@ class Filling:
         self.apart, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
 
     def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:
-        """The variants that have followed every decision of a pass."""
+        """Pass restricted to the variants that have followed every decision of the first one."""
         own = places[decisions.follows]
         self.known[own] = ~decisions.unsure[decisions.follows]
         return FollowingPass(self, own, decisions.follows)
 
     def settle(self) -> None:
-        """Variants apart, and those of which no pass could tell: whether they are possible at all, each by itself."""
+        """Mark variants without certain coefficients as apart, and those refused by ``configured`` as impossible."""
         finite = np.ones(self.count, dtype=bool)
         for array in (self.inertia, self.damping, self.stiffness):
             finite &= np.isfinite(array).all(axis=1)
@@ -70,21 +70,21 @@ class Filling:
 
 @dataclass(frozen=True, eq=False)
 class FollowingPass:
-    """Variants ``own`` that a pass has right numbers for; ``follows`` tells them from others in these numbers."""
+    """Variants ``own`` with valid numbers in a pass; ``follows`` selects them in the numbers of the pass."""
 
     filling: Filling
     own: NDArray[np.intp]
     follows: NDArray[np.bool_]
 
     def mark_apart(self) -> None:
-        """They have rows of their own."""
+        """Mark the variants of the pass as apart, since their rows differ from those of the drivetrain."""
         self.filling.apart[self.own] = True
 
     def _column(self, number: Any) -> FloatArray:
         return column(number, len(self.follows))[self.follows]
 
     def take(self, law: Law, number: int | None) -> None:
-        """The coefficients of a law; ``number`` is None where the drivetrain has it without any effect."""
+        """Store the coefficients of a law; ``number`` is None where the law has no effect in the drivetrain."""
         filling, own = self.filling, self.own
         entries = law.inertia, law.damping, law.stiffness, law.loss_factor
         inertia, damping, stiffness, loss = map(self._column, entries)
@@ -108,7 +108,7 @@ class FollowingPass:
         self.filling.dynamic.append(BatchedStiffness(number, self.own, of, coefficients))
 
     def take_modulus(self, name: str, modulus: Any) -> None:
-        """The section modulus of a shaft."""
+        """Store the section modulus of a shaft as a ratio to that in the drivetrain."""
         drivetrain = self.filling.drivetrain
         known = float(section_modulus(drivetrain.elements[name], Values(drivetrain.exact_values)))
         ratios = self.filling.moduli.setdefault(name, np.ones(self.filling.count))

@@ -1,4 +1,4 @@
-"""Modes of many variants of a drivetrain: as stacks of matrices, and singly where those leave a doubt."""
+"""Modes of many variants of a drivetrain: as stacks of matrices, and singly where those are uncertain."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class BatchedModes:
 
     @classmethod
     def of_drivetrain(cls, drivetrain: AssembledModel, modes: Modes) -> BatchedModes:
-        """The modes of a drivetrain with its own values, as of the only variant."""
+        """Modes of a drivetrain at its own values, as those of a batch of one variant."""
         return cls(
             drivetrain,
             {},
@@ -85,28 +85,28 @@ class BatchedModes:
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """(n, n_modes), ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes); 0 for a rigid-body mode."""
         return frequencies_of(self.eigenvalues)
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """(n, n_modes), ``-Re lambda / |lambda|``; 1 for a stable real pole, NaN for a rigid-body mode."""
+        """Damping ratios ``-Re lambda / |lambda|``, (n, n_modes); 1 for stable real poles, NaN for rigid-body modes."""
         return ratios_of(self.eigenvalues)
 
 
 def frequencies_of(eigenvalues: ComplexArray) -> FloatArray:
-    """Natural frequencies in Hz."""
+    """Natural frequencies in Hz of eigenvalues in rad/s."""
     return np.asarray(np.abs(eigenvalues) / (2 * np.pi))
 
 
 def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
-    """Damping ratios; NaN for rigid-body modes."""
+    """Damping ratios of eigenvalues; NaN for rigid-body modes."""
     with np.errstate(invalid="ignore"):
         return np.asarray(-eigenvalues.real / np.abs(eigenvalues) + 0.0)
 
 
 def batched_modes(batch: Batch) -> BatchedModes:
-    """Modes of every variant of a batch: those of ``batch.model(i).modes()`` to 1e-9.
+    """Modes of all variants of a batch, equal to ``batch.model(i).modes()`` within 1e-9.
 
     Variants that stacks of matrices leave a doubt about are solved singly, and so are all of a drivetrain with torques
     that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
@@ -123,7 +123,7 @@ def batched_modes(batch: Batch) -> BatchedModes:
 
 
 def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> BatchedModes:
-    """Modes of variants that have no batch, as their rows differ: each solved by itself."""
+    """Modes of variants that have no batch because their rows differ, each solved by itself."""
     n = len(next(iter(values.values())))
     found = _Gathered(n, len(drivetrain.assembly.nodes))
     for place in range(n):
@@ -133,7 +133,7 @@ def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -
 
 
 def stacked_coefficients(batch: Batch) -> Coefficients | None:
-    """Coefficients of all variants; None where they do not say all, as with actions and tables over frequency."""
+    """Coefficients of the laws of all variants; None with actions or with stiffness tables over frequency."""
     if batch.drivetrain.assembly.system.actions:
         return None
     stiffness, loss = batch.stiffness.copy(), np.zeros_like(batch.stiffness)
@@ -158,7 +158,7 @@ def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None
 
 
 class _Gathered:
-    """Modes of n variants as they come in; NaN where there are none."""
+    """Modes of n variants under construction; NaN where there are none."""
 
     def __init__(self, n: int, n_nodes: int) -> None:
         self.eigenvalues = np.full((n, 0), np.nan, dtype=complex)
@@ -171,7 +171,7 @@ class _Gathered:
     def put(
         self, places: NDArray[np.intp] | list[int], values: ComplexArray, shapes: ComplexArray, undamped: FloatArray
     ) -> None:
-        """Modes of some variants: rad/s, shapes over nodes, rad/s."""
+        """Store modes of some variants: eigenvalues in rad/s, shapes over nodes, undamped frequencies in rad/s."""
         self.eigenvalues = _widened(self.eigenvalues, values.shape[-1])
         self.shapes = _widened(self.shapes, values.shape[-1])
         self.undamped = _widened(self.undamped, undamped.shape[-1])
@@ -181,7 +181,7 @@ class _Gathered:
         self.done[places] = True
 
     def solve(self, place: int, make: Callable[[], AssembledModel]) -> None:
-        """Modes of one variant as those of a single drivetrain; nothing comes in of one that cannot be."""
+        """Solve one variant as a single drivetrain and store its modes; impossible variants get a note instead."""
         try:
             model = make()
             found, doubts = natural_modes(model)

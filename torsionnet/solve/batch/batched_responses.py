@@ -1,4 +1,4 @@
-"""Transfer functions of a batch of variants."""
+"""Transfer functions of all variants of a batch."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from torsionnet.solve.responses.transfer import Evaluated, evaluate_laws, respon
 from torsionnet.solve.responses.zero import at_zero
 
 POINTS = 100_000
-"""Variants times frequencies that are solved together, which bounds the memory."""
+"""Number of variants times frequencies that are solved together, which bounds the memory."""
 
 
 class SingleAssemblies(Sequence[Assembly]):
-    """The assembly of each variant, made when it is asked for."""
+    """Sequence of the assemblies of all variants, each made when indexed."""
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
@@ -53,7 +53,7 @@ def batched_responses(
     method: str = "auto",
     refused: Callable[[TorsionnetError], None] = _raised,
 ) -> Evaluated:
-    """Transfer functions of all variants at frequencies >= 0.
+    """Transfer functions of all variants of a batch at frequencies >= 0.
 
     Variants that are ``apart`` are solved by themselves; those that are impossible have NaN.
 
@@ -116,7 +116,7 @@ def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np
 
 
 def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
-    """Of variants with the same rows."""
+    """Transfer functions of variants with the same rows."""
     moving, shape = f > 0, (len(batch), len(f))
     if moving.all():
         found = evaluate_laws(batch.law_stiffness(2 * np.pi * f), SingleAssemblies(batch), request, f, method)
@@ -148,7 +148,7 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
 
 
 def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
-    """Stresses by the sections of the variants, in place; the request has those of the drivetrain."""
+    """Scale stresses in place by the section moduli of the variants; the request has those of the drivetrain."""
     for place, reading in enumerate((*request.outputs, *(request.measured if request.is_measured else ()))):
         sensor = reading.sensor
         if sensor is None or sensor.quantity != "stress" or sensor.of not in batch.moduli:

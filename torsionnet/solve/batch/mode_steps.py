@@ -1,4 +1,4 @@
-"""Which mode of a variant continues which mode of a variant next to it.
+"""Matching of the modes of neighbouring variants along their eigenvalues.
 
 Modes are followed along their eigenvalues: neighbours whose states have most of their energy in common are the same
 mode. Where two modes have changed places in between and could have met, a shorter step says whether they did.
@@ -16,16 +16,17 @@ from torsionnet.solve.batch.mode_states import common_energy
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 
 ALIKE = 0.8
-"""Energy in common from which on neighbours are the same mode."""
+"""Energy in common (MAC of states) from which modes of neighbouring variants are taken as the same mode."""
 LEAST = 0.5
-"""Energy in common below which a mode has no successor."""
+"""Energy in common (MAC of states) below which a mode has no successor: less than half of it is the same motion."""
 NONE = -1
+"""Column number that marks a missing mode."""
 
 Columns = NDArray[np.intp]
 
 
 class Followed(NamedTuple):
-    """Modes of n variants in the order of those they continue: (n, m) rad/s, NaN for those lost, and their states."""
+    """Modes of n variants in the order of those they continue: eigenvalues (n, m) in rad/s, and states."""
 
     values: ComplexArray
     states: ComplexArray
@@ -35,7 +36,7 @@ class Followed(NamedTuple):
 
 
 def taken(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
-    """The columns along the last axis; NaN for those that are not there."""
+    """Array with these columns of its last axis; NaN for columns marked as missing."""
     if not array.shape[-1]:
         return np.full((*array.shape[:-1], columns.shape[-1]), np.nan, dtype=array.dtype)
     found = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
@@ -43,14 +44,14 @@ def taken(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
 
 
 class Successors(NamedTuple):
-    """Columns (n, m) of the modes that continue each mode, ``NONE`` for none, and where nothing else is possible."""
+    """Columns (n, m) of the modes that continue each mode, missing ones marked, and mask of unambiguous variants."""
 
     columns: Columns
     clear: NDArray[np.bool_]
 
 
 def successors(known: Followed, found: Followed) -> Successors:
-    """The modes of some variants that continue those of variants next to them, where a look tells.
+    """Modes of variants that continue the modes of neighbouring variants, where that is unambiguous.
 
     Parameters
     ----------
@@ -71,7 +72,7 @@ def successors(known: Followed, found: Followed) -> Successors:
 
 
 def _slower(known: Followed, found: Followed, alike: FloatArray) -> Columns:
-    """The most alike; of two real poles that a vibration falls into, when it is damped too much, the slower one."""
+    """Column of the most similar mode; the slower of two real poles into which an overdamped vibration falls."""
     best = alike.max(axis=2, keepdims=True)
     real = _is_real(found.values)[:, None, :]
     chosen = np.argmax(alike, axis=2)
@@ -81,7 +82,7 @@ def _slower(known: Followed, found: Followed, alike: FloatArray) -> Columns:
 
 
 def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_]:
-    """Pairs (n, m, m) of modes that have changed places and moved far enough to have met."""
+    """Mask of pairs (n, m, m) of modes that have changed order and moved far enough to have met."""
     order = [_order(np.abs(values)) for values in (before, after)]
     kinds = [(values.imag > 0)[:, :, None] == (values.imag > 0)[:, None, :] for values in (before, after)]
     moved = np.abs(after - before)
@@ -91,7 +92,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
 
 
 def _order(sizes: FloatArray) -> FloatArray:
-    """1 or -1 for pairs of which the first or the second is larger, 0 for equal ones."""
+    """Sign of the size difference of all pairs: 1 or -1, 0 for equal ones."""
     apart = _differences(sizes)
     return np.where(np.abs(apart) > EQUAL_EIGENVALUES * sizes[:, :, None], np.sign(apart), 0.0)
 
@@ -101,7 +102,7 @@ def _differences(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def assigned(known: Followed, found: Followed) -> Columns:
-    """Of one variant (n = 1) the modes that continue each mode when no look tells: most energy in common in all.
+    """Columns that continue each mode of one ambiguous variant, chosen for most energy in common overall.
 
     Of two real poles that have become one vibration the slower one goes on.
     """

@@ -1,4 +1,4 @@
-"""Which mode of each variant is which mode of the drivetrain itself.
+"""Mode tracking: the modes of variants in the order of the modes of their drivetrain.
 
 A mode is followed along its eigenvalue from the drivetrain's own values to those of the variant. Where every mode is
 most like the one of the same rank among its kind, nothing has to be followed. Otherwise the values move in steps, each
@@ -37,11 +37,11 @@ from torsionnet.solve.batch.tracking_notes import tracking_notes
 from torsionnet.solve.modes.modes import natural_modes
 
 MIXED = 0.2
-"""MAC with another mode of the drivetrain from which on a mode is marked."""
+"""MAC with another mode of the drivetrain from which a mode is marked as veering: lower marks more modes."""
 
 
 AT_ONCE = 500
-"""Variants whose states are held at a time."""
+"""Number of variants whose states are held in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,32 +78,32 @@ class TrackedModes:
 
     @cached_property
     def eigenvalues(self) -> ComplexArray:
-        """(n, n_modes), rad/s; NaN where a variant lacks a mode."""
+        """Eigenvalues in rad/s, shape (n, n_modes); NaN where a variant lacks a mode."""
         return taken(self.found.eigenvalues, self.columns)
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """(n, n_modes), ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes); 0 for a rigid-body mode."""
         return frequencies_of(self.eigenvalues)
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """(n, n_modes); 1 for a stable real pole, NaN for a rigid-body mode."""
+        """Damping ratios, shape (n, n_modes); 1 for a stable real pole, NaN for a rigid-body mode."""
         return ratios_of(self.eigenvalues)
 
     @cached_property
     def shapes(self) -> ComplexArray:
-        """(n, n_nodes, n_modes)."""
+        """Mode shapes, shape (n, n_nodes, n_modes)."""
         return taken(self.found.shapes, self.columns[:, None, :])
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """What has happened to modes on the way to variants, in words."""
+        """Sentences on modes that come near each other, become overdamped or get lost over the variants."""
         return tracking_notes(self.reference.eigenvalues, self.eigenvalues, self.veering, self.partners)
 
 
 def tracked(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
-    """The modes of variants in the order of the modes of their drivetrain.
+    """Modes of variants in the order of the modes of their drivetrain, tracked along their eigenvalues.
 
     Parameters
     ----------
@@ -145,14 +145,14 @@ def tracked(found: BatchedModes, reference: Modes | None = None) -> TrackedModes
 
 
 def _parts(found: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Followed]]:
-    """Some variants at a time, and all their modes."""
+    """Yield places of some variants at a time, with all their modes."""
     for start in range(0, len(places), AT_ONCE):
         some = places[start : start + AT_ONCE]
         yield some, Followed(found.eigenvalues[some], mode_states(found, some))
 
 
 def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:
-    """Columns (n, m) of the modes of the same kind and rank, ``NONE`` where a variant has fewer."""
+    """Columns (n, m) of the modes of the same kind and rank, marked as missing where a variant has fewer."""
     columns = np.full((len(here), there.shape[1]), NONE)
     for of_kind in (_rigid, _real, _vibrating):
         wanted, have = np.flatnonzero(of_kind(there[0])), of_kind(here)
@@ -175,7 +175,7 @@ def _vibrating(values: ComplexArray) -> NDArray[np.bool_]:
 
 
 def _compared(there: Followed, here: Followed, columns: Columns) -> tuple[FloatArray, FloatArray, Columns]:
-    """MAC (n, m) with the mode of the drivetrain, the largest with another vibration of it, and with which.
+    """MAC (n, m) with the own mode of the drivetrain, largest MAC with another vibration, and its number.
 
     NaN for lost modes.
     """

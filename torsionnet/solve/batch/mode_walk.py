@@ -1,4 +1,4 @@
-"""Modes followed from a drivetrain to its variants, in steps of the values that are as short as they have to be."""
+"""Stepwise tracking of modes from a drivetrain to its variants, with steps as short as needed."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from torsionnet.solve.batch.mode_states import mode_states
 from torsionnet.solve.batch.mode_steps import NONE, Columns, Followed, assigned, successors, taken
 
 FIRST_STEP = 0.25
+"""Share of the way to a variant that the first step takes; shorter ones cost solutions, longer ones get halved."""
 SHORTEST = 2.0**-12
 """Share of the way from the drivetrain to a variant that is the shortest step, doubled for a variant whenever not even
 that told modes apart: a way along which nothing is clear is given up after a dozen of them."""
 
 
 class ModeWalk:
-    """Ways from a drivetrain to variants of it.
+    """Stepwise tracking of modes from a drivetrain to variants of it.
 
     Parameters
     ----------
@@ -34,7 +35,7 @@ class ModeWalk:
         self._plan = None if found.batch is None else batch_plan(found.drivetrain, found.values)
 
     def columns(self, places: NDArray[np.intp], arrived: Followed) -> Columns:
-        """Columns (n, m) in which the modes stand that continue those of the drivetrain.
+        """Columns (n, m) of the variants' modes that continue those of the drivetrain.
 
         Parameters
         ----------
@@ -89,7 +90,7 @@ class ModeWalk:
 
 
 def _between(home: Mapping[str, float], ends: Mapping[str, FloatArray], shares: FloatArray) -> dict[str, FloatArray]:
-    """Values at shares of straight ways, in logarithms where both ends have one sign."""
+    """Parameter values at shares of the ways, in logarithms where both ends have the same sign."""
     values = {}
     for name, end in ends.items():
         start = float(home[name])

@@ -1,4 +1,4 @@
-"""What variants with the same rows and the same acting laws have in common: which directions are rigid or massless."""
+"""Rigid and massless directions common to variants with the same rows and the same acting laws."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import beside, echelon, requir
 
 @dataclass(frozen=True, eq=False)
 class SharedDirections:
-    """Bases (n_q, ...) of coordinate directions that follow from the rows and never from sizes of coefficients.
+    """Bases (n_q, ...) of coordinate directions that follow from rows alone, never from sizes of coefficients.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class SharedDirections:
 
     @property
     def n_moving(self) -> int:
-        """Coordinates with inertia."""
+        """Number of directions with inertia."""
         return int(self.rows.shape[1] - self.damped.shape[1] - self.held.shape[1])
 
     @property
@@ -47,12 +47,12 @@ class SharedDirections:
 
     @property
     def vibrations(self) -> int:
-        """Those of inertias and springs without dampers."""
+        """Number of vibrations of inertias and springs without dampers."""
         return int(min(self.n_moving - self.undamped_rigid.shape[1], self.spring_rank - self.held.shape[1]))
 
     @classmethod
     def of(cls, system: RowSystem) -> SharedDirections:
-        """Of a system of which only the signs of the coefficients count.
+        """Shared directions of a system, of which only the signs of the coefficients count.
 
         Raises
         ------

@@ -21,18 +21,20 @@ from torsionnet.solve.modes.spectrum import on_real_axis
 
 _EPS = float(np.finfo(float).eps)
 SAFETY = 4.0
+"""Factor on the error estimate of eigenvalues; a larger value sends more variants to the single solver."""
 SAFETY_MASSLESS = 100.0
+"""Factor on the error estimate with massless directions, whose elimination adds rounding errors."""
 
 
 class StackedVibrations(NamedTuple):
-    """Nonzero eigenvalues (n, m) by size, their vectors (n, n_q, m), and relative errors (n, m)."""
+    """Nonzero eigenvalues (n, m) ordered by size, their vectors (n, n_q, m), and relative errors (n, m)."""
 
     values: ComplexArray
     vectors: ComplexArray
     errors: FloatArray
 
     def taken(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
-        """Of some variants these columns (n, m)."""
+        """Vibrations of some variants in these columns (n, m)."""
         return StackedVibrations(
             np.take_along_axis(self.values[some], columns, axis=1),
             np.take_along_axis(self.vectors[some], columns[:, None, :], axis=2),
@@ -44,6 +46,7 @@ Some: TypeAlias = tuple[NDArray[np.intp], StackedVibrations]
 
 
 def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
+    """Vibrations of variants without damping, in ascending order of frequency."""
     form = stacked_form(directions, given)
     _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
     rates, states = sigma[:, ::-1], vt.mT[:, :, ::-1]
@@ -52,7 +55,7 @@ def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> St
 
 
 def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """Variants with as many modes as each other: a product's bits may depend on the number of its columns."""
+    """Yield vibrations of variants with viscous damping, grouped by their number of modes."""
     found = _every(directions, given)
     real = on_real_axis(found.values)
     kept = (found.values.imag > 0) | real
@@ -67,7 +70,7 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
 
 
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """The same where springs have a loss factor, as ``frozen_stiffness`` sees them.
+    """Yield vibrations of variants with hysteretic springs, as ``frozen_stiffness`` defines them, grouped likewise.
 
     Real poles are those of the elastic springs. There are as many vibrations as these have; of the eigenvalues above
     the real axis they are the least damped ones, since the loss moves real poles off that axis.
@@ -95,13 +98,13 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
 
 
 def _settling(values: ComplexArray, given: Coefficients) -> ComplexArray:
-    """Growth of variants that nothing drives is rounding."""
+    """Eigenvalues in which the growth of passive variants, which is rounding, is set to zero."""
     passive = ((given.damping >= 0) & (given.loss >= 0)).all(axis=1, keepdims=True)
     return np.asarray(np.where(passive, np.minimum(values.real, 0.0), values.real) + 1j * values.imag)
 
 
 def _every(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
-    """All eigenvalues, conjugates included."""
+    """All eigenvalues of the first-order forms, conjugates included."""
     form = stacked_form(directions, given)
     values, states = (np.asarray(found, dtype=complex) for found in np.linalg.eig(form.matrix))
     sign = np.where(np.arange(states.shape[1]) < form.coupling.shape[2], 1.0, -1.0)[:, None]
@@ -115,7 +118,7 @@ def _safety(directions: SharedDirections) -> float:
 
 
 def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -> FloatArray:
-    """Torques (n, m) that remain in each mode, of the sum of the magnitudes of their terms."""
+    """Residual torques (n, m) of each mode, relative to the sum of the magnitudes of their terms."""
     z, motion, sizes = found.values[:, None, :], rows @ found.vectors, np.abs(rows)
     J, c, elastic, loss = (part[:, :, None] for part in given)
     k: AnyArray = elastic

@@ -1,4 +1,4 @@
-"""One number of many variants at a time: every element's law becomes that of all variants.
+"""Numbers that hold the value of a parameter in all variants, with which elements evaluate their laws at once.
 
 Elements decide by values now and then. Such a decision falls as the first variant has it; those of which it would fall
 otherwise are left for another pass, in which one of them is the first. No decision is guessed at.
@@ -19,13 +19,13 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.expressions import Algebra
 
 CANCELLED = 1e-3
-"""A sum that is this much smaller than its terms has lost digits that exact fractions would have kept."""
+"""Ratio of a sum to its terms below which the sum has lost digits that exact fractions would have kept."""
 MOST_PASSES = 64
-"""Kinds of decisions; variants with still others are looked at one by one."""
+"""Largest number of passes, one per kind of decisions; variants of further kinds are looked at one by one."""
 
 
 class Decisions:
-    """What a pass has decided so far, over its variants.
+    """Decisions of elements in a pass, as they fall for the first variant.
 
     Attributes
     ----------
@@ -40,14 +40,14 @@ class Decisions:
         self.unsure = np.zeros(count, dtype=bool)
 
     def fallen(self, answers: Any) -> bool:
-        """How the first variant decides."""
+        """Decision of the first variant; variants that would decide otherwise are marked as not following."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first
 
 
 class VariantNumber:
-    """A number of every variant, (n,)."""
+    """Number with a value for each variant, shape (n,)."""
 
     __slots__ = ("decisions", "values")
     __array_ufunc__ = None  # numpy leaves arithmetic with it to the methods below
@@ -142,12 +142,12 @@ VARIANTS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
 
 
 def column(number: Any, count: int) -> FloatArray:
-    """A number of every variant, (count,)."""
+    """Values of a number in every variant, shape (count,)."""
     return number.values if isinstance(number, VariantNumber) else np.full(count, float(number))
 
 
 def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
-    """Places of variants and the decisions of a pass over them, until every variant has followed one.
+    """Yield places of variants and the decisions of a pass over them, until every variant has followed one.
 
     Those of a kind beyond :data:`MOST_PASSES` come in no pass.
     """

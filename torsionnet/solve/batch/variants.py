@@ -1,4 +1,4 @@
-"""Transfer functions of many variants of a drivetrain: those with the same rows are solved together."""
+"""Transfer functions of many variants of a drivetrain, with those of the same rows solved together."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def frequency_responses(
     excitation: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponses:
-    """See :meth:`torsionnet.Drivetrain.frequency_responses`."""
+    """Frequency responses of variants of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_responses`."""
     known_method(method)
     parameters = _columns(variants)
     request = remembered(drivetrain, output, input, excitation)
@@ -59,7 +59,7 @@ def frequency_responses(
 
 
 def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> Batch | None:
-    """All variants in arrays, or None where most have rows or acting laws of their own.
+    """Batch of all variants, or None where most have rows or acting laws of their own.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> 
 def _grouped(
     copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
 ) -> Evaluated:
-    """Variants made one by one; neighbours with the same request are solved together."""
+    """Transfer functions of variants made one by one; neighbours with the same request are solved together."""
     parts: list[Evaluated] = []
     requests = [ask(copy) for copy in copies]
     for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):

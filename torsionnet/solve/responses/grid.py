@@ -1,4 +1,4 @@
-"""Frequencies that resolve every peak: equal steps of phase across each resonance, between evenly spaced ones."""
+"""Frequency grids that resolve every peak: equal steps of phase across each resonance, between evenly spaced points."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 
 STEEPEST = 85.0
-"""Degrees of phase to either side of a resonance; beyond, the flanks are smooth."""
+"""Degrees of phase to either side of a resonance that get dense points; beyond, the flanks are smooth."""
 NARROWEST = 1e-6
 """Half-width of a peak without damping, as a share of its frequency."""
 BELOW, ABOVE = 10.0, 2.0
 FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
 WITHOUT_MODES = (0.1, 100.0)
 CLOSEST = 1e-10
-"""Of a frequency: points nearer to each other than this count as one."""
+"""Relative distance of frequencies below which two points count as one: rounding would show as peaks between them."""
 
 
 @dataclass(frozen=True)
 class Adaptive:
-    """A range of frequencies with as many points as its peaks need; pass it as ``frequencies=``.
+    """Frequency range with as many points as its peaks need; pass it as ``frequencies=``.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Adaptive:
             raise UsageError(f"a range of frequencies needs 0 <= start < stop and points, got {self}")
 
     def frequencies(self, *modes: Modes) -> FloatArray:
-        """All of them in Hz, ascending, for the modes of a drivetrain."""
+        """Frequencies in Hz, ascending, that resolve the peaks of these modes."""
         spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
         phase = np.radians(np.linspace(-STEEPEST, STEEPEST, self.per_peak))
         found = [np.asarray(spaced(self.start, self.stop, self.points))]
@@ -70,7 +70,7 @@ class Adaptive:
 
 
 def vibration_range(*modes: Modes) -> tuple[float, float]:
-    """Hz: from a tenth of the lowest to twice the highest vibration of all, on round numbers.
+    """Frequency range in Hz from a tenth of the lowest to twice the highest vibration of all modes, on round numbers.
 
     >>> import torsionnet as tn
     >>> vibration_range(tn.load("dmf_rig").modes())
@@ -83,7 +83,7 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:
-    """Hz: what to look at first, around the lowest few vibrations of each, on round numbers.
+    """Frequency range in Hz to be shown first, around the lowest few vibrations of each drivetrain, on round numbers.
 
     >>> import torsionnet as tn
     >>> opening_range(tn.load("six_cylinder_diesel").modes())
@@ -97,7 +97,7 @@ def opening_range(*modes: Modes) -> tuple[float, float]:
 
 
 def rounded(value: float, *, up: bool) -> float:
-    """The next 1, 2 or 5 times a power of ten.
+    """Next round number of the series 1, 2, 5 times a power of ten, up or down from a value.
 
     >>> rounded(0.71, up=False), rounded(162, up=True)
     (0.5, 200.0)

@@ -1,4 +1,4 @@
-"""Stability margins of a controlled drivetrain, from its exact loop with delays and without a fit."""
+"""Stability margins of a controlled drivetrain, from its exact open loop with delays and without a fit."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ from torsionnet.solve.modes.modes import natural_modes
 
 POINTS, NEAR = 2000, 60
 HALVINGS = 50
+"""Bisections of an interval in which the loop crosses a margin: 50 reach the spacing of double precision."""
 
 
 def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> LoopMargins:
-    """See :meth:`torsionnet.Drivetrain.loop_margins`."""
+    """Stability margins of a controller's loop; see :meth:`torsionnet.Drivetrain.loop_margins`."""
     actions = drivetrain.assembly.system.actions
     name = _chosen(drivetrain, controller, actions)
     place = [one.owner for one in actions].index(name)
@@ -62,7 +63,7 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
 
 
 def opened(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
-    """L (n_f,) at the action of this number: 1 + L = det W / det W', W = I - kappa Y of all loops, W' without it."""
+    """Open loop L (n_f,) at the action of this number, with all other loops closed."""
     assembly = drivetrain.assembly
     posed = pose(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
@@ -80,7 +81,7 @@ def opened(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> C
 
 
 def _frequencies(undamped: FloatArray, damped: FloatArray, actions: tuple[ActionLaw, ...]) -> FloatArray:
-    """Hz: from far below to far above everything, close to every resonance of the drivetrain with and without loops."""
+    """Frequencies in Hz for the open loop, dense around every resonance of the drivetrain with and without loops."""
     marks = [float(f) for f in (*undamped, *damped) if f > 0]
     for one in actions:
         roots = np.roots([float(value) for value in reversed(one.denominator)])
@@ -96,7 +97,7 @@ def _met(
     at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray,
     what: Callable[[ComplexArray], NDArray[np.float64]],
 ) -> FloatArray:  # fmt: skip
-    """Frequencies at which a property of the loop changes its sign, all brackets halved at once."""
+    """Frequencies at which a property of the loop changes its sign, by bisection of all brackets at once."""
     sign = np.sign(what(loop))
     places = np.flatnonzero(sign[:-1] * sign[1:] < 0)
     low, high, below = f[places], f[places + 1], sign[places]
@@ -116,7 +117,7 @@ def _gains(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
 
 
 def _phases(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
-    """Smallest angle, and shortest delay, that turn L of magnitude one into -1."""
+    """Phase margin, the smallest angle, and delay margin, the shortest delay, that turn L of magnitude one into -1."""
     every = np.isclose(np.abs(loop), 1, rtol=1e-6)
     angle = np.degrees(np.angle(-loop))
     with np.errstate(all="ignore"):
@@ -136,7 +137,7 @@ def _best(
 
 
 def _modulus(at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray) -> Margin:
-    """The smallest distance from -1, refined between the neighbours of the closest point."""
+    """Modulus margin, the smallest distance of L from -1, refined between the neighbours of the closest point."""
     place = int(np.argmin(np.abs(1 + loop)))
     low, high = f[max(place - 1, 0)], f[min(place + 1, len(f) - 1)]
     for _ in range(6):

@@ -29,7 +29,7 @@ from torsionnet.solve.responses.uncertain import settled
 from torsionnet.solve.responses.zero import at_zero
 
 POOR = 1e-10
-"""A measured input smaller than this share of its own terms all but vanishes."""
+"""Ratio of a measured input to the sum of its terms' magnitudes below which it all but vanishes and is warned of."""
 
 
 def frequency_response(
@@ -41,7 +41,7 @@ def frequency_response(
     excitation: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponse:
-    """See :meth:`torsionnet.Drivetrain.frequency_response`."""
+    """Frequency response of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_response`."""
     known_method(method)
     request = remembered(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
@@ -59,7 +59,7 @@ def frequency_response(
 
 
 def known_method(method: str) -> None:
-    """Refuse a method that does not exist."""
+    """Refuse a solver method that does not exist."""
     if method not in METHODS:
         raise UsageError(f'no method is named "{method}"; choose {", ".join(METHODS)}')
 
@@ -67,7 +67,7 @@ def known_method(method: str) -> None:
 def chosen_frequencies(
     drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
-    """The frequencies asked for, Hz."""
+    """Frequencies in Hz of a request, as given or as an adaptive range resolves them."""
     return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
 
@@ -93,7 +93,7 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 
 
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
-    """Values at zero frequency: the static solution where it is finite and beyond doubt, else the limit."""
+    """Values at zero frequency: the static solution where finite and certain, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.doubtful[0]:
@@ -144,7 +144,7 @@ def evaluate_laws(
     frequencies: FloatArray,
     method: str = "auto",
 ) -> Evaluated:
-    """As :func:`evaluate` for the laws of the variants; assemblies are asked for where a point has lost digits."""
+    """Transfer functions for given dynamic stiffnesses of the laws; assemblies are used for uncertain points."""
     found = transfer_functions(request, kappa, method)
     if method != "dense":
         found = settled(assemblies, request, frequencies, kappa, found, method)

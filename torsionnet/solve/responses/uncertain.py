@@ -1,4 +1,4 @@
-"""FrequencyPoints that have lost digits on the way: how many, and the right values where it matters."""
+"""Error estimates of uncertain points, and their values in many digits where rounding would show."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from torsionnet.solve.dynamic_stiffness.quotient import FrequencyPoints, transfe
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 PROMISED = 1e-9
-"""Relative error of every value that is returned without a warning."""
+"""Largest relative error of values that are returned without a warning."""
 ENOUGH = PROMISED / 5
+"""Estimated relative error up to which a value is kept: a fifth of the promised one, as the estimate is statistical."""
 DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
 MOST_WORK = 20_000
-"""Coordinates times points that are solved in many digits: a few seconds."""
+"""Largest number of laws times points that are solved in many digits: a few seconds."""
 
 
 def settled(
@@ -32,7 +33,7 @@ def settled(
     found: FrequencyPoints,
     method: str = "auto",
 ) -> FrequencyPoints:
-    """The same with points in doubt estimated, and solved in many digits where rounding would show.
+    """Transfer functions with uncertain points estimated, and solved in many digits where rounding would show.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def settled(
 def expected_errors(
     evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
 ) -> FloatArray:
-    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_points, ...): what some rounding changes.
+    """Relative errors of ``values`` (n_points, ...), from repeated solutions with stiffnesses changed by roundings.
 
     All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
     later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
@@ -100,7 +101,7 @@ def expected_errors(
 
 
 class _ManyPoints:
-    """FrequencyPoints in many digits."""
+    """Transfer functions of single points in many digits."""
 
     def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
         self.assemblies, self.request = assemblies, request
@@ -108,7 +109,7 @@ class _ManyPoints:
         self.asked: dict[int, ManyDigits] = {}
 
     def transfer_function(self, point: int) -> ComplexArray | None:
-        """Exact to double precision, (n_out, n_in); None where even many digits are not enough.
+        """Transfer functions (n_out, n_in) exact to double precision; None where even many digits are not enough.
 
         Raises
         ------

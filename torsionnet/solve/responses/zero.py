@@ -17,12 +17,13 @@ from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 DIGITS = 400
+"""Decimal digits of the calculation, enough for several measured inputs at s of 10^-25 to its fifth power and more."""
 SMALL = 25
-"""s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
+"""Power of ten by which s lies below the slowest rate of the system; several inputs may differ by its fifth power."""
 
 
 def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArray:
-    """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
+    """Limit (n_out, n_in) of the transfer functions for s -> 0; inf where there is none.
 
     Raises
     ------
@@ -45,7 +46,7 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
 
 
 def _limit(first: Any, second: Any) -> complex:
-    """The value two steps agree on: ten times larger at a tenth of s is a pole, ten times smaller a zero."""
+    """Limit from values at s and s / 10: ten times larger is a pole, ten times smaller a zero."""
     if abs(second) > 5 * abs(first):
         return complex(np.inf, 0.0)
     return 0j if abs(second) < abs(first) / 5 else complex(second)

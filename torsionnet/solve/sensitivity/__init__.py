@@ -1,4 +1,4 @@
-"""Derivatives of responses and modes to parameters, exact: every number carries its own along."""
+"""Exact derivatives of responses and modes with respect to parameters, by numbers that carry their derivatives."""
 
 from torsionnet.core.lazy import lazy_exports
 

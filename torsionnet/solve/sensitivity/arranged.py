@@ -1,4 +1,4 @@
-"""Motions under loads and under readings, by elimination on the graph, and the derivatives they give.
+"""Derivatives of readings from motions under loads and under readings, by elimination on the graph.
 
 A reading y = c . [theta, lambda] under a load has the derivative dc . [theta, lambda] - z . dK [theta, lambda], where K
 is the matrix of :mod:`torsionnet.solve.sensitivity.augmented` and K z = c: the motion under the reading taken for a
@@ -37,7 +37,7 @@ ExactRow = Mapping[str, Fraction]
 
 @dataclass(frozen=True)
 class GapDerivative:
-    """A torque that is read: the virtual motion that opens it, and what the element's own laws add, by law."""
+    """Gap of a torque that is read: the virtual motion that opens it, and the share of the element's own laws."""
 
     motion: ExactRow
     own: Mapping[int, Fraction] = field(default_factory=dict)
@@ -45,7 +45,7 @@ class GapDerivative:
 
 @dataclass(frozen=True)
 class SolvedReadings:
-    """A sensor: its row of motion, or the gap of its torque; its slopes; and which excitation it is as a load."""
+    """Sensor in a derivative problem: row of motion or gap of its torque, derivatives, and number as a load."""
 
     power: int
     row: ExactRow | None
@@ -55,7 +55,7 @@ class SolvedReadings:
 
 
 class Arranged:
-    """A problem for one set of rows, and where its solution says what.
+    """Response problem for the derivatives of readings, for one set of rows.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class Arranged:
         return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes, load)
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
-        """A row over nodes as one over columns; ``own``: gap -> what has to be taken off there."""
+        """Row over columns from a row over nodes; ``own`` is subtracted in the columns of gaps."""
         found = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
         for number, gap in enumerate(self.gaps):
             opened = sum((a * gap.motion[node] for node, a in row.items() if node in gap.motion), start=Fraction(0))
@@ -154,14 +154,14 @@ class Arranged:
         return self._row(self.system.exact_laws[law], own)
 
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
-        """The change (n_nodes,) of a row; of a law also what it changes in readings of its own torque."""
+        """Row over columns of the derivative (n_nodes,) of a row; for a law with its share in its own torque."""
         own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
 
     def _place(self, loads: Sequence[Loading]) -> None:
-        """Everything that has to be solved for, and its places among what is."""
+        """Set up the response problem and note the numbers of its outputs."""
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
         laws = [self._law_row(law) for law in range(len(system.law_owners))]
@@ -205,7 +205,7 @@ class Arranged:
     # --- what its solution says -------------------------------------------------------------------------------------
 
     def values(self, solved: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """Readings (n_f, n_readings, n_loads)."""
+        """Readings (n_f, n_readings, n_loads) from the solution of the problem."""
         found = np.empty((len(s), len(self.asked), self.n_loads), dtype=complex)
         for number, one in enumerate(self.asked):
             motion = self.motions[number]
@@ -233,7 +233,7 @@ class Arranged:
         return found
 
     def along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """How readings (n_f, n_readings, n_loads) change with stiffnesses at these rates (n_laws, n_f) alone."""
+        """Derivatives of readings (n_f, n_readings, n_loads) along given rates (n_laws, n_f) of the law stiffnesses."""
         twists = solved[[self.twists[law] for law in range(len(rates))]]
         adjoint, motion = twists[:, [one.load for one in self.asked]], twists[:, : self.n_loads]
         powers = np.array([s**one.power for one in self.asked])
@@ -247,7 +247,10 @@ class Arranged:
         z: ComplexArray,
         count: int,
     ) -> ComplexArray:
-        """Z . dK x for every parameter, (n_f, n_p)."""
+        """Derivative of the equations, z . dK x, for every parameter, shape (n_f, n_p).
+
+        dK x for every parameter, (n_f, n_p).
+        """
         total = np.zeros((x.shape[1], count), dtype=complex)
         for law, slopes in stiffness.items():
             place = self.twists[law]
@@ -272,7 +275,7 @@ class _Outputs:
 
 
 def law_stiffness_of(system: Augmented, omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness of the laws of a system."""
+    """Dynamic stiffness of the laws of an augmented system at omega in rad/s."""
     sampled: dict[int, ComplexArray] = {
         law: np.full((1, len(omega)), 1j * system.hysteretic.values[law])
         for law in np.flatnonzero(system.hysteretic.values).tolist()

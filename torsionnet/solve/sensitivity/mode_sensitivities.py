@@ -1,4 +1,4 @@
-"""Derivatives of natural frequencies and damping ratios to parameters."""
+"""Derivatives of natural frequencies and damping ratios with respect to parameters."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clear
 from torsionnet.solve.sensitivity.unknowns import unknowns
 
 SAME = 1e-6
-"""Poles closer than this share of their size count as repeated."""
+"""Relative distance below which poles count as repeated, so that rounding does not split them."""
 STRONG = 0.05
+"""Percent per percent of a parameter above which an effect is named in words."""
 
 
 @dataclass(frozen=True, eq=False)
 class ModeSensitivities:
-    """How poles move with parameters.
+    """Derivatives of poles, natural frequencies and damping ratios with respect to parameters.
 
     Attributes
     ----------
@@ -50,22 +51,22 @@ class ModeSensitivities:
 
     @property
     def natural_frequencies(self) -> FloatArray:
-        """``|lambda| / 2 pi``, Hz."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n_modes,)."""
         return np.asarray(np.abs(self.poles) / (2 * np.pi))
 
     @property
     def damping_ratios(self) -> FloatArray:
-        """``-Re lambda / |lambda|``."""
+        """Damping ratios ``-Re lambda / |lambda|``, shape (n_modes,)."""
         return np.asarray(0.0 - self.poles.real / np.abs(self.poles))
 
     @property
     def frequency_slopes(self) -> FloatArray:
-        """(n_modes, n_p), Hz per SI unit of the parameter."""
+        """Derivatives of natural frequencies in Hz per SI unit of the parameter, shape (n_modes, n_p)."""
         return np.asarray(self._size_slopes / (2 * np.pi))
 
     @property
     def damping_slopes(self) -> FloatArray:
-        """(n_modes, n_p), per SI unit of the parameter; 0 for real poles, whose ratio stays 1."""
+        """Derivatives of damping ratios per SI unit of the parameter, shape (n_modes, n_p); 0 for real poles."""
         size = np.abs(self.poles)[:, None]
         moved = -self.pole_slopes.real / size + self.poles.real[:, None] * self._size_slopes / size**2
         return np.asarray(np.where(self.poles.imag[:, None] == 0, 0.0, moved))
@@ -76,23 +77,23 @@ class ModeSensitivities:
 
     @property
     def relative_frequencies(self) -> FloatArray:
-        """(n_modes, n_p): percent of natural frequency per percent of parameter."""
+        """Relative sensitivities (n_modes, n_p): percent of natural frequency per percent of parameter."""
         return np.asarray(self.frequency_slopes * self.values / self.natural_frequencies[:, None])
 
     @property
     def relative_dampings(self) -> FloatArray:
-        """(n_modes, n_p): percent of damping ratio per percent of parameter."""
+        """Relative sensitivities (n_modes, n_p): percent of damping ratio per percent of parameter."""
         ratios = self.damping_ratios[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             found = self.damping_slopes * self.values / ratios
         return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
 
     def number(self, index: int) -> int | None:
-        """Of the mode at this place; None for a real pole."""
+        """Number of the mode at this index; None for a real pole."""
         return self.numbers[index] if self.numbers else index + 1
 
     def name(self, index: int) -> str:
-        """What the mode at this place is called.
+        """Name of the mode at this index: "mode 1", or "real pole".
 
         >>> import torsionnet as tn
         >>> mode_sensitivities(tn.load("dmf_rig"), ["k_2"]).name(0)
@@ -102,7 +103,7 @@ class ModeSensitivities:
         return "real pole" if number is None else f"mode {number}"
 
     def words(self, most: int = 3) -> tuple[str, ...]:
-        """Of every mode, the parameters that move it most."""
+        """Sentences, one per mode, on the parameters that change the mode most."""
         found = []
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
             if np.isnan(self.pole_slopes[mode]).any():
@@ -124,7 +125,7 @@ class ModeSensitivities:
         return [COUNTING_NOTE] if None in self.numbers else []
 
     def table(self) -> Table:
-        """A row for each mode and parameter."""
+        """Table with a row for each mode and parameter."""
         columns = (
             Column("mode"),
             Column("natural frequency", "Hz", 5),
@@ -164,7 +165,7 @@ def mode_sensitivities(
     measured_input: str | Sensor | None = None,
     excitation: str | None = None,
 ) -> ModeSensitivities:
-    """Derivatives of all poles to parameters.
+    """Derivatives of all poles with respect to parameters.
 
     Parameters
     ----------
@@ -213,7 +214,7 @@ def _basic(drivetrain: AssembledModel) -> list[str]:
 
 
 def _groups(poles: ComplexArray) -> list[list[int]]:
-    """Places of equal poles."""
+    """Groups of indices of equal poles."""
     groups: list[list[int]] = []
     for place, pole in enumerate(poles):
         near = [group for group in groups if abs(poles[group[0]] - pole) < SAME * abs(pole)]

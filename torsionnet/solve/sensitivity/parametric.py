@@ -1,4 +1,4 @@
-"""A transfer function as a function of parameters, with exact derivatives."""
+"""Transfer functions of parameters, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Values (n_f, n_out, n_in) and derivatives (n_f, n_out, n_in, n_p)."""
+    """Transfer functions (n_f, n_out, n_in) at one set of parameters, and derivatives (n_f, n_out, n_in, n_p)."""
 
     values: ComplexArray
     jacobian: ComplexArray
@@ -39,7 +39,7 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class ParametricResponse:
-    """Transfer functions of one drivetrain in some of its parameters.
+    """Transfer functions of one drivetrain as functions of some of its parameters.
 
     Nothing is checked again from one set of values to the next, so a fit can ask thousands of times.
 
@@ -67,7 +67,7 @@ class ParametricResponse:
 
     @property
     def start(self) -> FloatArray:
-        """Values in the drivetrain as it is, SI."""
+        """Parameter values in the drivetrain as given, SI."""
         return np.array(self.unknowns.start)
 
     @cached_property
@@ -103,7 +103,7 @@ class ParametricResponse:
         return found
 
     def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
-        """The problem for these rows; one for all values where no parameter moves a row."""
+        """Response problem for these rows, kept for all values where no parameter changes a row."""
         slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
@@ -120,7 +120,7 @@ class ParametricResponse:
     def _stressed(
         self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Readings and their derivatives, with torques over section moduli where a stress is read, and as referred.
+        """Readings and derivatives converted from torque to stress or referred to another shaft where so requested.
 
         The section is no law, nor is the shaft referred to: they move readings, and nothing in the equations.
         """
@@ -148,7 +148,7 @@ class ParametricResponse:
         points: NDArray[np.intp],
         numbers: Sequence[float],
     ) -> ComplexArray:
-        """Values of points in doubt; those in which rounding would show as the drivetrain itself solves them."""
+        """Values of uncertain points, solved by the drivetrain itself where rounding would show."""
 
         def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
             problem = arranged.problem.otherwise if turned else arranged.problem

@@ -1,4 +1,4 @@
-"""Derivatives of poles to parameters, from the responses around them.
+"""Derivatives of poles with respect to parameters, from the responses around the poles.
 
 Around a pole a response Y(s) of some probes to themselves is c r l c^T / (s - lambda) and something smooth, and its
 derivatives, which follow from twists as everywhere, are
@@ -37,21 +37,21 @@ NEAR, NEAR_MEASURED = 1e-6, 1e-4
 Next to a pole small twists stand out best; what is left of a difference, as against a measured input, does farther off.
 """
 MORE = 6
-"""Nodes to try against a measured input."""
+"""Number of further nodes tried as probes against a measured input: more find the pole more surely, at more cost."""
 BESIDE = 1e-9
-"""Share of a slope that is rounding where it is real or imaginary."""
+"""Share of a slope below which its real or imaginary part is rounding where the other part alone is possible."""
 SIMPLE = 0.7
-"""Equal poles with fewer vectors than poles leave more than this share of a response that grows quicker than 1/x."""
+"""Share of a response growing quicker than 1/x above which equal poles have fewer vectors than poles."""
 
 
 def clearance(poles: ComplexArray, group: Sequence[int]) -> float:
-    """Distance of equal poles from all others."""
+    """Distance of a group of equal poles from all other poles."""
     others = np.concatenate([np.delete(poles, group), poles.conj()[poles.imag > 0], [0.0]])
     return float(np.abs(others - np.mean(poles[group])).min())
 
 
 class ResponsesAroundPoles:
-    """Responses around the poles, and what they say about these."""
+    """Responses of probes around poles, from which the derivatives of the poles follow."""
 
     def __init__(
         self, drivetrain: AssembledModel, chosen: Unknowns, sensors: Sequence[Sensor], loads: Sequence[Input]
@@ -67,7 +67,7 @@ class ResponsesAroundPoles:
 
     @classmethod
     def of(cls, drivetrain: AssembledModel, chosen: Unknowns, request: TransferRequest | None) -> ResponsesAroundPoles:
-        """Of the drivetrain itself, of one cut at a measured torque, or with a reading that is given."""
+        """Responses around the poles of a drivetrain, of one cut at a measured torque, or against a measured input."""
         if request is None:
             return cls(drivetrain, chosen, (), ())
         kept = elements_beyond_cut(drivetrain, request)
@@ -106,7 +106,7 @@ class ResponsesAroundPoles:
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
     def _probes(self, shapes: ComplexArray) -> Arranged:
-        """Loads and readings at nodes that move, few different ones for all modes.
+        """Response problem with probes, loads and readings at nodes that move; few different ones serve all modes.
 
         The motion that answers a drive which keeps a reading at zero is another one than that which it drives, so that
         some more nodes are tried there.
@@ -127,7 +127,7 @@ class ResponsesAroundPoles:
         return self.known[nodes]
 
     def _responses(self, probes: Arranged, s: ComplexArray, at: FloatArray) -> Responses:
-        """Probes under probes, derivatives to the parameters, to s and to the frequency at which tables are read.
+        """Responses of probes with derivatives to the parameters, to s and to the frequency at which tables are read.
 
         A measured input is given, and its drive read.
         """
@@ -143,7 +143,7 @@ class ResponsesAroundPoles:
 
 
 def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
-    """Of a pole that nothing damps, slopes without the rounding beside the real or the imaginary axis."""
+    """Slopes of an undamped pole without the rounding beside the real or the imaginary axis."""
     if pole.real:
         return slopes
     least = BESIDE * np.abs(slopes)
@@ -152,20 +152,20 @@ def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
 
 
 def _circle(count: int) -> ComplexArray:
-    """As many points; a mean over them leaves of what is smooth the power of that number of the radius."""
+    """Points on the unit circle, evenly spaced."""
     return np.asarray(np.exp(2j * np.pi * (np.arange(count) + 0.5) / count))
 
 
 @dataclass(frozen=True)
 class Responses:
-    """Readings (n_points, n, n) under loads, the size of their terms, and their derivatives, with one axis more."""
+    """Responses (n_points, n, n) of probes to loads, the size of their terms, and their derivatives."""
 
     values: ComplexArray
     sizes: FloatArray
     slopes: ComplexArray
 
     def bordered(self) -> Responses:
-        """The first reading given in place of the first load: that load u and the others under it and the other loads.
+        """Responses with the first reading imposed in place of the first load, which becomes the first reading.
 
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.
         """
@@ -184,7 +184,7 @@ class Responses:
 
 
 def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[list[int], list[int]]:
-    """Rows and columns of as many pivots, the largest first, among entries of which the pole has a large share."""
+    """Rows and columns of the largest pivots of residues, among entries in which the pole has a large share."""
     left = np.where(shares > shares.max() / 10, residues, 0.0)
     for axis in (0, 1):
         largest = np.abs(left).max(axis=axis, keepdims=True)
