@@ -16,7 +16,7 @@ import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_modes import batched_modes
-from torsionnet.solve.batch.mode_tracking import tracked
+from torsionnet.solve.batch.mode_tracking import track_modes
 
 COUNT, LOOP = sized((100_000, 300), (400, 20))
 CHUNK = 5000
@@ -100,7 +100,7 @@ def table():
         plan = batch_plan(model, list(values))
         making, solving, singles = in_a_loop(model, values)
         batch, found, doubtful = in_batches(plan, values)
-        followed, *_ = in_batches(plan, values, then=lambda one: tracked(one).natural_frequencies)
+        followed, *_ = in_batches(plan, values, then=lambda one: track_modes(one).natural_frequencies)
         worst, ratio = largest_difference(found, singles), solving / batch
         times = (batch, followed, solving, solving + making)
         reached = "" if model.name != RIG else "reached" if ratio >= GOAL and worst <= TOLERANCE else "missed"

@@ -22,7 +22,7 @@ from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 RUNS = sized(5, 1)
 N_LOOP = sized(40, 3)
@@ -88,7 +88,7 @@ def kernel() -> None:
     names = list(rig.parameters)
     values, plan = drawn(rig, count, names), batch_plan(rig, names)
     assert plan is not None
-    request = remembered(rig, "n_5", "T", None)
+    request = cached_request(rig, "n_5", "T", None)
     few = {name: column[:N_LOOP] for name, column in values.items()}
     singles = [dict(zip(few, map(float, row), strict=True)) for row in zip(*few.values(), strict=True)]
     found = {
@@ -111,7 +111,7 @@ def library_rig() -> None:
     """1e6 variants of a library model in chunks, with their sampling and the reduction to bands."""
     rig, f = tn.load("amt_rig").configured("V"), np.linspace(0.1, 40, 400)
     names = ["k_1", "k_2", "c_1", "c_O", "I_1", "I_2"]
-    plan, request = batch_plan(rig, names), remembered(rig, "theta_1", "T_T", None)
+    plan, request = batch_plan(rig, names), cached_request(rig, "theta_1", "T_T", None)
     assert plan is not None
     chunk, chunks = sized(5000, 50), sized(8, 2)
 

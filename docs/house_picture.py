@@ -29,7 +29,7 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 PACKAGE = Path(torsionnet.__file__).parent
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
@@ -42,7 +42,7 @@ WAY: tuple[tuple[object, str, type | str], ...] = (
     (define, "reads and checks its entries", Definition),
     (Drivetrain.from_definition, "can be asked", Drivetrain),
     (AssembledModel.assembly, "writes rows in numbers", Assembly),
-    (remembered, "turns names into readings", TransferRequest),
+    (cached_request, "turns names into readings", TransferRequest),
     (make_tape, "plans the elimination", Tape),
     (transfer_functions, "walks it at every frequency", FrequencyResponse),
     (build, "says what it means", Report),

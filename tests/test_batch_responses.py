@@ -14,7 +14,7 @@ from torsionnet.solve.batch import batched_responses as module
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
 from torsionnet.solve.dynamic_stiffness import quotient
-from torsionnet.solve.dynamic_stiffness.transfer_request import remembered, usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request, usable_channels
 
 F = np.array([0.31, 2.2, 17.0, 91.0])
 methods = pytest.mark.parametrize("method", ["graph", "compiled"])
@@ -35,7 +35,7 @@ def one_by_one(batch, output, input, f, excitation=None, method="auto"):
 
 
 def together(batch, output, input, f, excitation=None, method="auto"):
-    request = remembered(batch.drivetrain, output, input, excitation)
+    request = cached_request(batch.drivetrain, output, input, excitation)
     return batched_responses(batch, request, f, method).values
 
 
@@ -44,7 +44,7 @@ def together(batch, output, input, f, excitation=None, method="auto"):
 @pytest.mark.parametrize("name", library_cases())
 def test_library_models(name, method):
     rig, rng = tn.load(name), np.random.default_rng(3)
-    inputs, outputs = usable(rig)
+    inputs, outputs = usable_channels(rig)
     planned = [one for one in rig.parameters if batch_plan(rig, [one]) is not None]
     batch = batch_of(rig, {one: rig.parameters[one] * rng.uniform(0.9, 1.1, 5) for one in planned})
     assert len(batch.together) >= 3
@@ -209,7 +209,7 @@ def test_a_variant_that_cannot_be_asked(method):
         sensors={"turned": {"angle": "b"}},
     )
     batch, said = batch_of(rig, {"k": [800.0, 0.0, 900.0]}), []
-    request = remembered(rig, "a", "turned", None)
+    request = cached_request(rig, "a", "turned", None)
     found = batched_responses(batch, request, F, method, said.append)
     assert [str(one) for one in said] == [
         "turned stays zero under a torque on a at every frequency; it cannot be a measured input"
@@ -237,7 +237,7 @@ def test_variants_of_a_call_make_no_models(monkeypatch, changes):
 
 def test_compiled_and_numpy_doubt_the_same_points():
     rig = tn.load("dmf_rig")
-    request = remembered(rig, "theta_1", "T_T", None)
+    request = cached_request(rig, "theta_1", "T_T", None)
     batch = batch_of(rig, {"k_2": np.linspace(300, 600, 5), "c_2": np.zeros(5)})
     kappa = batch.law_stiffness(2 * np.pi * np.linspace(0.01, 40, 3000))
     compiled, numpy = (quotient.transfer_functions(request, kappa, method) for method in ("compiled", "graph"))

@@ -16,7 +16,7 @@ from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.solve.dynamic_stiffness import dense, starmesh, tape_writing
 from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
 from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
-from torsionnet.solve.dynamic_stiffness.row_algebra import clique, combined, common_motion, normalised
+from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
 
 DIGITS = 60
 
@@ -415,7 +415,7 @@ rows_strategy = st.dictionaries(st.integers(0, 5), st.floats(0.1, 10).map(lambda
 @given(rows_strategy, rows_strategy)
 def test_combined_row_leaves_the_coordinate_out(first, second):
     v = min(first)
-    found = combined(first, second, v)
+    found = combine_rows(first, second, v)
     assert v not in found
     for j in range(6):
         expected = second.get(v, 0) * first.get(j, 0) - first[v] * second.get(j, 0)
@@ -425,7 +425,7 @@ def test_combined_row_leaves_the_coordinate_out(first, second):
 @given(rows_strategy, st.lists(st.sampled_from([1.0, 0.3, -2.0]), min_size=6, max_size=6))
 def test_clique_acts_as_the_row(row, scale):
     total = np.zeros((6, 6))
-    for part, weight in clique(row, dict(enumerate(scale))):
+    for part, weight in equivalent_links(row, dict(enumerate(scale))):
         b = np.array([part.get(j, 0.0) for j in range(6)])
         total += weight * np.outer(b, b)
     a = np.array([row.get(j, 0.0) for j in range(6)])

@@ -16,7 +16,7 @@ from torsionnet.model.report import Pair
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.report_text import shared_choices
 from torsionnet.response import Conventions, FrequencyResponse, Modes
-from torsionnet.solve.dynamic_stiffness.transfer_request import usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class ReportData:
         """The transfer functions asked for; else the first sensors over the first input."""
         if self.request.pairs:
             return self.request.pairs
-        inputs, sensors = usable(self.cases[0].drivetrain)
+        inputs, sensors = usable_channels(self.cases[0].drivetrain)
         return tuple(Pair(sensor, driven) for driven in inputs[:1] for sensor in sensors[:DEFAULT_PAIRS])
 
     @cached_property

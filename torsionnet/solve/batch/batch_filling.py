@@ -17,10 +17,10 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Law, Values
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
-from torsionnet.solve.batch.variant_numbers import Decisions, column
+from torsionnet.solve.batch.variant_numbers import Decisions, variant_column
 
 
-class Filling:
+class BatchBuilder:
     """Batch under construction: coefficients, at first those of the drivetrain, and the state of every variant."""
 
     def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
@@ -72,7 +72,7 @@ class Filling:
 class FollowingPass:
     """Variants ``own`` with valid numbers in a pass; ``follows`` selects them in the numbers of the pass."""
 
-    filling: Filling
+    filling: BatchBuilder
     own: NDArray[np.intp]
     follows: NDArray[np.bool_]
 
@@ -81,7 +81,7 @@ class FollowingPass:
         self.filling.apart[self.own] = True
 
     def _column(self, number: Any) -> FloatArray:
-        return column(number, len(self.follows))[self.follows]
+        return variant_column(number, len(self.follows))[self.follows]
 
     def take(self, law: Law, number: int | None) -> None:
         """Store the coefficients of a law; ``number`` is None where the law has no effect in the drivetrain."""

@@ -23,7 +23,7 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Element, Law, Part, Values
 from torsionnet.model.parameters import evaluation_order
 from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batch_filling import Filling
+from torsionnet.solve.batch.batch_filling import BatchBuilder
 from torsionnet.solve.batch.planned_element import PlannedElement, planned_elements
 from torsionnet.solve.batch.variant_numbers import VARIANTS, Decisions, VariantNumber, passes
 
@@ -66,14 +66,14 @@ class BatchPlan:
         columns = {name: np.array(values[name], dtype=float, ndmin=1) for name in self.names}
         if len({column.shape for column in columns.values()}) > 1:
             raise UsageError("the values of all parameters are as many")
-        filling = Filling(self.drivetrain, columns)
+        filling = BatchBuilder(self.drivetrain, columns)
         with np.errstate(all="ignore"):
             for places, decisions in passes(filling.count):
                 self._pass(filling, places, decisions)
         filling.settle()
         return filling.batch()
 
-    def _pass(self, filling: Filling, places: NDArray[np.intp], decisions: Decisions) -> None:
+    def _pass(self, filling: BatchBuilder, places: NDArray[np.intp], decisions: Decisions) -> None:
         varied = {name: VariantNumber(column[places], decisions) for name, column in filling.values.items()}
         try:
             value = Values(numbers_of(self.drivetrain.definition, self.derived, self._fixed, varied), VARIANTS)

@@ -23,7 +23,7 @@ from torsionnet.solve.modes.modes import natural_modes
 if TYPE_CHECKING:
     from torsionnet.solve.batch.batch import Batch
 
-NUMBERS = 200_000
+STACK_ENTRIES = 200_000
 """Entries of the rows of a stack that is worked on at a time, so that it stays in a processor's cache."""
 Number = TypeVar("Number", np.float64, np.complex128)
 
@@ -149,7 +149,7 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
 def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None:
     assembly, places = batch.drivetrain.assembly, batch.together
     system, nodes = assembly.system, assembly.node_rows.dense
-    step = max(1, NUMBERS // (len(system.law_rows) * (system.n_coordinates + 1)))
+    step = max(1, STACK_ENTRIES // (len(system.law_rows) * (system.n_coordinates + 1)))
     for start in range(0, len(places), step):
         some = places[start : start + step]
         part = stacked_modes(system, nodes, given.of(some))

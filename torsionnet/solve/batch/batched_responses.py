@@ -15,11 +15,11 @@ from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.starmesh import chosen_method
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, again
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
 from torsionnet.solve.responses.transfer import Evaluated, evaluate_laws, responses
 from torsionnet.solve.responses.zero import at_zero
 
-POINTS = 100_000
+POINTS_AT_ONCE = 100_000
 """Number of variants times frequencies that are solved together, which bounds the memory."""
 
 
@@ -77,10 +77,10 @@ def batched_responses(
     --------
     >>> import torsionnet as tn
     >>> from torsionnet.solve.batch.batch_plan import batch_plan
-    >>> from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
+    >>> from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
     >>> rig = tn.load("dmf_rig")
     >>> batch = batch_plan(rig, ["k_2"]).batch({"k_2": np.array([400.0, 500.0, -1.0])})
-    >>> found = batched_responses(batch, remembered(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
+    >>> found = batched_responses(batch, cached_request(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
     >>> found.values.shape, bool(np.isnan(found.values[2]).all())
     ((3, 2, 1, 1), True)
     """
@@ -102,7 +102,7 @@ def batched_responses(
     for index in np.concatenate(singly).tolist():
         model = batch.model(index)
         try:
-            one = responses([model], again(model, request), frequencies, method)
+            one = responses([model], request_for_model(model, request), frequencies, method)
         except TorsionnetError as error:
             refused(error)
             one = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in found))
@@ -111,7 +111,7 @@ def batched_responses(
 
 
 def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np.intp]]:
-    size = max(1, POINTS // max(1, n_frequencies))
+    size = max(1, POINTS_AT_ONCE // max(1, n_frequencies))
     return (places[start : start + size] for start in range(0, len(places), size))
 
 

@@ -15,32 +15,32 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.mode_states import common_energy
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 
-ALIKE = 0.8
+SAME_MODE_ENERGY = 0.8
 """Energy in common (MAC of states) from which modes of neighbouring variants are taken as the same mode."""
-LEAST = 0.5
+SUCCESSOR_ENERGY = 0.5
 """Energy in common (MAC of states) below which a mode has no successor: less than half of it is the same motion."""
-NONE = -1
+MISSING_MODE = -1
 """Column number that marks a missing mode."""
 
 Columns = NDArray[np.intp]
 
 
-class Followed(NamedTuple):
+class FollowedModes(NamedTuple):
     """Modes of n variants in the order of those they continue: eigenvalues (n, m) in rad/s, and states."""
 
     values: ComplexArray
     states: ComplexArray
 
-    def of(self, some: NDArray[np.generic]) -> Followed:
-        return Followed(self.values[some], self.states[some])
+    def of(self, some: NDArray[np.generic]) -> FollowedModes:
+        return FollowedModes(self.values[some], self.states[some])
 
 
-def taken(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
+def take_columns(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
     """Array with these columns of its last axis; NaN for columns marked as missing."""
     if not array.shape[-1]:
         return np.full((*array.shape[:-1], columns.shape[-1]), np.nan, dtype=array.dtype)
     found = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
-    return np.asarray(np.where(columns == NONE, np.nan, found))
+    return np.asarray(np.where(columns == MISSING_MODE, np.nan, found))
 
 
 class Successors(NamedTuple):
@@ -50,7 +50,7 @@ class Successors(NamedTuple):
     clear: NDArray[np.bool_]
 
 
-def successors(known: Followed, found: Followed) -> Successors:
+def successors(known: FollowedModes, found: FollowedModes) -> Successors:
     """Modes of variants that continue the modes of neighbouring variants, where that is unambiguous.
 
     Parameters
@@ -66,18 +66,18 @@ def successors(known: Followed, found: Followed) -> Successors:
     best = np.take_along_axis(alike, columns[:, :, None], axis=2)[:, :, 0]
     twice = (columns[:, :, None] == columns[:, None, :]) & followed[:, :, None] & followed[:, None, :]
     values = np.take_along_axis(found.values, columns, axis=1)
-    clear = ((best >= ALIKE) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
+    clear = ((best >= SAME_MODE_ENERGY) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
     clear &= ~_may_have_met(known.values, values).any(axis=(1, 2))
-    return Successors(np.where(followed, columns, NONE), clear)
+    return Successors(np.where(followed, columns, MISSING_MODE), clear)
 
 
-def _slower(known: Followed, found: Followed, alike: FloatArray) -> Columns:
+def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Columns:
     """Column of the most similar mode; the slower of two real poles into which an overdamped vibration falls."""
     best = alike.max(axis=2, keepdims=True)
     real = _is_real(found.values)[:, None, :]
     chosen = np.argmax(alike, axis=2)
     falls = (known.values.imag > 0) & (np.take_along_axis(found.values, chosen, axis=1).imag == 0)
-    slowest = np.argmax(real & (alike >= ALIKE * best), axis=2)
+    slowest = np.argmax(real & (alike >= SAME_MODE_ENERGY * best), axis=2)
     return np.asarray(np.where(falls, slowest, chosen))
 
 
@@ -101,7 +101,7 @@ def _differences(values: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(values[:, :, None] - values[:, None, :])
 
 
-def assigned(known: Followed, found: Followed) -> Columns:
+def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
     """Columns that continue each mode of one ambiguous variant, chosen for most energy in common overall.
 
     Of two real poles that have become one vibration the slower one goes on.
@@ -109,18 +109,18 @@ def assigned(known: Followed, found: Followed) -> Columns:
     from scipy.optimize import linear_sum_assignment
 
     alike = common_energy(known.states, found.states[:, :, ~np.isnan(found.values[0])])[0]
-    alike[(alike < LEAST) | np.isnan(known.values[0])[:, None]] = 0.0
-    columns = np.full(known.values.shape[1], NONE)
+    alike[(alike < SUCCESSOR_ENERGY) | np.isnan(known.values[0])[:, None]] = 0.0
+    columns = np.full(known.values.shape[1], MISSING_MODE)
     for mode, column in zip(*linear_sum_assignment(-alike), strict=True):
         if alike[mode, column] > 0:
             columns[mode] = column
     real = np.flatnonzero(_is_real(known.values[0]))
-    for slower in real[columns[real] == NONE]:
-        for faster in real[columns[real] != NONE]:
+    for slower in real[columns[real] == MISSING_MODE]:
+        for faster in real[columns[real] != MISSING_MODE]:
             column = columns[faster]
             sizes = np.abs(known.values[0, [slower, faster]])
             if found.values[0, column].imag > 0 and alike[slower, column] > 0 and sizes[0] < sizes[1]:
-                columns[slower], columns[faster] = column, NONE
+                columns[slower], columns[faster] = column, MISSING_MODE
                 break
     return columns[None]
 

@@ -7,9 +7,9 @@ import numpy as np
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batched_responses import POINTS, SingleAssemblies, scale_stresses
+from torsionnet.solve.batch.batched_responses import POINTS_AT_ONCE, SingleAssemblies, scale_stresses
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, again
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
 from torsionnet.solve.responses.transfer import evaluate_laws, responses
 
 
@@ -29,7 +29,7 @@ def responses_at_own_frequencies(
     """
     shape = (*frequencies.shape, len(request.outputs), len(request.measured))
     found = np.full(shape, complex(np.nan, np.nan))
-    size = max(1, POINTS // max(1, frequencies.shape[1]))
+    size = max(1, POINTS_AT_ONCE // max(1, frequencies.shape[1]))
     for start in range(0, len(batch.together), size):
         places = batch.together[start : start + size]
         part, own = batch.part(places), frequencies[places]
@@ -40,7 +40,7 @@ def responses_at_own_frequencies(
         found[places] = values
     for index in np.flatnonzero(batch.apart & ~batch.impossible):
         model = batch.model(int(index))
-        found[index] = responses([model], again(model, request), frequencies[index], method).values[0]
+        found[index] = responses([model], request_for_model(model, request), frequencies[index], method).values[0]
     return found
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
-from torsionnet.solve.dynamic_stiffness.reduction import beside, echelon, require_resistance, stiff_laws
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.reduction import complement_within, echelon, require_resistance, stiff_laws
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +62,14 @@ class SharedDirections:
         moves = system.rows.any(axis=1)  # laws on clamped nodes alone have empty rows
         heavy, stiff, damped = (laws & moves for laws in (system.inertia > 0, stiff_laws(system), system.damping != 0))
         require_resistance(system, heavy | stiff | damped)
-        massless, held = (unresisted(system, laws).basis() for laws in (heavy, heavy | damped))
+        massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
         return cls(
             rows=system.rows,
             heavy=np.flatnonzero(heavy),
             stiff=np.flatnonzero(stiff),
             dissipating=np.flatnonzero(damped),
-            rigid=echelon(unresisted(system, stiff).basis()),
-            undamped_rigid=unresisted(system, stiff | damped).basis(),
-            damped=beside(held, massless),
+            rigid=echelon(unresisted_motions(system, stiff).basis()),
+            undamped_rigid=unresisted_motions(system, stiff | damped).basis(),
+            damped=complement_within(held, massless),
             held=held,
         )

@@ -33,14 +33,14 @@ from torsionnet.solve.batch.stacked_vibrations import (
     residuals,
     undamped_vibrations,
 )
-from torsionnet.solve.dynamic_stiffness.reduction import resisting, restricted
+from torsionnet.solve.dynamic_stiffness.reduction import resisted_coordinates, restrict_to
 from torsionnet.solve.modes.eigen import unit_shapes
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
-TIED = 1 - 1e-9
+EQUAL_COMPONENT_RATIO = 1 - 1e-9
 """Ratio to the largest component of a shape from which another component counts as equally large."""
 
 
@@ -112,7 +112,9 @@ class _Directions(NamedTuple):
     def of(cls, system: RowSystem, given: Coefficients) -> _Directions:
         pattern = RowSystem(system.law_rows, *(np.sign(part[0]) for part in given[:3]))
         springs = RowSystem(system.law_rows, pattern.inertia, np.zeros_like(pattern.damping), pattern.stiffness)
-        return cls(SharedDirections.of(pattern), SharedDirections.of(restricted(springs, resisting(springs))))
+        return cls(
+            SharedDirections.of(pattern), SharedDirections.of(restrict_to(springs, resisted_coordinates(springs)))
+        )
 
 
 def _of_one_kind(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
@@ -165,7 +167,7 @@ def _judged(
 def _scaled(shapes: ComplexArray) -> ComplexArray:
     """Shapes (n, n_nodes, m) scaled to 1 at the node that moves most; the first of equally large ones."""
     size = np.abs(shapes)
-    first = np.argmax(size >= size.max(axis=1, keepdims=True, initial=0.0) * TIED, axis=1)[:, None, :]
+    first = np.argmax(size >= size.max(axis=1, keepdims=True, initial=0.0) * EQUAL_COMPONENT_RATIO, axis=1)[:, None, :]
     largest = np.take_along_axis(shapes, first, axis=1)
     return np.asarray(shapes / np.where(largest == 0, 1, largest))
 

@@ -20,9 +20,9 @@ from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 from torsionnet.solve.modes.spectrum import on_real_axis
 
 _EPS = float(np.finfo(float).eps)
-SAFETY = 4.0
+ERROR_SAFETY = 4.0
 """Factor on the error estimate of eigenvalues; a larger value sends more variants to the single solver."""
-SAFETY_MASSLESS = 100.0
+ERROR_SAFETY_MASSLESS = 100.0
 """Factor on the error estimate with massless directions, whose elimination adds rounding errors."""
 
 
@@ -114,7 +114,7 @@ def _every(directions: SharedDirections, given: Coefficients) -> StackedVibratio
 
 
 def _safety(directions: SharedDirections) -> float:
-    return SAFETY_MASSLESS if directions.damped.size or directions.held.size else SAFETY
+    return ERROR_SAFETY_MASSLESS if directions.damped.size or directions.held.size else ERROR_SAFETY
 
 
 def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -> FloatArray:

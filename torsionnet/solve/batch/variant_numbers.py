@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.expressions import Algebra
 
-CANCELLED = 1e-3
+CANCELLATION_RATIO = 1e-3
 """Ratio of a sum to its terms below which the sum has lost digits that exact fractions would have kept."""
 MOST_PASSES = 64
 """Largest number of passes, one per kind of decisions; variants of further kinds are looked at one by one."""
@@ -61,7 +61,7 @@ class VariantNumber:
 
     def _sum(self, first: Any, second: Any) -> VariantNumber:
         total = first + second
-        self.decisions.unsure |= (np.abs(total) < CANCELLED * np.abs(first)) & (total != 0)
+        self.decisions.unsure |= (np.abs(total) < CANCELLATION_RATIO * np.abs(first)) & (total != 0)
         return self._new(total)
 
     def __add__(self, other: Any) -> VariantNumber:
@@ -141,7 +141,7 @@ VARIANTS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
 """Algebra of expressions in which some parameters are a :class:`VariantNumber`."""
 
 
-def column(number: Any, count: int) -> FloatArray:
+def variant_column(number: Any, count: int) -> FloatArray:
     """Values of a number in every variant, shape (count,)."""
     return number.values if isinstance(number, VariantNumber) else np.full(count, float(number))
 

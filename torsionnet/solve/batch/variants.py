@@ -16,7 +16,7 @@ from torsionnet.response import FrequencyResponses
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.solve.responses.grid import Adaptive
 from torsionnet.solve.responses.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
 
@@ -34,13 +34,13 @@ def frequency_responses(
     """Frequency responses of variants of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_responses`."""
     known_method(method)
     parameters = _columns(variants)
-    request = remembered(drivetrain, output, input, excitation)
+    request = cached_request(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
     batch = _batch(drivetrain, parameters)
     if batch is None:
 
         def ask(copy: AssembledModel) -> TransferRequest:
-            return remembered(copy, output, input, excitation)
+            return cached_request(copy, output, input, excitation)
 
         values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)
     else:

@@ -34,13 +34,13 @@ from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
-DECADE = 10.0
+DEFAULT_BOUNDS_FACTOR = 10.0
 """Factor of the default bounds: a tenth to ten times the value."""
 EFFECT_POINTS = 33
 """Number of values over the bounds of one parameter at which its effect is calculated: more give a smoother curve."""
 FREE, LOCKED = 1e-6, 1e6
 """Times the best film: as good as none, which would have infinite peaks, and one that lets nothing slip."""
-MEET = 0.02
+FIXED_POINT_SPREAD = 0.02
 """Spread of levels over dampings up to which a crossing counts as a fixed point: 2 %, about the width of a curve."""
 
 Bounds = Mapping[str, Sequence[Any] | None]
@@ -133,7 +133,11 @@ def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
         written = given.get(name) or varied.definition.parameters[parameter].bounds
         if written is None and not start > 0:
             raise UsageError(f"{name} is {start:g}: say between which bounds it is sought")
-        low, high = (start / DECADE, start * DECADE) if written is None else _pair(name, written, unit)
+        low, high = (
+            (start / DEFAULT_BOUNDS_FACTOR, start * DEFAULT_BOUNDS_FACTOR)
+            if written is None
+            else _pair(name, written, unit)
+        )
         if not (np.isfinite([low, high]).all() and low < high):
             raise UsageError(f"{name}: bounds are a lower and a higher value, got {low:g} and {high:g}")
         if low < 0:
@@ -198,6 +202,6 @@ def _fixed_points(
         point = brentq(lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12)
         sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
         spread = float(sizes.max() / sizes.min() - 1)
-        if spread < MEET:
+        if spread < FIXED_POINT_SPREAD:
             found.append(FixedPoint(float(point), float(sizes.max()), spread))
     return tuple(sorted(found, key=lambda one: -one.level))

@@ -24,7 +24,7 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 ROUNDS, POINTS = 4, 21
 """Refinement of a maximum: each round divides its interval by ten."""
-STEP = 1e-4
+SLOPE_STEP = 1e-4
 """Relative step of a parameter for the central difference that gives the slope of a half range."""
 
 
@@ -163,7 +163,7 @@ class OrderLevels:
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         found = np.empty((len(points), len(values)))
         for place, value in enumerate(values):
-            step = STEP * (abs(value) or 1.0)
+            step = SLOPE_STEP * (abs(value) or 1.0)
             above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
             found[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
         return found

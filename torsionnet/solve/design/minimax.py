@@ -21,11 +21,11 @@ ROUNDS, STEPS = 40, 60
 """Rounds of new points, and steps of the programming in each."""
 SAMPLES, BEST = 16, 2
 """Sets of values, times 2 for each after the first, from which the search may begin, and from how many it does."""
-SAMPLED = 40
+FIRST_CONSTRAINTS = 40
 """Number of points of the range that are constraints from the beginning; fewer cost more rounds."""
-WIDE = 3.0
+WIDE_BOUNDS_RATIO = 3.0
 """Ratio of bounds above which a parameter is searched by equal factors."""
-TINY = 1e-300
+SMALLEST_LEVEL = 1e-300
 """Smallest level for logarithms, near the smallest double, so that a level of zero has one."""
 FINE, FTOL = 1e-8, 1.3
 """Levels that are known better are worth slopes; power of their precision to which the programming goes."""
@@ -44,7 +44,7 @@ class Box:
 
     @property
     def _by_factors(self) -> NDArray[np.bool_]:
-        return np.asarray((self.lower > 0) & (self.upper > WIDE * self.lower))
+        return np.asarray((self.lower > 0) & (self.upper > WIDE_BOUNDS_RATIO * self.lower))
 
     def inside(self, place: FloatArray) -> FloatArray:
         """Parameter values at a place in the cube."""
@@ -73,7 +73,7 @@ def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
         return _along_one(levels, box, start)
     places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
-    found = [searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
+    found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
 
 
@@ -99,19 +99,19 @@ def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> floa
     return float(levels.at(values, points).max())
 
 
-def searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
+def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
     """Best place in the cube reached from a starting place; maxima of every step become constraints of the next."""
     grid = levels.grid(box.inside(place))
-    points = grid[:: max(len(grid) // SAMPLED, 1)]
+    points = grid[:: max(len(grid) // FIRST_CONSTRAINTS, 1)]
     best, least = place, np.inf
     for _ in range(ROUNDS):
         maxima = levels.maxima(box.inside(place))
-        level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + TINY))
+        level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + SMALLEST_LEVEL))
         if level < least:
             best, least = place, level
         points = np.union1d(points, maxima)
         place, bound = _solved(levels, box, points, place)
-        top = float(np.log(largest(levels, box.inside(place)) + TINY))
+        top = float(np.log(largest(levels, box.inside(place)) + SMALLEST_LEVEL))
         if top < least:
             best, least = place, top
         if top <= bound + levels.precision:
@@ -123,11 +123,11 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
     """Place at which the largest of the levels at these points is smallest, and the logarithm of that level."""
 
     def logs(x: FloatArray) -> FloatArray:
-        return np.log(levels.at(box.inside(x[:-1]), points) + TINY)
+        return np.log(levels.at(box.inside(x[:-1]), points) + SMALLEST_LEVEL)
 
     def slopes(x: FloatArray) -> FloatArray:
         values = box.inside(x[:-1])
-        by_value = levels.slopes(values, points) / (levels.at(values, points) + TINY)[:, None]
+        by_value = levels.slopes(values, points) / (levels.at(values, points) + SMALLEST_LEVEL)[:, None]
         return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
 
     search: Any = minimize  # its published types know no constraints that are functions

@@ -11,7 +11,7 @@ from torsionnet.response import Channel
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
 
-ROOM = 2.0
+CONDITION_OFFSET = 2.0
 """Offset between equal points of two conditions, in multiples of the highest point, so that conditions never
 overlap."""
 
@@ -46,7 +46,7 @@ class WorstLevels:
 
     @property
     def _room(self) -> float:
-        return ROOM * self.highest
+        return CONDITION_OFFSET * self.highest
 
     def condition(self, points: FloatArray) -> NDArray[np.intp]:
         """Index of the condition of each point."""

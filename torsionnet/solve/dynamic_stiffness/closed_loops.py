@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.doubt import SHARE
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem
+from torsionnet.solve.dynamic_stiffness.doubt import LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.posed import ReadingProblem
 
 
 class ClosedLoops(NamedTuple):
@@ -30,7 +30,9 @@ class ClosedLoops(NamedTuple):
     doubtful: NDArray[np.bool_]
 
 
-def closed(posed: PosedProblem, kappa: LawStiffness, values: ComplexArray, doubtful: NDArray[np.bool_]) -> ClosedLoops:
+def close_loops(
+    posed: ReadingProblem, kappa: LawStiffness, values: ComplexArray, doubtful: NDArray[np.bool_]
+) -> ClosedLoops:
     """Responses with the actions at work, from those of the laws alone to excitations and action torques."""
     n_exc, n_act = posed.n_excitations, len(posed.sensed)
     if not n_act:
@@ -43,12 +45,12 @@ def closed(posed: PosedProblem, kappa: LawStiffness, values: ComplexArray, doubt
     with np.errstate(all="ignore"):
         loop = np.eye(n_act) - by_torque
         torques, lost = _solved(loop, by_excitation)
-        lost |= (SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
+        lost |= (LARGE_SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
         torques = np.moveaxis(torques, 0, 2)
         alone, added = values[:, :n_exc], values[:, n_exc:]
         total = alone + np.einsum("rap,aep->rep", added, torques)
         size = np.abs(alone) + np.einsum("rap,aep->rep", np.abs(added), np.abs(torques))
-        lost |= (SHARE * np.abs(total) < size).any(axis=(0, 1))
+        lost |= (LARGE_SHARE * np.abs(total) < size).any(axis=(0, 1))
     finite = np.isfinite(total).all(axis=(0, 1)) & np.isfinite(torques).all(axis=(0, 1))
     return ClosedLoops(total, torques, doubtful | lost | ~finite)
 
@@ -63,7 +65,7 @@ def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDAr
     for point in np.flatnonzero(finite):
         rows = np.abs(loop[point]).max(axis=1, keepdims=True)
         scaled = loop[point] / np.where(rows > 0, rows, 1.0)
-        if np.linalg.cond(scaled) > SHARE:
+        if np.linalg.cond(scaled) > LARGE_SHARE:
             lost[point] = True
         try:
             found[point] = np.linalg.solve(loop[point], right[point])

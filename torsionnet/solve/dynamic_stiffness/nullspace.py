@@ -26,9 +26,9 @@ from torsionnet.model.elimination import reduce_rows
 
 SparseRow: TypeAlias = Mapping[int, float]
 
-LOOP = 1e-11
+CLOSED_LOOP_TOLERANCE = 1e-11
 """Relative residual below which a row closes its loop; consistent ratios meet to about 1e-15."""
-ROUNDING = 1e-13
+WIDE_ROW_ROUNDING = 1e-13
 """Relative rounding assumed in coefficients of wider rows: entries are right to 1e-16, long products nearly."""
 
 
@@ -106,7 +106,7 @@ class Rounded:
     __hash__ = None  # type: ignore[assignment]
 
 
-def unresisted(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
+def unresisted_motions(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
     """Motions of a system that none of the selected laws resists, as a null space."""
     return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
@@ -144,7 +144,7 @@ class _Parts:
         self.held = {self.part[column] for row in rows if len(row) == 1 for column in row}
         for (a, x), (b, y) in ties:
             first, second = x * self.angle[a], y * self.angle[b]
-            if abs(first + second) > LOOP * max(abs(first), abs(second)):
+            if abs(first + second) > CLOSED_LOOP_TOLERANCE * max(abs(first), abs(second)):
                 self.held.add(self.part[a])
 
     def _walk(self, root: int, links: list[list[tuple[int, float]]]) -> None:
@@ -164,7 +164,7 @@ class _Parts:
             part, factor = self.part[column], value * self.angle[column]
             if part in self.held:
                 continue
-            term = Rounded(factor, ROUNDING * abs(factor))
+            term = Rounded(factor, WIDE_ROW_ROUNDING * abs(factor))
             result[part] = result[part] + term if part in result else term
         return result
 

@@ -13,9 +13,9 @@ import torsionnet.solve.dynamic_stiffness.dense as dense
 import torsionnet.solve.dynamic_stiffness.starmesh as starmesh
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.solve.dynamic_stiffness.closed_loops import ClosedLoops, closed
-from torsionnet.solve.dynamic_stiffness.doubt import SHARE
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem
+from torsionnet.solve.dynamic_stiffness.closed_loops import ClosedLoops, close_loops
+from torsionnet.solve.dynamic_stiffness.doubt import LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.posed import ReadingProblem
 from torsionnet.solve.dynamic_stiffness.reading_table import reading_table
 from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep
@@ -52,7 +52,7 @@ def transfer_functions(
             whole.values[points], whole.conditioning[points] = again.values, again.conditioning
         return whole
     found = METHODS[method](posed.problem, kappa)
-    loops = closed(posed, kappa, found.values, found.doubtful)
+    loops = close_loops(posed, kappa, found.values, found.doubtful)
     with np.errstate(invalid="ignore"):
         readings = _readings(posed, kappa, loops)
     values, doubtful, conditioning = readings[:, :n_out], loops.doubtful, np.ones(kappa.n_points)
@@ -64,7 +64,7 @@ def transfer_functions(
     return FrequencyPoints(values, conditioning, doubtful)
 
 
-def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness) -> FrequencyPoints | None:
+def _compiled(request: TransferRequest, posed: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
     """Transfer functions by one compiled loop; None for requests which that loop cannot handle."""
     import torsionnet.solve.dynamic_stiffness.compiled as compiled
 
@@ -85,7 +85,7 @@ def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness
     return FrequencyPoints(values, conditioning, doubtful)
 
 
-def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
+def _readings(posed: ReadingProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
     """Readings of all outputs and measured inputs, shape (n_points, n_readings, n_exc)."""
     values = np.empty((kappa.n_points, len(posed.parts), loops.values.shape[1]), dtype=complex)
     for number, part in enumerate(posed.parts):
@@ -95,7 +95,7 @@ def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> C
     return values
 
 
-def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
+def _shares(posed: ReadingProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
     """Magnitude of measured inputs over the sum of their terms' magnitudes, shape (n_points, n_in, n_exc)."""
     sizes = np.zeros(measured.shape)
     first = len(posed.parts) - measured.shape[1]
@@ -125,8 +125,8 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
         inverse, size = _inverse(normed)
         scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
         quotient = outputs @ (inverse * scale)
-        lost = (SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
-        return quotient, lost | ~(apart * SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+        lost = (LARGE_SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * LARGE_SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
 
 
 def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem, ReadingPart
+from torsionnet.solve.dynamic_stiffness.posed import ReadingPart, ReadingProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class ReadingTable:
     is_measured: bool
 
 
-def reading_table(posed: PosedProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
+def reading_table(posed: ReadingProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
     """Table for excitations that are solved together; None with several measured inputs, or with actions."""
     n_measured = len(posed.parts) - n_out
     if posed.sensed or n_measured > 1:

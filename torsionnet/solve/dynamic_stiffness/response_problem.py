@@ -17,7 +17,7 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 
-ALONE = 4
+MOST_SINGLE_TORQUES = 4
 """Largest number of torques that are solved one by one, each with its own coordinate at the root of the tree."""
 GOLDEN = (math.sqrt(5) - 1) / 2
 """Golden ratio minus one, whose multiples modulo 1 are spread most evenly."""
@@ -69,7 +69,7 @@ class ResponseProblem:
         """Groups of excitations solved together: few torques one by one, and all imposed motions at once."""
         loads = [number for number, one in enumerate(self.excitations) if not one.motion]
         motions = [number for number, one in enumerate(self.excitations) if one.motion]
-        groups = [[number] for number in loads] if len(loads) <= ALONE else [loads]
+        groups = [[number] for number in loads] if len(loads) <= MOST_SINGLE_TORQUES else [loads]
         groups += [motions] if motions else []
         if len(groups) == 1:
             return ((groups[0], self),)

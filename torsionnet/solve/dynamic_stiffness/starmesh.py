@@ -31,13 +31,13 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]]
 
 
-WORTH = 1e9
+COMPILED_WORK = 1e9
 """Operations times points above which the compiled loop saves more than the second or two that starting it takes."""
 
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """Name of the solver method; ``auto`` chooses the compiled loop for many points wherever numba works."""
-    if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < WORTH:
+    if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < COMPILED_WORK:
         return method
     return "compiled" if compiled_works() else "graph"
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness.doubt import Array, Doubt
+from torsionnet.solve.dynamic_stiffness.doubt import Array, LostDigits
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
@@ -48,7 +48,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
     start = 0
     for part in kappa.blocks(min(MOST, max(FEWEST, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
         here = slice(start, start + part.n_points)
-        doubt = Doubt(part.n_points)
+        doubt = LostDigits(part.n_points)
         _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], doubt)
         doubtful[here] = doubt.marked
         start = here.stop
@@ -56,7 +56,11 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _walk(
-    walk: list[tuple[int, int, int, int, float]], kappa: LawStiffness, registers: Array, values: Array, doubt: Doubt
+    walk: list[tuple[int, int, int, int, float]],
+    kappa: LawStiffness,
+    registers: Array,
+    values: Array,
+    doubt: LostDigits,
 ) -> None:
     *r, spare = registers
     parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)

@@ -11,14 +11,14 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 
-STEEPEST = 85.0
+PEAK_PHASE_RANGE = 85.0
 """Degrees of phase to either side of a resonance that get dense points; beyond, the flanks are smooth."""
-NARROWEST = 1e-6
+UNDAMPED_HALF_WIDTH = 1e-6
 """Half-width of a peak without damping, as a share of its frequency."""
 BELOW, ABOVE = 10.0, 2.0
 FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
 WITHOUT_MODES = (0.1, 100.0)
-CLOSEST = 1e-10
+EQUAL_FREQUENCY_DISTANCE = 1e-10
 """Relative distance of frequencies below which two points count as one: rounding would show as peaks between them."""
 
 
@@ -56,16 +56,16 @@ class Adaptive:
     def frequencies(self, *modes: Modes) -> FloatArray:
         """Frequencies in Hz, ascending, that resolve the peaks of these modes."""
         spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
-        phase = np.radians(np.linspace(-STEEPEST, STEEPEST, self.per_peak))
+        phase = np.radians(np.linspace(-PEAK_PHASE_RANGE, PEAK_PHASE_RANGE, self.per_peak))
         found = [np.asarray(spaced(self.start, self.stop, self.points))]
         for mode in modes:
             eigenvalues = mode.eigenvalues[mode.eigenvalues.imag > 0]
             peak = eigenvalues.imag / (2 * np.pi)
-            width = np.maximum(-eigenvalues.real / (2 * np.pi), NARROWEST * peak)
+            width = np.maximum(-eigenvalues.real / (2 * np.pi), UNDAMPED_HALF_WIDTH * peak)
             found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
         f = np.unique(np.concatenate(found))
         # Two systems may have a mode in common but for rounding: points that close would show noise as peaks.
-        apart = np.append(True, np.diff(f) > CLOSEST * f[1:])
+        apart = np.append(True, np.diff(f) > EQUAL_FREQUENCY_DISTANCE * f[1:])
         return np.asarray(f[apart & (f >= self.start) & (f <= self.stop)])
 
 

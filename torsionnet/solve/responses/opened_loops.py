@@ -14,12 +14,12 @@ from torsionnet.assembly.law_stiffness import law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.loop_margins import LoopMargins, Margin
-from torsionnet.solve.dynamic_stiffness.posed import pose
+from torsionnet.solve.dynamic_stiffness.posed import make_reading_problem
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.modes.modes import natural_modes
 
 POINTS, NEAR = 2000, 60
-HALVINGS = 50
+BISECTIONS = 50
 """Bisections of an interval in which the loop crosses a margin: 50 reach the spacing of double precision."""
 
 
@@ -32,7 +32,7 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
     frequencies = _frequencies(modes.undamped_natural_frequencies, np.abs(modes.eigenvalues) / (2 * np.pi), actions)
 
     def at(f: FloatArray) -> ComplexArray:
-        return opened(drivetrain, place, f)
+        return open_loop(drivetrain, place, f)
 
     loop = at(frequencies)
     finite = np.isfinite(loop)
@@ -62,10 +62,10 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
     return name
 
 
-def opened(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
+def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
     """Open loop L (n_f,) at the action of this number, with all other loops closed."""
     assembly = drivetrain.assembly
-    posed = pose(assembly, (), (), ())
+    posed = make_reading_problem(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
     values = respond(posed.problem, kappa).values
     gains = np.array([one.ravel() for one in kappa.actions])
@@ -101,7 +101,7 @@ def _met(
     sign = np.sign(what(loop))
     places = np.flatnonzero(sign[:-1] * sign[1:] < 0)
     low, high, below = f[places], f[places + 1], sign[places]
-    for _ in range(HALVINGS if len(places) else 0):
+    for _ in range(BISECTIONS if len(places) else 0):
         middle = (low + high) / 2
         same = np.sign(what(at(middle))) == below
         low, high = np.where(same, middle, low), np.where(same, high, middle)

@@ -17,7 +17,7 @@ Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
 """Function that returns the frequency response at frequencies in Hz."""
 
 ROUNDS, POINTS = 3, 41
-ROUNDING = 1e-9
+PEAK_PROMINENCE = 1e-9
 """Share of a magnitude by which a peak must exceed the valleys beside it: less may be rounding."""
 
 
@@ -66,7 +66,7 @@ def _standing_out(values: FloatArray) -> list[int]:
         for side in (values[index::-1], values[index:]):
             higher = np.flatnonzero(side > values[index])
             valleys.append(side[: higher[0] if len(higher) else None].min())
-        if max(valleys) < (1 - ROUNDING) * values[index]:
+        if max(valleys) < (1 - PEAK_PROMINENCE) * values[index]:
             found.append(index)
     return found
 

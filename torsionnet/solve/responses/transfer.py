@@ -22,13 +22,13 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import METHODS, transfer_functions
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.responses.grid import Adaptive
-from torsionnet.solve.responses.uncertain import settled
+from torsionnet.solve.responses.uncertain import refine_uncertain_points
 from torsionnet.solve.responses.zero import at_zero
 
-POOR = 1e-10
+VANISHING_INPUT_RATIO = 1e-10
 """Ratio of a measured input to the sum of its terms' magnitudes below which it all but vanishes and is warned of."""
 
 
@@ -43,7 +43,7 @@ def frequency_response(
 ) -> FrequencyResponse:
     """Frequency response of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_response`."""
     known_method(method)
-    request = remembered(drivetrain, output, input, excitation)
+    request = cached_request(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
     values, conditioning = responses([drivetrain], request, f, method)
     warn_infinite(values, conditioning, f)
@@ -147,7 +147,7 @@ def evaluate_laws(
     """Transfer functions for given dynamic stiffnesses of the laws; assemblies are used for uncertain points."""
     found = transfer_functions(request, kappa, method)
     if method != "dense":
-        found = settled(assemblies, request, frequencies, kappa, found, method)
+        found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
     if request.is_measured:
         _warn_poor(found.conditioning, request, np.broadcast_to(frequencies, shape).ravel())
@@ -155,7 +155,7 @@ def evaluate_laws(
 
 
 def _warn_poor(conditioning: FloatArray, request: TransferRequest, frequencies: FloatArray) -> None:
-    poor = np.flatnonzero(conditioning < POOR)
+    poor = np.flatnonzero(conditioning < VANISHING_INPUT_RATIO)
     if len(poor):
         names = ", ".join(reading.name for reading in request.measured)
         where = f"{len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
@@ -170,7 +170,7 @@ def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray)
         return
     for points, where in (
         (f == 0, "at 0 Hz: the drivetrain turns freely"),
-        ((f > 0) & (conditioning >= POOR), "at a frequency above 0"),
+        ((f > 0) & (conditioning >= VANISHING_INPUT_RATIO), "at a frequency above 0"),
     ):
         if (points & ~finite).any():
             warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=4)

@@ -12,20 +12,20 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError, TorsionnetWarning
-from torsionnet.solve.dynamic_stiffness.many_digits import DIGITS, ManyDigits
+from torsionnet.solve.dynamic_stiffness.many_digits import CALCULATION_DIGITS, ManyDigits
 from torsionnet.solve.dynamic_stiffness.quotient import FrequencyPoints, transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-PROMISED = 1e-9
+PROMISED_ERROR = 1e-9
 """Largest relative error of values that are returned without a warning."""
-ENOUGH = PROMISED / 5
+ACCEPTED_ERROR = PROMISED_ERROR / 5
 """Estimated relative error up to which a value is kept: a fifth of the promised one, as the estimate is statistical."""
 DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
 MOST_WORK = 20_000
 """Largest number of laws times points that are solved in many digits: a few seconds."""
 
 
-def settled(
+def refine_uncertain_points(
     assemblies: Sequence[Assembly],
     request: TransferRequest,
     frequencies: FloatArray,
@@ -62,7 +62,7 @@ def settled(
         found.values[points],
     )
     worst = errors.max(axis=(1, 2), initial=0.0)
-    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
+    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ACCEPTED_ERROR]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))
     values = found.values.copy()
     exact = _ManyPoints(assemblies, request, frequencies)
@@ -72,7 +72,7 @@ def settled(
         if known is None:
             uncertain.append((points[place], worst[place]))
         else:
-            values[points[place]] = np.where(errors[place] > ENOUGH, known, values[points[place]])
+            values[points[place]] = np.where(errors[place] > ACCEPTED_ERROR, known, values[points[place]])
     if uncertain:
         _warn(uncertain, exact.frequencies.ravel())
     return replace(found, values=values)
@@ -119,7 +119,7 @@ class _ManyPoints:
         import mpmath
 
         variant, number = divmod(point, self.frequencies.shape[1])
-        with mpmath.workdps(DIGITS):
+        with mpmath.workdps(CALCULATION_DIGITS):
             if variant not in self.asked:
                 self.asked[variant] = ManyDigits(self.assemblies[variant], self.request)
             omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[variant, number])

@@ -16,9 +16,9 @@ from torsionnet.assembly.system import smallest_rate
 from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-DIGITS = 400
+LIMIT_DIGITS = 400
 """Decimal digits of the calculation, enough for several measured inputs at s of 10^-25 to its fifth power and more."""
-SMALL = 25
+LIMIT_POWER = 25
 """Power of ten by which s lies below the slowest rate of the system; several inputs may differ by its fifth power."""
 
 
@@ -33,10 +33,10 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
     import mpmath
 
     assembly = drivetrain.assembly
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(LIMIT_DIGITS):
         rate = mpmath.mpf(smallest_rate(assembly.system))
         asked = ManyDigits(assembly, request)
-        first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (SMALL, SMALL + 1))
+        first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (LIMIT_POWER, LIMIT_POWER + 1))
         if first is not None and second is not None:
             pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
             return np.array([[_limit(*pair) for pair in row] for row in pairs])

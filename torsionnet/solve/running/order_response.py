@@ -23,8 +23,8 @@ from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
-from torsionnet.solve.dynamic_stiffness.posed import twisted_law
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered, stressed_sections
+from torsionnet.solve.dynamic_stiffness.posed import law_of_imposed_twist
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request, stress_section_moduli
 from torsionnet.solve.responses.shared_response import named, shared_by_conditions, shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
 from torsionnet.solve.running.operating_groups import SPEEDS_PER_BLOCK, Settled, at_speeds, in_arrays, solved_together
@@ -64,7 +64,8 @@ def order_response(
         found = [
             (_block(rigs, wanted, question.loads(at[part])), part)
             for rigs, part in solved_together(
-                at_speeds(question.held, question.reference, at, settled), lambda rig: stressed_sections(rig, (wanted,))
+                at_speeds(question.held, question.reference, at, settled),
+                lambda rig: stress_section_moduli(rig, (wanted,)),
             )
         ]
         return joined(found, at, drivetrain.title)
@@ -190,7 +191,7 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
     """
     if one.element_entry is not None:
         name = one.element_entry[1]
-        row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
+        row = drivetrain.assembly.laws[law_of_imposed_twist(drivetrain.assembly, name)].row
         return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
     holds_row = drivetrain.assembly.kinematics.holds_row
     return {node: _sense(drivetrain, node, reference) for node in one.nodes if not holds_row(one.channel(node).row)}
@@ -296,7 +297,7 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
             lambda found: found.nbytes,
         )
 
-    request = remembered(batch.drivetrain, outputs, list(loads.inputs), None)
+    request = cached_request(batch.drivetrain, outputs, list(loads.inputs), None)
     return loads.response(*_at_own(solved, request, loads.hertz))
 
 
@@ -342,7 +343,7 @@ def _each(
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         return evaluate([rig.assembly for rig in rigs], request, frequencies).values
 
-    return _at_own(solved, remembered(rigs[0], outputs, inputs, None), hertz)
+    return _at_own(solved, cached_request(rigs[0], outputs, inputs, None), hertz)
 
 
 def _at_own(

@@ -54,7 +54,7 @@ class SolvedReadings:
     load: int
 
 
-class Arranged:
+class DerivativeProblem:
     """Response problem for the derivatives of readings, for one set of rows.
 
     Parameters

@@ -13,14 +13,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Column, Table
 from torsionnet.response.mode_numbers import COUNTING_NOTE, RIGID
-from torsionnet.solve.dynamic_stiffness.transfer_request import driven
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs
 from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
 from torsionnet.solve.sensitivity.unknowns import unknowns
 
-SAME = 1e-6
+REPEATED_POLE_DISTANCE = 1e-6
 """Relative distance below which poles count as repeated, so that rounding does not split them."""
-STRONG = 0.05
+NAMED_EFFECT = 0.05
 """Percent per percent of a parameter above which an effect is named in words."""
 
 
@@ -115,7 +115,7 @@ class ModeSensitivities:
             parts = [
                 f"{what} by {_strongest(relative[mode], self.parameters, most)}"
                 for what, relative in (("frequency", self.relative_frequencies), ("damping", self.relative_dampings))
-                if np.abs(relative[mode]).max(initial=0.0) > STRONG
+                if np.abs(relative[mode]).max(initial=0.0) > NAMED_EFFECT
             ]
             found.append(f"{self.name(mode)} ({f:.4g} Hz{kind}): {'; '.join(parts) or 'hardly moved by any of these'}")
         return tuple(found)
@@ -155,7 +155,7 @@ class ModeSensitivities:
 
 def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:
     order = np.argsort(-np.abs(relative))[:most]
-    return ", ".join(f"{names[p]} ({relative[p]:+.2g})" for p in order if abs(relative[p]) > STRONG)
+    return ", ".join(f"{names[p]} ({relative[p]:+.2g})" for p in order if abs(relative[p]) > NAMED_EFFECT)
 
 
 def mode_sensitivities(
@@ -192,7 +192,7 @@ def mode_sensitivities(
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
-    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
     modes = modes_against(drivetrain, request)
     kept = [place for place, kind in enumerate(modes.kinds) if kind != RIGID]
     numbers = tuple(modes.numbers[place] for place in kept)
@@ -217,7 +217,7 @@ def _groups(poles: ComplexArray) -> list[list[int]]:
     """Groups of indices of equal poles."""
     groups: list[list[int]] = []
     for place, pole in enumerate(poles):
-        near = [group for group in groups if abs(poles[group[0]] - pole) < SAME * abs(pole)]
+        near = [group for group in groups if abs(poles[group[0]] - pole) < REPEATED_POLE_DISTANCE * abs(pole)]
         if near:
             near[0].append(place)
         else:

@@ -20,10 +20,10 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Values
 from torsionnet.model.readings import referring_factor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.responses.transfer import frequency_response
-from torsionnet.solve.responses.uncertain import ENOUGH, expected_errors
-from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
+from torsionnet.solve.responses.uncertain import ACCEPTED_ERROR, expected_errors
+from torsionnet.solve.sensitivity.arranged import DerivativeProblem, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
@@ -59,7 +59,7 @@ class ParametricResponse:
     sensors: tuple[Sensor, ...]
     loads: tuple[Input, ...]
     _redundant: tuple[int, ...] = field(repr=False, default=())
-    _known: list[tuple[Any, Arranged]] = field(repr=False, default_factory=list)
+    _known: list[tuple[Any, DerivativeProblem]] = field(repr=False, default_factory=list)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,7 +102,7 @@ class ParametricResponse:
             raise SolveError(f"the response is not finite at {self._given(numbers)}")
         return found
 
-    def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
+    def _arranged(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
         """Response problem for these rows, kept for all values where no parameter changes a row."""
         slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
@@ -113,7 +113,7 @@ class ParametricResponse:
         values = self.unknowns.values(numbers)
         torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
         torques = [replace(one, referred_to=None) for one in torques]
-        arranged = Arranged(system, torques, elements, values, self.loads, channels, self._nodes)
+        arranged = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, arranged)]
         return arranged
 
@@ -142,7 +142,7 @@ class ParametricResponse:
 
     def _settled(
         self,
-        arranged: Arranged,
+        arranged: DerivativeProblem,
         kappa: LawStiffness,
         values: ComplexArray,
         points: NDArray[np.intp],
@@ -155,7 +155,7 @@ class ParametricResponse:
             y = arranged.values(respond(problem, some).values, kappa.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
-        poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
+        poor = (expected_errors(evaluate, kappa, values) > ACCEPTED_ERROR).any(axis=(1, 2))
         if poor.any():
             changed = AssembledModel.from_definition(self.unknowns.definition).configured(
                 **dict(zip(self.unknowns.parameters, numbers, strict=True))
@@ -211,7 +211,7 @@ def parametric_response(
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         raise UsageError("derivatives are taken at frequencies above 0, in Hz")
-    request = ask(drivetrain, output, input, excitation)
+    request = resolve_request(drivetrain, output, input, excitation)
     redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
     return ParametricResponse(
         drivetrain, request, f, unknowns(drivetrain, parameters), request.sensors, request.excitations, redundant

@@ -27,20 +27,20 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
-from torsionnet.solve.sensitivity.arranged import Arranged
+from torsionnet.solve.sensitivity.arranged import DerivativeProblem
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
-NEAR, NEAR_MEASURED = 1e-6, 1e-4
+CIRCLE_RADIUS, CIRCLE_RADIUS_MEASURED = 1e-6, 1e-4
 """Radius of the circle around a pole on which responses are taken, over the distance of the next one.
 
 Next to a pole small twists stand out best; what is left of a difference, as against a measured input, does farther off.
 """
-MORE = 6
+MEASURED_PROBES = 6
 """Number of further nodes tried as probes against a measured input: more find the pole more surely, at more cost."""
-BESIDE = 1e-9
+AXIS_ROUNDING = 1e-9
 """Share of a slope below which its real or imaginary part is rounding where the other part alone is possible."""
-SIMPLE = 0.7
+DEFECTIVE_SHARE = 0.7
 """Share of a response growing quicker than 1/x above which equal poles have fewer vectors than poles."""
 
 
@@ -63,7 +63,7 @@ class ResponsesAroundPoles:
         self.channels: dict[Input, str] = {channel: name for name, channel in drivetrain.inputs.items()}
         self.sensors: Sequence[Sensor] = sensors
         self.loads: Sequence[Input] = loads
-        self.known: dict[tuple[str, ...], Arranged] = {}
+        self.known: dict[tuple[str, ...], DerivativeProblem] = {}
 
     @classmethod
     def of(cls, drivetrain: AssembledModel, chosen: Unknowns, request: TransferRequest | None) -> ResponsesAroundPoles:
@@ -81,7 +81,7 @@ class ResponsesAroundPoles:
     def slopes(self, poles: ComplexArray, shapes: ComplexArray, clearance: float) -> ComplexArray:
         """Derivatives (multiplicity, n_p) of equal poles with these shapes (n_nodes, multiplicity)."""
         count, center = len(poles), complex(np.mean(poles))
-        near = NEAR_MEASURED if self.sensors else NEAR
+        near = CIRCLE_RADIUS_MEASURED if self.sensors else CIRCLE_RADIUS
         apart = max(near * clearance, 3 * np.abs(poles - center).max()) * _circle(2 * count + 2)
         nothing = np.full((count, len(self.chosen.names)), complex(np.nan, np.nan))
         if count > len(shapes):
@@ -92,7 +92,7 @@ class ResponsesAroundPoles:
         sizes = responses.sizes.sum(axis=0)
         places = np.ix_(*_pivots(first, np.abs(first) / np.where(sizes > 0, sizes, 1.0), count))
         whole = responses.values.transpose(1, 2, 0)[places]
-        if count > 1 and np.abs(whole - first[places][..., None] / apart).max() > SIMPLE * np.abs(whole).max():
+        if count > 1 and np.abs(whole - first[places][..., None] / apart).max() > DEFECTIVE_SHARE * np.abs(whole).max():
             return nothing
         found = np.einsum("f,fzxp->zxp", apart**2, responses.slopes)[places]
         moved, rate, followed = found[..., :-2], -found[..., -2], found[..., -1]
@@ -105,7 +105,7 @@ class ResponsesAroundPoles:
         parted = [linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
-    def _probes(self, shapes: ComplexArray) -> Arranged:
+    def _probes(self, shapes: ComplexArray) -> DerivativeProblem:
         """Response problem with probes, loads and readings at nodes that move; few different ones serve all modes.
 
         The motion that answers a drive which keeps a reading at zero is another one than that which it drives, so that
@@ -117,16 +117,16 @@ class ResponsesAroundPoles:
             return self.known[used[0]]
         places: list[int] = linalg.qr(shapes.T, pivoting=True, mode="r")[1][:count].tolist()
         if self.sensors:
-            places += np.linspace(0, len(self.nodes) - 1, MORE).round().astype(int).tolist()
+            places += np.linspace(0, len(self.nodes) - 1, MEASURED_PROBES).round().astype(int).tolist()
         nodes = tuple(dict.fromkeys(self.nodes[place] for place in places))
         if nodes not in self.known:
             values, elements = self.chosen.values(self.chosen.start), dict(self.chosen.definition.elements)
-            self.known[nodes] = Arranged(
+            self.known[nodes] = DerivativeProblem(
                 self.system, self.sensors, elements, values, self.loads, self.channels, self.nodes, nodes
             )
         return self.known[nodes]
 
-    def _responses(self, probes: Arranged, s: ComplexArray, at: FloatArray) -> Responses:
+    def _responses(self, probes: DerivativeProblem, s: ComplexArray, at: FloatArray) -> Responses:
         """Responses of probes with derivatives to the parameters, to s and to the frequency at which tables are read.
 
         A measured input is given, and its drive read.
@@ -146,7 +146,7 @@ def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
     """Slopes of an undamped pole without the rounding beside the real or the imaginary axis."""
     if pole.real:
         return slopes
-    least = BESIDE * np.abs(slopes)
+    least = AXIS_ROUNDING * np.abs(slopes)
     real, imag = (np.where(np.abs(part) > least, part, 0.0) for part in (slopes.real, slopes.imag))
     return np.asarray(real + 1j * imag, dtype=complex)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import added, filled, refined, speeds_wanted
-from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
 from torsionnet.solve.running.order_response import OrderQuestion
 from torsionnet.solve.running.resonant_speeds import around_poles
 from torsionnet.study.quantities.variant_block import VariantBlock
@@ -33,7 +33,7 @@ def order_responses(
                 yield index, run
         return
     loads = question.loads(speeds)
-    channels = tuple(one.channel for one in remembered(block.model, output, list(loads.inputs), None).outputs)
+    channels = tuple(one.channel for one in cached_request(block.model, output, list(loads.inputs), None).outputs)
     frequencies = loads.frequencies
     moving = frequencies[frequencies > 0]
     for which, part in block.parts(len(moving) * len(loads.inputs)):
@@ -54,7 +54,7 @@ def responses_at(
     # Rows have one length: the last frequency again and again where there are fewer.
     frequencies = np.stack([np.append(own, np.full(longest - len(own), own[-1])) for own in moving])
     inputs = loads[0].inputs
-    channels = tuple(one.channel for one in remembered(block.model, output, list(inputs), None).outputs)
+    channels = tuple(one.channel for one in cached_request(block.model, output, list(inputs), None).outputs)
     first = 0
     for _, part in block.parts(longest * len(inputs)):
         count = len(part)
