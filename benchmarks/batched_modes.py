@@ -64,7 +64,7 @@ def in_batches(plan, values, then=lambda found: found):
     for some in chunks(values):
         found = batched_modes(plan.batch(some))
         then(found)
-        first, doubtful = first or found, doubtful + int(found.doubtful.sum())
+        first, doubtful = first or found, doubtful + int(found.uncertain.sum())
     return (time.perf_counter() - start) / COUNT, first, doubtful
 
 

@@ -47,7 +47,7 @@ def test_library_models(name, method):
     inputs, outputs = usable_channels(rig)
     planned = [one for one in rig.parameters if batch_plan(rig, [one]) is not None]
     batch = batch_of(rig, {one: rig.parameters[one] * rng.uniform(0.9, 1.1, 5) for one in planned})
-    assert len(batch.together) >= 3
+    assert len(batch.stacked) >= 3
     outputs = [*outputs[:4], rig.nodes[-1]]
     found = together(batch, outputs, inputs[:1], F, method=method)
     expected = one_by_one(batch, outputs, inputs[:1], F)
@@ -78,7 +78,7 @@ def test_special_variants(method):
         "c_O": [0.0, 1.0, 1.0, 170.0, 2.0],
     }
     batch = batch_of(rig, values)
-    assert batch.apart.tolist() == [True, True, False, False, False]
+    assert batch.separate.tolist() == [True, True, False, False, False]
     assert batch.impossible.tolist() == [False, False, True, False, True]
     f = np.array([0.0, *F])
     found = together(batch, ["theta_1", "T_T"], "T_M", f, method=method)
@@ -101,7 +101,7 @@ def test_stiffness_over_frequency_and_actions(kind, method):
     parts += [tn.Inertia("j_x", node="x", inertia="J"), tn.Spring("s_x", nodes=("x", "a"), stiffness="k", damping=2)]
     rig = tn.Drivetrain("c", [*parts, element], parameters=parameters, inputs={"T": {"torque": "x"}})
     batch = batch_of(rig, {"J": [0.5, 0.7, 1.0], "k": [50.0, 70.0, 80.0], "eta": [0.1, 0.2, 0.3]})
-    assert len(batch.together) == 3
+    assert len(batch.stacked) == 3
     found = together(batch, ["a", "torque(e)"], "T", F, method=method)
     assert found == pytest.approx(one_by_one(batch, ["a", "torque(e)"], "T", F, method="dense"), rel=1e-9)
 
@@ -243,4 +243,4 @@ def test_compiled_and_numpy_doubt_the_same_points():
     compiled, numpy = (quotient.transfer_functions(request, kappa, method) for method in ("compiled", "graph"))
     np.testing.assert_allclose(compiled.values, numpy.values, rtol=1e-10)
     np.testing.assert_allclose(compiled.conditioning, numpy.conditioning, rtol=1e-10)
-    assert np.array_equal(compiled.doubtful, numpy.doubtful)
+    assert np.array_equal(compiled.uncertain, numpy.uncertain)

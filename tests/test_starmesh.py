@@ -280,7 +280,7 @@ def test_lanes_that_lose_digits_are_in_doubt(respond):
     system = system_of(2, laws)
     kappa = np.array([[-4.0, -4.0, 2.0], [-4.0, -4.0, 4.0], [-1.0, 2.0, 2 * (1 + 1e-9)], [-4.0, -4.0, 3.0]])
     found = respond(problem_of(system, unit_load(2), np.eye(2)), sampled_stiffness(kappa.astype(complex)))
-    assert found.doubtful.tolist() == [True, True, True, False]
+    assert found.uncertain.tolist() == [True, True, True, False]
 
 
 @both_ways
@@ -289,7 +289,7 @@ def test_a_law_whose_stiffness_and_inertia_all_but_cancel_is_in_doubt(respond):
     omega = np.array([1.0, 2.0, 2.0 * (1 + 1e-6)])
     kappa = LawStiffness(*(np.array([[value]]) for value in (1.0, 0.0, 4.0)), omega=omega)
     found = respond(problem, kappa)
-    assert found.doubtful.tolist() == [False, True, True]
+    assert found.uncertain.tolist() == [False, True, True]
     assert found.values[0, 0, 0] == pytest.approx(1 / 3)
 
 

@@ -263,7 +263,7 @@ class Drivetrain(RunningMachinery):
         >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
         (2.0944, 47.028, 0.05472)
         """
-        from torsionnet.solve.responses.opened_loops import loop_margins
+        from torsionnet.solve.responses.loop_margin_search import loop_margins
 
         return loop_margins(self, controller)
 

@@ -32,7 +32,7 @@ class Batch:
         What laws have beside them.
     impossible : (n,) boolean array
         Variants that :meth:`torsionnet.Drivetrain.configured` refuses; their coefficients say nothing.
-    apart : (n,) boolean array
+    separate : (n,) boolean array
         Variants that have other acting laws, as one whose stiffness vanishes, and so another system of equations: to be
         solved by their :meth:`model`. Their coefficients say nothing.
     moduli : mapping
@@ -46,16 +46,16 @@ class Batch:
     stiffness: FloatArray
     dynamic: tuple[BatchedStiffness, ...]
     impossible: NDArray[np.bool_]
-    apart: NDArray[np.bool_]
+    separate: NDArray[np.bool_]
     moduli: Mapping[str, FloatArray]
 
     def __len__(self) -> int:
         return len(self.impossible)
 
     @property
-    def together(self) -> NDArray[np.intp]:
-        """Places of the variants whose coefficients are in the arrays: neither impossible nor apart."""
-        return np.flatnonzero(~(self.impossible | self.apart))
+    def stacked(self) -> NDArray[np.intp]:
+        """Places of the variants whose coefficients are in the arrays: neither impossible nor separate."""
+        return np.flatnonzero(~(self.impossible | self.separate))
 
     def model(self, index: int) -> AssembledModel:
         """Model of one variant, at the operating point of ``drivetrain``.
@@ -85,7 +85,7 @@ class Batch:
             self.stiffness[places],
             tuple(one.part(places, len(self)) for one in self.dynamic),
             self.impossible[places],
-            self.apart[places],
+            self.separate[places],
             {name: column[places] for name, column in self.moduli.items()},
         )
 

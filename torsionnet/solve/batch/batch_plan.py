@@ -23,7 +23,7 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Element, Law, Part, Values
 from torsionnet.model.parameters import evaluation_order
 from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batch_filling import BatchBuilder
+from torsionnet.solve.batch.batch_builder import BatchBuilder
 from torsionnet.solve.batch.planned_element import PlannedElement, planned_elements
 from torsionnet.solve.batch.variant_numbers import VARIANTS, Decisions, VariantNumber, passes
 
@@ -85,7 +85,7 @@ class BatchPlan:
         moduli = {one.element.name: section_modulus(one.element, value) for one in self.elements if one.is_stressed}
         here = filling.followed(places, decisions)
         if not alike:
-            here.mark_apart()
+            here.mark_separate()
             return
         for planned, parts in found:
             if planned.is_on:
@@ -120,7 +120,7 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
     Parameters
     ----------
     drivetrain : AssembledModel
-        In one configuration; its own values should be usual ones, since variants with other acting laws are put apart.
+        In one configuration; its own values should be usual ones, since variants with other acting laws become separate.
     names : iterable of str
         Parameters.
 

@@ -62,7 +62,7 @@ class BatchedModes:
     eigenvalues: ComplexArray
     shapes: ComplexArray
     undamped_natural_frequencies: FloatArray
-    doubtful: NDArray[np.bool_]
+    uncertain: NDArray[np.bool_]
     singles: Mapping[int, Assembly] = field(repr=False)
     batch: Batch | None = None
     notes: tuple[str, ...] = ()
@@ -147,13 +147,13 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
 
 
 def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None:
-    assembly, places = batch.drivetrain.assembly, batch.together
+    assembly, places = batch.drivetrain.assembly, batch.stacked
     system, nodes = assembly.system, assembly.node_rows.dense
     step = max(1, STACK_ENTRIES // (len(system.law_rows) * (system.n_coordinates + 1)))
     for start in range(0, len(places), step):
         some = places[start : start + step]
         part = stacked_modes(system, nodes, given.of(some))
-        sure = ~part.doubtful
+        sure = ~part.uncertain
         found.put(some[sure], part.eigenvalues[sure], part.shapes[sure], part.undamped[sure])
 
 
@@ -193,8 +193,8 @@ class _Gathered:
         self.notes += [f"variant {place + 1}: {doubt}" for doubt in doubts]
 
     def modes(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray], batch: Batch | None) -> BatchedModes:
-        doubtful = np.zeros(len(self.done), dtype=bool)
-        doubtful[list(self.singles)] = True
+        uncertain = np.zeros(len(self.done), dtype=bool)
+        uncertain[list(self.singles)] = True
         rates = self.undamped / (2 * np.pi)
         return BatchedModes(
             drivetrain,
@@ -202,7 +202,7 @@ class _Gathered:
             self.eigenvalues,
             self.shapes,
             rates,
-            doubtful,
+            uncertain,
             self.singles,
             batch,
             tuple(self.notes),

@@ -55,7 +55,7 @@ def batched_responses(
 ) -> Evaluated:
     """Transfer functions of all variants of a batch at frequencies >= 0.
 
-    Variants that are ``apart`` are solved by themselves; those that are impossible have NaN.
+    Variants that are ``separate`` are solved by themselves; those that are impossible have NaN.
 
     Parameters
     ----------
@@ -85,12 +85,12 @@ def batched_responses(
     ((3, 2, 1, 1), True)
     """
     shape = (len(batch), len(frequencies))
-    method = chosen_method(request.posed.problem, len(batch) * len(frequencies), method)
+    method = chosen_method(request.reading_problem.problem, len(batch) * len(frequencies), method)
     values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
     found = Evaluated(values, np.empty(shape))
     found.values[batch.impossible], found.conditioning[batch.impossible] = complex(np.nan, np.nan), np.nan
-    singly = [np.flatnonzero(batch.apart & ~batch.impossible)]
-    for places in _blocks(batch.together, len(frequencies)):
+    singly = [np.flatnonzero(batch.separate & ~batch.impossible)]
+    for places in _blocks(batch.stacked, len(frequencies)):
         try:
             block = _together(batch.part(places), request, frequencies, method)
         except TorsionnetError:  # one of them is to blame
@@ -141,7 +141,7 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
     single = np.ones(len(batch), dtype=bool)
     if not rigid_motions(batch.drivetrain.assembly.kinematics):
         points = transfer_functions(request, batch.law_stiffness(np.zeros(1)), method)
-        found, single = points.values, points.doubtful | ~np.isfinite(points.values).all(axis=(1, 2))
+        found, single = points.values, points.uncertain | ~np.isfinite(points.values).all(axis=(1, 2))
     for index in np.flatnonzero(single):
         found[index] = at_zero(batch.model(int(index)), request)
     return found

@@ -30,15 +30,15 @@ def responses_at_own_frequencies(
     shape = (*frequencies.shape, len(request.outputs), len(request.measured))
     found = np.full(shape, complex(np.nan, np.nan))
     size = max(1, POINTS_AT_ONCE // max(1, frequencies.shape[1]))
-    for start in range(0, len(batch.together), size):
-        places = batch.together[start : start + size]
+    for start in range(0, len(batch.stacked), size):
+        places = batch.stacked[start : start + size]
         part, own = batch.part(places), frequencies[places]
         values = evaluate_laws(
             _law_stiffness(part, 2 * np.pi * own), SingleAssemblies(part), request, own, method
         ).values
         scale_stresses(values, part, request)
         found[places] = values
-    for index in np.flatnonzero(batch.apart & ~batch.impossible):
+    for index in np.flatnonzero(batch.separate & ~batch.impossible):
         model = batch.model(int(index))
         found[index] = responses([model], request_for_model(model, request), frequencies[index], method).values[0]
     return found

@@ -43,7 +43,7 @@ class PlannedElement:
         )
 
 
-class _Asked(dict[str, Any]):
+class _RecordedLookups(dict[str, Any]):
     """Dictionary of numbers that records which names were looked up."""
 
     def __init__(self, numbers: Mapping[str, Any]) -> None:
@@ -65,7 +65,7 @@ def planned_elements(
     definition, known = drivetrain.definition, _numbered(drivetrain)
     active, found = {element.name: element for element in definition.active}, []
     for name, declared in definition.elements.items():
-        element, asked = active.get(name, declared), _Asked(numbers)
+        element, asked = active.get(name, declared), _RecordedLookups(numbers)
         parts = element.parts(Values(asked, VARIANTS))
         entries = (expression.names for _, _, expression, _ in element.expressions())
         if not asked.names.union(*entries) & moved:

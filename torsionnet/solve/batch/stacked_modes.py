@@ -63,7 +63,7 @@ class StackedModes:
     eigenvalues: ComplexArray
     shapes: ComplexArray
     undamped: FloatArray
-    doubtful: Flags
+    uncertain: Flags
 
 
 def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
@@ -143,7 +143,7 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
         parts, places = [], []
         for some, found in (hysteretic_vibrations if lossy else damped_vibrations)(directions, given):
             part = _judged(directions, nodes, given.of(some), found, rates[some])
-            part.doubtful[~_settled(springs.errors[some])] = True
+            part.uncertain[~_settled(springs.errors[some])] = True
             parts.append(part)
             places.append(some)
     return _together(parts, places)
@@ -193,14 +193,14 @@ def _together(parts: Sequence[StackedModes], places: Sequence[Places]) -> Stacke
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, places))
-    doubtful = np.ones(n, dtype=bool)
+    uncertain = np.ones(n, dtype=bool)
     for part, some in zip(parts, places, strict=True):
-        doubtful[some] = part.doubtful
+        uncertain[some] = part.uncertain
     return StackedModes(
         _spread([part.eigenvalues for part in parts], places, n),
         _spread([part.shapes for part in parts], places, n),
         _spread([part.undamped for part in parts], places, n),
-        doubtful,
+        uncertain,
     )
 
 

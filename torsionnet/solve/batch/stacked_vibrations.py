@@ -33,7 +33,7 @@ class StackedVibrations(NamedTuple):
     vectors: ComplexArray
     errors: FloatArray
 
-    def taken(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
+    def columns_of(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
         """Vibrations of some variants in these columns (n, m)."""
         return StackedVibrations(
             np.take_along_axis(self.values[some], columns, axis=1),
@@ -66,7 +66,7 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
     counts = kept.sum(axis=1)
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
-        yield some, found.taken(some, order[some, :count])
+        yield some, found.columns_of(some, order[some, :count])
 
 
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
@@ -89,12 +89,12 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
     total = 2 * directions.vibrations if not directions.dissipating.size else found.values.shape[1]
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
-        vibrating = found.taken(some, least[some, : (total - count) // 2])
-        still = rest.taken(some, first_real[some, :count])
+        vibrating = found.columns_of(some, least[some, : (total - count) // 2])
+        still = rest.columns_of(some, first_real[some, :count])
         still.values.imag[:] = 0.0
         both = StackedVibrations(*(np.concatenate(pair, axis=-1) for pair in zip(vibrating, still, strict=True)))
         both = both._replace(values=_settling(both.values, given.of(some)))
-        yield some, both.taken(np.arange(len(some)), np.argsort(np.abs(both.values), axis=1, kind="stable"))
+        yield some, both.columns_of(np.arange(len(some)), np.argsort(np.abs(both.values), axis=1, kind="stable"))
 
 
 def _settling(values: ComplexArray, given: Coefficients) -> ComplexArray:

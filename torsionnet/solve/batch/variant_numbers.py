@@ -39,7 +39,7 @@ class Decisions:
         self.follows = np.ones(count, dtype=bool)
         self.unsure = np.zeros(count, dtype=bool)
 
-    def fallen(self, answers: Any) -> bool:
+    def decide(self, answers: Any) -> bool:
         """Decision of the first variant; variants that would decide otherwise are marked as not following."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
@@ -97,7 +97,7 @@ class VariantNumber:
     def _compared(self, other: Any, how: Callable[[Any, Any], Any]) -> Any:
         if not isinstance(other, VariantNumber | Fraction | int | float):
             return NotImplemented
-        return self.decisions.fallen(how(self.values, _plain(other)))
+        return self.decisions.decide(how(self.values, _plain(other)))
 
     def __eq__(self, other: object) -> Any:
         return self._compared(other, operator.eq)
@@ -115,10 +115,10 @@ class VariantNumber:
         return self._compared(other, operator.ge)
 
     def __bool__(self) -> bool:
-        return self.decisions.fallen(self.values != 0)
+        return self.decisions.decide(self.values != 0)
 
     def __float__(self) -> float:
-        self.decisions.fallen(self.values == self.values[0])
+        self.decisions.decide(self.values == self.values[0])
         return float(self.values[0])
 
     def __hash__(self) -> int:

@@ -72,7 +72,7 @@ def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> 
     batch = plan.batch(parameters)
     if batch.impossible.any():
         batch.model(int(np.argmax(batch.impossible)))
-    return None if 2 * batch.apart.sum() > len(batch) else batch
+    return None if 2 * batch.separate.sum() > len(batch) else batch
 
 
 def _grouped(

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.doubt import LARGE_SHARE
-from torsionnet.solve.dynamic_stiffness.posed import ReadingProblem
+from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem
 
 
 class ClosedLoops(NamedTuple):
@@ -27,20 +27,20 @@ class ClosedLoops(NamedTuple):
 
     values: ComplexArray
     torques: ComplexArray
-    doubtful: NDArray[np.bool_]
+    uncertain: NDArray[np.bool_]
 
 
 def close_loops(
-    posed: ReadingProblem, kappa: LawStiffness, values: ComplexArray, doubtful: NDArray[np.bool_]
+    reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray, uncertain: NDArray[np.bool_]
 ) -> ClosedLoops:
     """Responses with the actions at work, from those of the laws alone to excitations and action torques."""
-    n_exc, n_act = posed.n_excitations, len(posed.sensed)
+    n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
     if not n_act:
-        return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), doubtful)
+        return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), uncertain)
     if len(kappa.actions) != n_act:
         raise SolveError("the torques of controllers are not known here")
     gains = np.array([values_.ravel() for values_ in kappa.actions])
-    sensed = gains[:, None, :] * values[list(posed.sensed)]
+    sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
     by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)
     with np.errstate(all="ignore"):
         loop = np.eye(n_act) - by_torque
@@ -52,7 +52,7 @@ def close_loops(
         size = np.abs(alone) + np.einsum("rap,aep->rep", np.abs(added), np.abs(torques))
         lost |= (LARGE_SHARE * np.abs(total) < size).any(axis=(0, 1))
     finite = np.isfinite(total).all(axis=(0, 1)) & np.isfinite(torques).all(axis=(0, 1))
-    return ClosedLoops(total, torques, doubtful | lost | ~finite)
+    return ClosedLoops(total, torques, uncertain | lost | ~finite)
 
 
 def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:

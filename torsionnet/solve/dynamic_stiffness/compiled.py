@@ -17,7 +17,7 @@ import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.solve.dynamic_stiffness.doubt import LARGE_CANCELLATION, LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_CANCELLATION, LARGE_SHARE
 from torsionnet.solve.dynamic_stiffness.reading_table import ReadingTable
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
@@ -42,9 +42,9 @@ LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
     """Values (n_values, n_points) of a tape and mask of uncertain points, by the compiled loop."""
     values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
-    doubtful = np.zeros(kappa.n_points, dtype=bool)
-    _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, doubtful)
-    return values, doubtful
+    uncertain = np.zeros(kappa.n_points, dtype=bool)
+    _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, uncertain)
+    return values, uncertain
 
 
 def read(
@@ -65,12 +65,12 @@ def read(
         Readings, or quotients by the last one where it is measured; the conditioning of that; points in doubt.
     """
     values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
-    conditioning, doubtful = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
+    conditioning, uncertain = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
     own = _numbers(kappa)
     _read(tape.operations, tape.factors, *_numbers(slots), *own[:-1], _registers(tape), tape.n_values,
           table.n_excitations, table.is_measured, table.whole, table.factors, table.applied,
-          values, conditioning, doubtful)  # fmt: skip
-    return values, conditioning, doubtful
+          values, conditioning, uncertain)  # fmt: skip
+    return values, conditioning, uncertain
 
 
 def _registers(tape: Tape) -> FloatArray:
@@ -167,7 +167,7 @@ def _walk(
 
 def _sweeping(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
-    r: Any, values: Any, doubtful: Any,
+    r: Any, values: Any, uncertain: Any,
 ) -> None:  # fmt: skip
     """Run a tape at all points of all variants."""
     n_variants, n_f = inertia.shape[0], omega.shape[1]
@@ -184,7 +184,7 @@ def _sweeping(
                 for i in range(n):
                     values[t, offset + first + i] = complex(y[t, 0, i], y[t, 1, i])
             for i in range(n):
-                doubtful[offset + first + i] = left[i] < 0.0
+                uncertain[offset + first + i] = left[i] < 0.0
 
 
 def _starting(omega: Any, first: int, n: int, w: Any, w2: Any, left: Any) -> None:
@@ -199,7 +199,7 @@ def _reading(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     own_inertia: Any, own_damping: Any, own_stiffness: Any, own_place: Any, own_sampled: Any,
     r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
-    values: Any, conditioning: Any, doubtful: Any,
+    values: Any, conditioning: Any, uncertain: Any,
 ) -> None:  # fmt: skip
     """Run a tape at all points of all variants and form the readings.
 
@@ -272,7 +272,7 @@ def _reading(
                     for i in range(n):
                         values[offset + i, number, e] = complex(z[number, e, 0, i], z[number, e, 1, i])
             for i in range(n):
-                doubtful[offset + i] = left[i] < 0.0
+                uncertain[offset + i] = left[i] < 0.0
 
 
 _jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})

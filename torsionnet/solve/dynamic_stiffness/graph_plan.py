@@ -57,7 +57,7 @@ def make_plan(
     outputs: Sequence[Row],
     reactions: Sequence[int],
     *,
-    turned: bool = False,
+    other_order: bool = False,
     accuracy: Accuracy = DOUBLE,
 ) -> EliminationPlan:
     """Elimination plan for the motion of ``outputs`` and the torque on given columns.
@@ -78,8 +78,8 @@ def make_plan(
         Of the coefficients.
     """
     planner = _Planner(laws, n_free, loads, motions, outputs, reactions, accuracy)
-    if turned:
-        planner.turn()
+    if other_order:
+        planner.choose_other_root()
     return planner.plan()
 
 
@@ -105,7 +105,7 @@ class _Planner:
         self.outputs = tuple(self._output(row) for row in outputs)
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
 
-    def turn(self) -> None:
+    def choose_other_root(self) -> None:
         """Choose as root another coordinate than that of the first load."""
         free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
         self.last = next(free, None) if self.last is None else None

@@ -16,7 +16,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 from torsionnet.model.elements import Law
 from torsionnet.model.elimination import exact
-from torsionnet.solve.dynamic_stiffness.posed import ReadingPart, make_reading_problem
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingPart, make_reading_problem
 from torsionnet.solve.dynamic_stiffness.row_algebra import Accuracy
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
@@ -37,7 +37,7 @@ class ManyDigits:
         self.laws: tuple[Law, ...] = assembly.laws
         self.actions: tuple[ActionLaw, ...] = assembly.system.actions
         measured = request.measured if request.is_measured else ()
-        self.posed = make_reading_problem(
+        self.reading_problem = make_reading_problem(
             assembly, request.outputs, measured, request.excitations, in_many_digits, _accuracy()
         )
 
@@ -55,7 +55,7 @@ class ManyDigits:
 
     def _readings(self, kappa: Sequence[Any], s: Any) -> list[list[Any]]:
         """All readings under all excitations at one s."""
-        problem = self.posed.problem
+        problem = self.reading_problem.problem
         solved = [[in_many_digits(0)] * len(problem.excitations) for _ in range(problem.n_read)]
         for excitations, part in problem.parts:
             slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
@@ -63,8 +63,10 @@ class ManyDigits:
                 reading, place = divmod(value, len(excitations))
                 solved[reading][excitations[place]] = found
         solved, torques = self._closed(solved, s) if self.actions else (solved, [])
-        readings = [[_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.posed.parts]
-        for values, driven in zip(readings, self.posed.driven, strict=True):
+        readings = [
+            [_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.reading_problem.parts
+        ]
+        for values, driven in zip(readings, self.reading_problem.driven, strict=True):
             for action, factor in driven.items():
                 values[:] = [
                     value + in_many_digits(factor) * t for value, t in zip(values, torques[action], strict=True)
@@ -73,8 +75,11 @@ class ManyDigits:
 
     def _closed(self, solved: list[list[Any]], s: Any) -> tuple[list[list[Any]], list[list[Any]]]:
         """Solved motions with the actions at work, and the torques of the actions."""
-        n, gains = self.posed.n_excitations, [_action_gain(one, s) for one in self.actions]
-        sensed = [[gain * value for value in solved[row]] for gain, row in zip(gains, self.posed.sensed, strict=True)]
+        n, gains = self.reading_problem.n_excitations, [_action_gain(one, s) for one in self.actions]
+        sensed = [
+            [gain * value for value in solved[row]]
+            for gain, row in zip(gains, self.reading_problem.sensed, strict=True)
+        ]
         places = range(len(gains))
         loop = [[_left([in_many_digits(int(i == j)), -sensed[i][n + j]]) for j in places] for i in places]
         transposed = [[loop[j][i] for j in places] for i in places]

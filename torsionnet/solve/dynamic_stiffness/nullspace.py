@@ -115,12 +115,12 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
     """Null space of sparse rows over ``size`` coordinates, each a map from coordinate to coefficient."""
     parts = _Parts(rows, size)
     turning = [number for number in range(len(parts.members)) if number not in parts.held]
-    wide = [row for row in (parts.collected(row) for row in rows if len(row) > 2) if row]
+    wide = [row for row in (parts.over_parts(row) for row in rows if len(row) > 2) if row]
     solved = reduce_rows(wide, {part: part for part in turning}).solved
-    columns = {part: parts.turned(part, 1.0) for part in turning if part not in solved}
+    columns = {part: parts.part_angles(part, 1.0) for part in turning if part not in solved}
     for part, free in solved.items():
         for other, ratio in free.items():
-            columns[other] |= parts.turned(part, Rounded.of(ratio).value)
+            columns[other] |= parts.part_angles(part, Rounded.of(ratio).value)
     return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))
 
 
@@ -157,7 +157,7 @@ class _Parts:
                     members.append(other)
         self.members.append(members)
 
-    def collected(self, row: SparseRow) -> dict[int, Any]:
+    def over_parts(self, row: SparseRow) -> dict[int, Any]:
         """Row over the parts that can turn, from a row over coordinates."""
         result: dict[int, Rounded] = {}
         for column, value in row.items():
@@ -168,6 +168,6 @@ class _Parts:
             result[part] = result[part] + term if part in result else term
         return result
 
-    def turned(self, part: int, ratio: float) -> dict[int, float]:
+    def part_angles(self, part: int, ratio: float) -> dict[int, float]:
         """Angles of the coordinates of a part at this ratio of its first coordinate."""
         return {column: ratio * self.angle[column] for column in self.members[part]}

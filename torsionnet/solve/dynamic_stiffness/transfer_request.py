@@ -15,7 +15,7 @@ from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, nam
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.imposed_twist import twist_fault
-from torsionnet.solve.dynamic_stiffness.posed import ReadingProblem, make_reading_problem
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
 
 NO_CHANNELS_MESSAGE = "name at least one output and one input"
 """Message for a request without outputs or without inputs."""
@@ -46,13 +46,13 @@ class TransferRequest:
         return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
 
     @cached_property
-    def posed(self) -> ReadingProblem:
+    def reading_problem(self) -> ReadingProblem:
         """Response problem of the request in rows."""
         return make_reading_problem(
             self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
         )
 
-    def require_felt(self) -> None:
+    def require_reached_inputs(self) -> None:
         """Refuse measured inputs that stay zero whatever the values.
 
         Raises
@@ -62,7 +62,10 @@ class TransferRequest:
         """
         if not self.is_measured:
             return
-        felt = [self.posed.felt_by(len(self.outputs) + number) for number in range(len(self.measured))]
+        felt = [
+            self.reading_problem.excitations_reaching(len(self.outputs) + number)
+            for number in range(len(self.measured))
+        ]
         driven = " and ".join(str(excitation) for excitation in self.excitations)
         for reading, reached in zip(self.measured, felt, strict=True):
             if not reached:
@@ -74,7 +77,7 @@ class TransferRequest:
                 where = f"under a {excitation} at every frequency"
                 raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
 
-    def dependent(self) -> UsageError:
+    def dependent_inputs_error(self) -> UsageError:
         """Error for measured inputs that depend on each other under the excitations at all frequencies."""
         names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
         if len(self.measured) == 1:
@@ -93,7 +96,7 @@ def cached_request(
 
     def asked() -> TransferRequest:
         request = resolve_request(drivetrain, output, input, excitation)
-        request.require_felt()
+        request.require_reached_inputs()
         return request
 
     try:
@@ -121,7 +124,7 @@ def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> T
     found = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
     outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
     found = replace(found, outputs=outputs, measured=measured, notes=request.notes)
-    found.require_felt()
+    found.require_reached_inputs()
     return found
 
 

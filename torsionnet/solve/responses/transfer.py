@@ -96,7 +96,7 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
     """Values at zero frequency: the static solution where finite and certain, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
-        if np.isfinite(found.values).all() and not found.doubtful[0]:
+        if np.isfinite(found.values).all() and not found.uncertain[0]:
             return np.asarray(found.values[0])
     return at_zero(drivetrain, request)
 

@@ -53,11 +53,11 @@ def refine_uncertain_points(
     UsageError
         The measured inputs depend on each other at every frequency.
     """
-    points = np.flatnonzero(found.doubtful)
+    points = np.flatnonzero(found.uncertain)
     if not len(points):
         return found
     errors = expected_errors(
-        lambda some, turned: transfer_functions(request, some, method, turned=turned).values,
+        lambda some, other_order: transfer_functions(request, some, method, other_order=other_order).values,
         kappa.at(points),
         found.values[points],
     )
@@ -128,7 +128,7 @@ class _ManyPoints:
             except SolveError:
                 return None
             if found is None:
-                raise self.request.dependent()
+                raise self.request.dependent_inputs_error()
             return np.array([[complex(value) for value in row] for row in found])
 
 

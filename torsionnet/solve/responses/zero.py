@@ -41,7 +41,7 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
             pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
             return np.array([[_limit(*pair) for pair in row] for row in pairs])
         if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
-            raise request.dependent()
+            raise request.dependent_inputs_error()
     return np.full((len(request.outputs), len(request.measured)), complex(np.inf))
 
 

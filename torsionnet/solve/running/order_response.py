@@ -23,7 +23,7 @@ from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
-from torsionnet.solve.dynamic_stiffness.posed import law_of_imposed_twist
+from torsionnet.solve.dynamic_stiffness.reading_problem import law_of_imposed_twist
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request, stress_section_moduli
 from torsionnet.solve.responses.shared_response import named, shared_by_conditions, shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite

@@ -23,8 +23,8 @@ from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.solve.responses.uncertain import ACCEPTED_ERROR, expected_errors
-from torsionnet.solve.sensitivity.arranged import DerivativeProblem, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem, law_stiffness_of
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
@@ -89,20 +89,20 @@ class ParametricResponse:
             whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}") from None
-        arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
+        derivatives, omega = self._problem(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
-        solved = respond(arranged.problem, kappa)
-        y = arranged.values(solved.values, kappa.s)
-        dy = arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
+        solved = respond(derivatives.problem, kappa)
+        y = derivatives.values(solved.values, kappa.s)
+        dy = derivatives.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
         found = self._quotient(*self._stressed(y, dy, numbers))
-        points = np.flatnonzero(solved.doubtful)
+        points = np.flatnonzero(solved.uncertain)
         if len(points) and np.isfinite(numbers).all():
-            found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
+            found.values[points] = self._settled(derivatives, kappa.at(points), found.values[points], points, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
             raise SolveError(f"the response is not finite at {self._given(numbers)}")
         return found
 
-    def _arranged(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
+    def _problem(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
         """Response problem for these rows, kept for all values where no parameter changes a row."""
         slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
@@ -113,9 +113,9 @@ class ParametricResponse:
         values = self.unknowns.values(numbers)
         torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
         torques = [replace(one, referred_to=None) for one in torques]
-        arranged = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
-        self._known[:] = [(key, arranged)]
-        return arranged
+        derivatives = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
+        self._known[:] = [(key, derivatives)]
+        return derivatives
 
     def _stressed(
         self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
@@ -142,7 +142,7 @@ class ParametricResponse:
 
     def _settled(
         self,
-        arranged: DerivativeProblem,
+        derivatives: DerivativeProblem,
         kappa: LawStiffness,
         values: ComplexArray,
         points: NDArray[np.intp],
@@ -150,9 +150,9 @@ class ParametricResponse:
     ) -> ComplexArray:
         """Values of uncertain points, solved by the drivetrain itself where rounding would show."""
 
-        def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
-            problem = arranged.problem.otherwise if turned else arranged.problem
-            y = arranged.values(respond(problem, some).values, kappa.s)
+        def evaluate(some: LawStiffness, other_order: bool) -> ComplexArray:
+            problem = derivatives.problem.in_other_order if other_order else derivatives.problem
+            y = derivatives.values(respond(problem, some).values, kappa.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
         poor = (expected_errors(evaluate, kappa, values) > ACCEPTED_ERROR).any(axis=(1, 2))

@@ -27,8 +27,8 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
-from torsionnet.solve.sensitivity.arranged import DerivativeProblem
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 CIRCLE_RADIUS, CIRCLE_RADIUS_MEASURED = 1e-6, 1e-4
@@ -137,9 +137,9 @@ class ResponsesAroundPoles:
         solved = respond(probes.problem, laws).values
         y, rates = probes.values(solved, s), self.system.kappa_rates(s, at)
         parts = [probes.slopes(solved, self.system, kappa, s, at)]
-        parts += [probes.along(solved, rate, s)[..., None] for rate in rates]
+        parts += [probes.slopes_along(solved, rate, s)[..., None] for rate in rates]
         found = Responses(y, np.abs(y), np.concatenate(parts, axis=3))
-        return found.bordered() if self.sensors else found
+        return found.with_imposed_reading() if self.sensors else found
 
 
 def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
@@ -164,7 +164,7 @@ class Responses:
     sizes: FloatArray
     slopes: ComplexArray
 
-    def bordered(self) -> Responses:
+    def with_imposed_reading(self) -> Responses:
         """Responses with the first reading imposed in place of the first load, which becomes the first reading.
 
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.

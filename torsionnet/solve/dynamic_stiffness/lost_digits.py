@@ -23,13 +23,13 @@ class LostDigits:
         self.n_points, self.marked = n_points, np.zeros(n_points, dtype=bool)
         self._ratio = np.empty(n_points)
 
-    def shares(self, share: Array, factor: float = 1.0) -> None:
+    def check_share(self, share: Array, factor: float = 1.0) -> None:
         """Mark points where a term is large against its sum, ``factor`` times ``share``."""
         limit, flat = LARGE_SHARE / factor, share.view(float)
         if not (np.vdot(flat, flat) < limit * limit or -0.7 * limit < flat.min() <= flat.max() < 0.7 * limit):
             self.marked |= ~(np.abs(share) < limit)
 
-    def sums(self, term: Array, total: Array) -> None:
+    def check_sum(self, term: Array, total: Array) -> None:
         """Mark points where a sum of two cancels, of which ``term`` is one.
 
         Real parts tell where a closer look is needed.

@@ -98,11 +98,11 @@ class DerivativeProblem:
             condition: self._gap(GapDerivative(self._opened(condition)))
             for condition in np.flatnonzero(system.condition_slopes.any(axis=(1, 2))).tolist()
         }
-        self.asked: list[SolvedReadings] = [
+        self.readings: list[SolvedReadings] = [
             self._asked(sensor, elements, values, number) for number, sensor in enumerate(sensors, self.n_loads)
         ]
         still = ReadingDerivative.nothing(system)
-        self.asked += [
+        self.readings += [
             SolvedReadings(0, {node: Fraction(1)}, -1, still, number) for number, node in enumerate(probes, len(loads))
         ]
         self._place([self._load(load, names) for load in (*loads, *(Input("torque", node) for node in probes))])
@@ -155,7 +155,7 @@ class DerivativeProblem:
 
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
         """Row over columns of the derivative (n_nodes,) of a row; for a law with its share in its own torque."""
-        own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
+        own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.readings if law >= 0 and one.gap >= 0}
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
@@ -176,10 +176,10 @@ class DerivativeProblem:
             for condition in self.multipliers
             for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
-        self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.asked]
+        self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.readings]
         self.motion_slopes: dict[tuple[int, int], int] = {
             (number, int(p)): outputs.add(self._slope_row(one.slopes.motion[:, p]))
-            for number, one in enumerate(self.asked)
+            for number, one in enumerate(self.readings)
             for p in range(count)
             if one.slopes.motion[:, p].any()
         }
@@ -190,7 +190,7 @@ class DerivativeProblem:
                 Loading(motion={len(self.columns) + one.gap: 1.0})
                 if one.row is None
                 else Loading(load=self._row(one.row))
-                for one in self.asked
+                for one in self.readings
                 if one.load >= self.n_loads
             ),
         ]
@@ -206,8 +206,8 @@ class DerivativeProblem:
 
     def values(self, solved: ComplexArray, s: ComplexArray) -> ComplexArray:
         """Readings (n_f, n_readings, n_loads) from the solution of the problem."""
-        found = np.empty((len(s), len(self.asked), self.n_loads), dtype=complex)
-        for number, one in enumerate(self.asked):
+        found = np.empty((len(s), len(self.readings), self.n_loads), dtype=complex)
+        for number, one in enumerate(self.readings):
             motion = self.motions[number]
             place = self.first_gap + one.gap if motion is None else motion
             found[:, number] = (s**one.power * solved[place, : self.n_loads]).T
@@ -219,8 +219,8 @@ class DerivativeProblem:
         """Derivatives of readings (n_f, n_readings, n_loads, n_p); the other arguments as for ``Augmented.kappa``."""
         count = system.inertia.slopes.shape[1]
         stiffness = {law: list(system.kappa_slopes(law, s, at)) for law in system.varied}
-        found = np.zeros((len(s), len(self.asked), self.n_loads, count), dtype=complex)
-        for number, one in enumerate(self.asked):
+        found = np.zeros((len(s), len(self.readings), self.n_loads, count), dtype=complex)
+        for number, one in enumerate(self.readings):
             for load in range(self.n_loads):
                 x, z = solved[:, load], solved[:, one.load]
                 found[:, number, load] = -self._equation_slopes(stiffness, kappa, x, z, count)
@@ -232,11 +232,11 @@ class DerivativeProblem:
             found[:, number] *= (s**one.power)[:, None, None]
         return found
 
-    def along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
+    def slopes_along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
         """Derivatives of readings (n_f, n_readings, n_loads) along given rates (n_laws, n_f) of the law stiffnesses."""
         twists = solved[[self.twists[law] for law in range(len(rates))]]
-        adjoint, motion = twists[:, [one.load for one in self.asked]], twists[:, : self.n_loads]
-        powers = np.array([s**one.power for one in self.asked])
+        adjoint, motion = twists[:, [one.load for one in self.readings]], twists[:, : self.n_loads]
+        powers = np.array([s**one.power for one in self.readings])
         return np.asarray(-np.einsum("lf,lzf,lxf,zf->fzx", rates, adjoint, motion, powers, optimize=True))
 
     def _equation_slopes(

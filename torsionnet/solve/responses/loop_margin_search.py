@@ -14,7 +14,7 @@ from torsionnet.assembly.law_stiffness import law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.loop_margins import LoopMargins, Margin
-from torsionnet.solve.dynamic_stiffness.posed import make_reading_problem
+from torsionnet.solve.dynamic_stiffness.reading_problem import make_reading_problem
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.modes.modes import natural_modes
 
@@ -65,12 +65,12 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
 def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
     """Open loop L (n_f,) at the action of this number, with all other loops closed."""
     assembly = drivetrain.assembly
-    posed = make_reading_problem(assembly, (), (), ())
+    reading_problem = make_reading_problem(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
-    values = respond(posed.problem, kappa).values
+    values = respond(reading_problem.problem, kappa).values
     gains = np.array([one.ravel() for one in kappa.actions])
     with np.errstate(all="ignore"):
-        by_torque = np.moveaxis(gains[:, None, :] * values[list(posed.sensed)], 2, 0)
+        by_torque = np.moveaxis(gains[:, None, :] * values[list(reading_problem.sensed)], 2, 0)
         others = [number for number in range(len(gains)) if number != place]
         own = by_torque[:, place, place]
         if not others:

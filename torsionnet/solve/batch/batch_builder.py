@@ -34,7 +34,7 @@ class BatchBuilder:
         self.dynamic: list[BatchedStiffness] = []
         self.moduli: dict[str, FloatArray] = {}
         self.impossible = ~np.all([np.isfinite(one) for one in values.values()], axis=0)
-        self.apart, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
+        self.separate, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
 
     def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:
         """Pass restricted to the variants that have followed every decision of the first one."""
@@ -43,19 +43,19 @@ class BatchBuilder:
         return FollowingPass(self, own, decisions.follows)
 
     def settle(self) -> None:
-        """Mark variants without certain coefficients as apart, and those refused by ``configured`` as impossible."""
+        """Mark variants without certain coefficients as separate, and those refused by ``configured`` as impossible."""
         finite = np.ones(self.count, dtype=bool)
         for array in (self.inertia, self.damping, self.stiffness):
             finite &= np.isfinite(array).all(axis=1)
         for one in self.dynamic:
             finite[one.places] &= np.isfinite(one.coefficients).all(axis=0)
-        self.apart |= ~(self.known & finite)
-        self.apart &= ~self.impossible
-        for index in np.flatnonzero(self.apart):
+        self.separate |= ~(self.known & finite)
+        self.separate &= ~self.impossible
+        for index in np.flatnonzero(self.separate):
             try:
                 self.drivetrain.configured(**{name: float(one[index]) for name, one in self.values.items()})
             except ModelError:
-                self.impossible[index], self.apart[index] = True, False
+                self.impossible[index], self.separate[index] = True, False
 
     def batch(self) -> Batch:
         varied = {one.law for one in self.dynamic}
@@ -65,7 +65,7 @@ class BatchBuilder:
             if law not in varied
         )
         coefficients = self.inertia, self.damping, self.stiffness, (*same, *self.dynamic)
-        return Batch(self.drivetrain, self.values, *coefficients, self.impossible, self.apart, self.moduli)
+        return Batch(self.drivetrain, self.values, *coefficients, self.impossible, self.separate, self.moduli)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +76,9 @@ class FollowingPass:
     own: NDArray[np.intp]
     follows: NDArray[np.bool_]
 
-    def mark_apart(self) -> None:
-        """Mark the variants of the pass as apart, since their rows differ from those of the drivetrain."""
-        self.filling.apart[self.own] = True
+    def mark_separate(self) -> None:
+        """Mark the variants of the pass as separate, since their rows differ from those of the drivetrain."""
+        self.filling.separate[self.own] = True
 
     def _column(self, number: Any) -> FloatArray:
         return variant_column(number, len(self.follows))[self.follows]
@@ -90,12 +90,12 @@ class FollowingPass:
         inertia, damping, stiffness, loss = map(self._column, entries)
         acts = (inertia != 0) | (damping != 0) | (stiffness != 0) | (law.table is not None)
         if number is None:
-            filling.apart[own[acts]] = True
+            filling.separate[own[acts]] = True
             return
         known = filling.drivetrain.assembly.laws[number]
         hysteretic = bool(known.loss_factor != 0)
         same = acts & ((stiffness != 0) == bool(known.stiffness != 0)) & ((loss != 0) == hysteretic)
-        filling.apart[own[~same]] = True
+        filling.separate[own[~same]] = True
         filling.inertia[own, number], filling.damping[own, number] = inertia, damping
         filling.stiffness[own, number] = 0.0 if hysteretic else stiffness
         if hysteretic:

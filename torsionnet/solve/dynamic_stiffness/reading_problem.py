@@ -80,7 +80,7 @@ class ReadingProblem:
         """Number of excitations without the torques of actions."""
         return len(self.problem.excitations) - len(self.sensed)
 
-    def felt_by(self, reading: int) -> frozenset[int]:
+    def excitations_reaching(self, reading: int) -> frozenset[int]:
         """Excitations that reach a reading at all, also by way of actions."""
         reached = self._reached
         found = set(reached.get(self.parts[reading].solved, ()))
@@ -107,9 +107,9 @@ class ReadingProblem:
         return {place: frozenset(numbers) for place, numbers in found.items()}
 
     @cached_property
-    def turned(self) -> ReadingProblem:
+    def in_other_order(self) -> ReadingProblem:
         """Response problem with another order of elimination, which gives other rounding errors."""
-        return replace(self, problem=self.problem.otherwise)
+        return replace(self, problem=self.problem.in_other_order)
 
 
 def make_reading_problem(
