@@ -120,7 +120,7 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
     Parameters
     ----------
     drivetrain : AssembledModel
-        In one configuration; its own values should be usual ones, since variants with other acting laws become separate.
+        In one configuration; its own values should be usual ones: variants with other acting laws become separate.
     names : iterable of str
         Parameters.
 
