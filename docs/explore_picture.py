@@ -25,7 +25,7 @@ ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
 
 
 def measured(folder: Path) -> Path:
-    """A virtual test of the rig in fifth gear as a file with its response."""
+    """Path of a file with the response of a virtual test of the rig in fifth gear."""
     record, response = folder / "gear_V.npz", folder / "gear_V.csv"
     torsionnet(["bench", "amt_bench", "-c", "V", "-o", str(record)])
     torsionnet(["estimate", str(record), *ESTIMATE.split(), "--csv", str(response)])
@@ -33,7 +33,7 @@ def measured(folder: Path) -> Path:
 
 
 def arranged(found: Any) -> None:
-    """One curve pinned, another value of the oil damping, the cursor beside the peak."""
+    """Prepare the explore page: one curve pinned, another oil damping, the cursor beside the peak."""
     page = found.page
     page.locator("label", has_text="deg").click()
     page.click("#pin")
@@ -47,7 +47,7 @@ def arranged(found: Any) -> None:
 
 
 def softened(found: Any) -> None:
-    """The damper as written pinned, less damping in its film now, the cursor beside the peak."""
+    """Prepare the explore page: the damper as written pinned, less damping in its film, the cursor beside the peak."""
     page = found.page
     page.click("#pin")
     with found.update():
