@@ -21,7 +21,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.located import LocatedDocument, compose
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.report.build import build
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report import write_report

@@ -14,11 +14,11 @@ from pathlib import Path
 from textwrap import fill, indent
 
 import torsionnet as tn
-import torsionnet.core.entries.accepted as accepted
+import torsionnet.core.entries.accepted_types as accepted
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.lazy import TABLES
+from torsionnet.core.lazy_imports import TABLES
 from torsionnet.core.units import expected_unit
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.elements import Element, element_classes

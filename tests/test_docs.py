@@ -17,10 +17,10 @@ from structure.floors import LAYERS
 import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.core.damping import MEASURES
-from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.units import _BASE
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.study.answers.answer import ANSWERS
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.space.variations.variation import VARIATIONS

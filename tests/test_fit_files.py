@@ -8,7 +8,7 @@ from torsionnet.core.entries.band import Band, Bands
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.model_schema import file_schema
 from torsionnet.model.fit import FitFile
 from torsionnet.response import Channel, FrequencyResponse

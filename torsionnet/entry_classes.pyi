@@ -1,6 +1,6 @@
 # Written by `make generate`.
 from collections.abc import Mapping
-from torsionnet.core.entries.accepted import Entries, NumberByNumber, Scalar, WholeNumber
+from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, Scalar, WholeNumber
 from typing import Literal
 from torsionnet.model.bench.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
 from torsionnet.model.files.decoding import MOST_BYTES, decode
-from torsionnet.model.files.located import compose
-from torsionnet.model.files.placing import located_faults, presentable_faults
+from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.wording import Wording, Words
 from torsionnet.report.writers.page_checks import page_faults

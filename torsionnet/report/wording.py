@@ -27,7 +27,7 @@ from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import ELEMENT_TYPES
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.given_values import has_own_column
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")

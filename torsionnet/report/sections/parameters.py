@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from torsionnet.core.expressions import Number
 from torsionnet.core.number_text import aligned_numbers, typeset_unit
 from torsionnet.core.units import RPM
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import Case, ReportData

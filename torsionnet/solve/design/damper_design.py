@@ -16,7 +16,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import parse_unit
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.response.damper_optimum import (
     EQUAL_PEAK_DIFFERENCE,
     DamperOptimum,

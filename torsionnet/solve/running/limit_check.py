@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.limits_fit import limit_subject
+from torsionnet.model.checks.limit_checks import limit_subject
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Values
 from torsionnet.model.excitations.engine_phases import running_engines_text

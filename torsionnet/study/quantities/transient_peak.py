@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Composite, Listed
-from torsionnet.core.entries.nearby import nearby_file
+from torsionnet.core.entries.named_files import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, entry, not_none
 from torsionnet.core.entries.words import OneOf, Text
