@@ -30,7 +30,7 @@ from torsionnet.plot.schematic.stations import idle_nodes, node_axis
 from torsionnet.plot.shape_grid import shape_grid
 from torsionnet.plot.shapes import shape_view
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.phase import unwrapped
+from torsionnet.response.phase import unwrapped_phase
 
 DEGREES = tn.Conventions(angle="deg", frequency="cpm")
 FREQUENCIES = np.geomspace(0.3, 40, 60)
@@ -167,10 +167,10 @@ class TestBode:
 
     def test_phase_goes_on_below_a_half_turn(self):
         turns = np.exp(-1j * np.radians(np.arange(0, 720, 30)))
-        np.testing.assert_allclose(unwrapped(turns), -np.arange(0.0, 720, 30), atol=1e-9)
+        np.testing.assert_allclose(unwrapped_phase(turns), -np.arange(0.0, 720, 30), atol=1e-9)
 
     def test_opposite_phase_is_a_lag(self):
-        np.testing.assert_array_equal(unwrapped(np.array([complex(-1, 0.0), complex(-2, -0.0)])), [-180, -180])
+        np.testing.assert_array_equal(unwrapped_phase(np.array([complex(-1, 0.0), complex(-2, -0.0)])), [-180, -180])
 
     @pytest.mark.parametrize("span", [0, 100, 300, 2000])
     def test_phase_ticks_are_multiples_of_45(self, span):

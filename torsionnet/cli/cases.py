@@ -70,7 +70,7 @@ class ModelCommand(Command):
 
         Equal notes stand once; a note that is not on all cases begins with the names of its configurations.
         """
-        from torsionnet.response.equal_remarks import concerned, gathered
+        from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
         from torsionnet.response.table import Column
 
         first = tables[0]
@@ -81,8 +81,8 @@ class ModelCommand(Command):
         known = list(dict.fromkeys(case.configuration for case in cases))
         said = (("", case.configuration, note) for case, table in pairs for note in table.notes)
         notes = tuple(
-            note if len(names) == len(known) else f"{concerned(names, known)}: {note}"
-            for _, names, note in gathered(said)
+            note if len(names) == len(known) else f"{configurations_in_words(names, known)}: {note}"
+            for _, names, note in grouped_remarks(said)
         )
         title = cases[0].drivetrain.name if len(cases) > 1 else first.title
         columns = (Column("configuration"), *first.columns)

@@ -17,7 +17,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import SI, Conventions, FrequencyResponse
-from torsionnet.response.phase import HALF_TURN, unwrapped
+from torsionnet.response.phase import HALF_TURN, unwrapped_phase
 from torsionnet.signals.advice import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10
@@ -183,7 +183,7 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
                     response.frequencies[shown] * conventions.frequency_scale,
                     np.where(np.isfinite(size) & (size > 0), size, np.nan),
                     # The phase of what is not coherent is any, and its turns would be counted into all that follows.
-                    unwrapped(np.where(is_meant, values, np.nan)),
+                    unwrapped_phase(np.where(is_meant, values, np.nan)),
                     coherence,
                     poor[shown],
                     is_usable,

@@ -15,7 +15,7 @@ from torsionnet.plot.bode import AXIS_BEYOND_COHERENCE
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.phase import unwrapped
+from torsionnet.response.phase import unwrapped_phase
 from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference
 
@@ -132,7 +132,7 @@ def _responses(
     size, phase = panels["magnitude"], panels["phase"]
     size.plot(f, model.magnitude[:, 0, 0] * scale, color=MODEL, linewidth=1.6, label="model")
     _points(size, f, test.magnitude[:, 0, 0] * scale, good, "test")
-    calculated = unwrapped(model.values[:, 0, 0])
+    calculated = unwrapped_phase(model.values[:, 0, 0])
     apart = np.degrees(np.angle(test.values[:, 0, 0] / model.values[:, 0, 0]))
     measured = calculated + (apart if test.has_phase else np.nan)
     phase.plot(f, calculated, color=MODEL, linewidth=1.6)

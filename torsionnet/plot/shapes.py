@@ -17,7 +17,7 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.listing import comma_list
 from torsionnet.plot.schematic.stations import Axis, idle_nodes, node_axis, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
-from torsionnet.response.mode_numbers import place_of
+from torsionnet.response.mode_numbers import index_of_mode
 from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
     if which is None:
         vibrations = [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
         return (vibrations or list(range(len(modes))))[:MODES_SHOWN]
-    return [place_of(number, modes.kinds) for number in which]
+    return [index_of_mode(number, modes.kinds) for number in which]
 
 
 def station_shape(modes: Modes, index: int, view: ShapeView) -> NDArray[np.complex128]:

@@ -9,7 +9,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Column": "torsionnet.response.table",
         "Conventions": "torsionnet.response.conventions",
         "FrequencyResponse": "torsionnet.response.frequency_response",
-        "FrequencyResponses": "torsionnet.response.family",
+        "FrequencyResponses": "torsionnet.response.variant_responses",
         "Modes": "torsionnet.response.modes",
         "SI": "torsionnet.response.conventions",
         "Table": "torsionnet.response.table",

@@ -26,7 +26,7 @@ MOST_LISTED_PEAKS = 5
 """Peaks that a warning lists at most."""
 
 
-def peaks(magnitude: FloatArray) -> list[int]:
+def significant_peaks(magnitude: FloatArray) -> list[int]:
     """Indices of the peaks that stand out by 3 dB and are at most 20 dB below the highest."""
     from scipy.signal import find_peaks
 
@@ -77,7 +77,7 @@ def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: i
     return float(edges[1] - edges[0])
 
 
-def remarks(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
+def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
     """Warnings about the peaks of an estimate whose bins are ``bin_width`` Hz wide.
 
     A peak narrower than three bins is widened by the window, which reads as too much damping. With several
@@ -99,7 +99,7 @@ def _peak_remarks(
     frequencies: FloatArray, magnitude: FloatArray, coherence: FloatArray | None, bin_width: float
 ) -> Iterator[str]:
     narrow, doubtful = [], []
-    for peak in peaks(magnitude):
+    for peak in significant_peaks(magnitude):
         width = half_power_bandwidth(frequencies, magnitude, peak)
         if coherence is not None and coherence[peak] < LEAST_COHERENCE:
             doubtful.append(f"{frequencies[peak]:g} Hz ({coherence[peak]:.2f})")

@@ -18,12 +18,12 @@ CLEAR_MISFIT_DIFFERENCE = 0.1
 """Difference of the logarithmic misfit by which the less usual explanation must be better."""
 
 
-def without_double(times: FloatArray) -> NDArray[np.intp]:
+def indices_without_double(times: FloatArray) -> NDArray[np.intp]:
     """Indices of the pulses that remain without double ones."""
     intervals = np.diff(times)
     if len(intervals) < MEDIAN_INTERVALS:
         return np.arange(len(times))
-    level = around(intervals, WIDE_MEDIAN_INTERVALS)
+    level = running_median(intervals, WIDE_MEDIAN_INTERVALS)
     stay, done = np.ones(len(times), dtype=bool), 0
     for place in np.flatnonzero(intervals < SHORT_INTERVAL_SHARE * level):
         if place >= done:
@@ -61,7 +61,7 @@ def _misfit(interval: float, level: float) -> float:
     return abs(float(np.log(interval / level)))
 
 
-def around(values: FloatArray, count: int) -> FloatArray:
+def running_median(values: FloatArray, count: int) -> FloatArray:
     """Running median over ``count`` values, (n,)."""
     count = min(count, (len(values) - 1) // 2 * 2 + 1)
     wide = np.pad(values, count // 2, mode="reflect")

@@ -14,11 +14,11 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.recording import FloatArray, Recording
-from torsionnet.signals.advice import remarks
+from torsionnet.signals.advice import peak_warnings
+from torsionnet.signals.averaging_data import averaging_data, with_record
 from torsionnet.signals.decimation import decimate
-from torsionnet.signals.origin import averaging, with_record
 from torsionnet.signals.record_blocks import Recordings
-from torsionnet.signals.resolution import Watch, with_resolution_limit
+from torsionnet.signals.resolution import ResolutionWatch, with_resolution_limit
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch
@@ -80,7 +80,7 @@ def estimate(
     ('rad/(N*m)', 0.01, 1.0)
     """
     outputs, inputs, references = _listed(output), _listed(input), _listed(reference)
-    watch = Watch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
+    watch = ResolutionWatch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
     spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
     asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
     chosen = _check(asked, outputs, inputs, references, noise_ratio)
@@ -103,7 +103,7 @@ def estimate(
     low, high = band or (0.0, np.inf)
     response = with_resolution_limit(response, watch, spectra.settings.decimation, high) if watch else response
     response = response.between(low, high)
-    found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
+    found = peak_warnings(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
     inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
     doubts = (*_spectra_warnings(spectra, s_xx, inside), *_reference_warnings(spectra, inputs, references))
     return replace(response, notes=(*response.notes, *doubts, *found))
@@ -122,7 +122,7 @@ def _listed(names: Names) -> tuple[str, ...]:
 
 
 def _spectra(
-    measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: Watch | None
+    measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: ResolutionWatch | None
 ) -> tuple[CrossSpectra, tuple[Recording, Recording] | None]:
     """Averaged spectra, and for a record in memory its signals before and after decimation."""
     wanted, used = dict.fromkeys(names), settings or Welch()
@@ -147,7 +147,7 @@ def _origin(
     inputs: tuple[str, ...],
     records: tuple[Recording, Recording] | None,
 ) -> Estimation:
-    found = averaging(estimator, spectra)
+    found = averaging_data(estimator, spectra)
     return with_record(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
 
 

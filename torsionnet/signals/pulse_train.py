@@ -15,7 +15,7 @@ LEAST_SAMPLES_PER_PULSE = 4.0
 """Least samples from pulse to pulse; with fewer, the times of rises are not reliable."""
 
 
-def is_stamped(values: FloatArray) -> bool:
+def holds_pulse_times(values: FloatArray) -> bool:
     """Whether a channel holds the times of pulses rather than their shape: its values only increase."""
     return len(values) > 2 and bool(np.all(np.diff(values) > 0))
 

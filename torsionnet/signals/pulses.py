@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, around, without_double
+from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
 
 MOST_INTERVAL_RATIO = 1.5
 """Largest ratio of neighbouring intervals that a change of speed may explain."""
@@ -111,7 +111,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
         return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
     if not np.all(intervals > 0):
         raise UsageError("the times of pulses must be finite and increase")
-    missing = np.rint(intervals / around(intervals, MEDIAN_INTERVALS)).astype(np.intp) - 1
+    missing = np.rint(intervals / running_median(intervals, MEDIAN_INTERVALS)).astype(np.intp) - 1
     after = np.flatnonzero(missing > 0)
     return MissingPulses(after, missing[after])
 
@@ -144,7 +144,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     ('1 pulse too many left out: pulse 3 at 2.1 s', '1 pulse missing and counted: 1 after pulse 4 at 4 s')
     """
     stamps = check_pulses(times)
-    kept = without_double(stamps)
+    kept = indices_without_double(stamps)
     clean = stamps[kept]
     missing = missing_pulses(clean)
     steps = np.ones(len(clean) - 1, dtype=np.intp)

@@ -10,13 +10,13 @@ import numpy as np
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
-from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.repeated_blocks import repeated_blocks
 from torsionnet.signals.resolution import step_of
 from torsionnet.signals.spikes import spikes
-from torsionnet.signals.standstill import frozen
+from torsionnet.signals.standstill import frozen_stretches
 from torsionnet.signals.timing import gaps, jitter
+from torsionnet.signals.value_faults import Stretches, encoder_leaps, flat_tops, true_stretches, wrap_jumps
 
 MOST_LISTED = 3
 """Places that a fault lists at most."""
@@ -130,7 +130,7 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
         return
     finite = np.isfinite(signal.values)
     if not finite.all():
-        yield _not_finite(stretches(~finite), recording)
+        yield _not_finite(true_stretches(~finite), recording)
         if not finite.any():
             return
     values = signal.values[finite]
@@ -152,7 +152,7 @@ def _not_finite(found: Stretches, recording: Recording) -> Fault:
 
 def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterator[Fault]:
     values = signal.values
-    found = stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
+    found = true_stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
     if found:
         count = sum(last - first + 1 for first, last in found)
         where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
@@ -170,7 +170,7 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
         )
         text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
         yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning")
-    still = frozen(signal.values, recording.sampling_rate, step)
+    still = frozen_stretches(signal.values, recording.sampling_rate, step)
     if still:
         where = comma_list([_time_span(first, last, recording) for first, last in still], MOST_LISTED)
         text = f"stands still where it moves before and after: {where}"
@@ -190,14 +190,14 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
 
 
 def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
-    jumps, size = wraps(signal.values)
+    jumps, size = wrap_jumps(signal.values)
     if len(jumps):
         text = (
             f"the encoder wraps around: {len(jumps)} jumps of {size:.4g} rad, first at {recording.time[jumps[0]]:.6g} s"
         )
         yield Fault(f"{text}; unwrapped() removes them")
         return
-    found = leaps(signal.values)
+    found = encoder_leaps(signal.values)
     if len(found):
         where = comma_list([f"{recording.time[at]:.6g} s" for at in found], MOST_LISTED)
         yield Fault(f"the angle leaps by encoder steps at {where}: pulses are missing or too many", (), "warning")

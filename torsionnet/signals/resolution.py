@@ -101,14 +101,14 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
     >>> round(found.step, 6), 1.5 < found.enough_up_to < 3, 5 < found.lost_above < 8
     (0.1, True, True)
     """
-    watch = Watch((output,), input, seconds)
+    watch = ResolutionWatch((output,), input, seconds)
     for _ in watch.passing([recording]):
         pass
     return watch.found(output)
 
 
 def with_resolution_limit(
-    response: FrequencyResponse, watch: Watch, decimation: int, highest: float = float("inf")
+    response: FrequencyResponse, watch: ResolutionWatch, decimation: int, highest: float = float("inf")
 ) -> FrequencyResponse:
     """Response with the highest usable frequency, and a note for every sensor that limits it.
 
@@ -136,7 +136,7 @@ def _remark(channel: Channel, found: Resolution) -> str:
     )
 
 
-class Watch:
+class ResolutionWatch:
     """Collector of sensor steps and sweep amplitudes from the blocks of a record before they are decimated."""
 
     def __init__(self, outputs: Sequence[str], input: str, seconds: float) -> None:

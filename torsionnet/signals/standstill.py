@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.faults_in_values import Stretches
+from torsionnet.signals.value_faults import Stretches
 
 LEAST_SAMPLES, LEAST_TIME = 20, 0.05
 """Least length of a frozen stretch in samples and in s."""
@@ -27,7 +27,7 @@ ROUGHNESS_RATIO, ROUND_OFF_SHARE = 0.3, 1e-9
 the range below which they are round-off."""
 
 
-def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stretches:
+def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stretches:
     """First and last indices of frozen stretches.
 
     Stretches of a signal at rest do not count (at the ends of the record, at 0, at its first value or at a value it
@@ -36,7 +36,7 @@ def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stret
 
     >>> values = np.sin(np.arange(2000) / 20)
     >>> values[700:900] = values[700]
-    >>> frozen(values, 1000.0)
+    >>> frozen_stretches(values, 1000.0)
     [(700, 899)]
     """
     changes = np.flatnonzero(np.diff(values) != 0)

@@ -23,7 +23,7 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_engines import engine_remarks
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.equal_remarks import concerned, gathered
+from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
 from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.response.limit_conclusion import LimitConclusion
 
@@ -163,7 +163,7 @@ def _remarks(found: LimitConclusion) -> list[str]:
         for remark in one.remarks
     )
     remarks = []
-    for abouts, names, remark in gathered(said):
-        within = f" (in {concerned(names, known)})" if len(names) < len(known) else ""
+    for abouts, names, remark in grouped_remarks(said):
+        within = f" (in {configurations_in_words(names, known)})" if len(names) < len(known) else ""
         remarks.append(f"{'; '.join(abouts)}: {as_words(remark)}{within}")
     return remarks

@@ -28,7 +28,7 @@ from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import pair_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
-from torsionnet.response.phase import phase_at_rest
+from torsionnet.response.phase import phase_at_zero_frequency
 from torsionnet.solve.responses.peaks import Peak, peaks, static_value
 
 if TYPE_CHECKING:
@@ -166,4 +166,4 @@ def static_value_and_peaks(
         found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
     highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
     rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
-    return [("static value", Peak(0.0, abs(value), phase_at_rest(value))), *rest]
+    return [("static value", Peak(0.0, abs(value), phase_at_zero_frequency(value))), *rest]

@@ -20,7 +20,7 @@ from torsionnet.model.excitations.engine_phases import unlocked_engines
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.worst_response import joined
+from torsionnet.response.worst_response import join_responses
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.solve.dynamic_stiffness.reading_problem import law_of_imposed_twist
@@ -60,7 +60,7 @@ def order_response(
                 for start in range(0, len(at), SPEEDS_PER_BLOCK)
             ]
             found = [(_of_batch(batch.part(part), wanted, question.loads(at[part])), part) for part in parts]
-            return joined(found, at, drivetrain.title)
+            return join_responses(found, at, drivetrain.title)
         found = [
             (_block(rigs, wanted, question.loads(at[part])), part)
             for rigs, part in solved_together(
@@ -68,7 +68,7 @@ def order_response(
                 lambda rig: stress_section_moduli(rig, (wanted,)),
             )
         ]
-        return joined(found, at, drivetrain.title)
+        return join_responses(found, at, drivetrain.title)
 
     def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
         return run([Sensor("torque", name) for name in elements], settled).half_range

@@ -21,10 +21,10 @@ SWITCH_SHARE = 0.9
 94 % of the time, at half of it 67 %."""
 
 
-def stretches(where: NDArray[np.bool_]) -> Stretches:
+def true_stretches(where: NDArray[np.bool_]) -> Stretches:
     """First and last index of every run of True in a mask.
 
-    >>> stretches(np.array([False, True, True, False, True]))
+    >>> true_stretches(np.array([False, True, True, False, True]))
     [(1, 2), (4, 4)]
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(np.int8)))
@@ -40,7 +40,7 @@ def flat_tops(values: FloatArray) -> Stretches:
     limits = (float(np.max(values[finite])), float(np.min(values[finite])))
     if limits[0] == limits[1] or np.mean(np.isin(values, limits)) > SWITCH_SHARE:
         return []
-    runs = [run for limit in limits for run in stretches(values == limit)]
+    runs = [run for limit in limits for run in true_stretches(values == limit)]
     return sorted((first, last) for first, last in runs if _is_clipped(values, first, last))
 
 
@@ -58,7 +58,7 @@ def _run(values: FloatArray) -> int:
     return int(other[0]) if len(other) else len(values)
 
 
-def wraps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
+def wrap_jumps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
     """Indices of the samples before the jumps of an encoder that wraps around, and the size of the jumps in rad."""
     steps = np.diff(values)
     reach = float(np.max(values) - np.min(values)) if len(values) else 0.0
@@ -71,7 +71,7 @@ def wraps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
     return (jumps, size) if alike else (np.empty(0, np.intp), 0.0)
 
 
-def leaps(values: FloatArray) -> NDArray[np.intp]:
+def encoder_leaps(values: FloatArray) -> NDArray[np.intp]:
     """Indices of the samples at which a quantised angle leaps by three steps more than around."""
     steps = np.diff(values)
     moved = np.abs(steps[steps != 0])

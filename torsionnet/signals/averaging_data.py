@@ -16,7 +16,7 @@ SWEPT_SEGMENTS = 0.5
 """Share of segments with a sine as input above which the input is swept; noise may look like one in a few."""
 
 
-def averaging(estimator: str, spectra: CrossSpectra) -> Estimation:
+def averaging_data(estimator: str, spectra: CrossSpectra) -> Estimation:
     """Averaging data of an estimate from its spectra: window, segment length, overlap, averages."""
     used, rate = spectra.settings, spectra.sampling_rate
     length = used.samples(rate)
