@@ -20,7 +20,7 @@ from torsionnet.response import Channel, FrequencyResponse
 
 METHODS = ("rational", "lscf", "auto")
 SAME_FREQUENCY, SAME_DAMPING = 0.004, 0.5
-"""Relative errors up to which a mode counts as found; the first keeps modes 1.5 % apart distinct."""
+"""Relative errors of frequency and damping up to which a mode counts as found; modes 1.5 % apart stay distinct."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ class Page(HTMLParser):
             self.links.append((tag, given[LINKS[tag]]))
 
 
-def broken(folder):
+def broken_links(folder):
     """Messages, one for each link that leads nowhere and each file that a page would load from elsewhere."""
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(folder.rglob("*.html"))}
     for path, page in pages.items():
@@ -47,7 +47,7 @@ def broken(folder):
 
 
 def main(folder):
-    found = list(broken(folder.resolve()))
+    found = list(broken_links(folder.resolve()))
     sys.stdout.write("\n".join([*found, f"{len(found)} broken links in {folder}", ""]))
     return bool(found)
 

@@ -48,7 +48,7 @@ WAY: tuple[tuple[object, str, type | str], ...] = (
     (build, "says what it means", Report),
     (write_report, "writes pages", "HTML, LaTeX, Markdown, PDF"),
 )
-"""What is done with a model file, in words, and what comes of it."""
+"""Steps from a model file to a report: function, its task in words, and its result."""
 
 LEFT, WIDTH, GAP, TOP = 16.0, 560.0, 16.0, 40.0
 TITLE, STRIP, PAD, LANE = 22.0, 17.0, 6.0, 15.0

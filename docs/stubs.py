@@ -123,7 +123,7 @@ def _description(cls: type[Declared]) -> str:
     text = (getdoc(cls) or "").partition("\nExamples\n")[0].strip()
     specs = dict(cls.specs())
     entries = "\n".join(
-        fill(f"{name}: {_told(specs[name])}", WIDTH, subsequent_indent="    ")
+        fill(f"{name}: {_accepted_text(specs[name])}", WIDTH, subsequent_indent="    ")
         for name in signature(cls).parameters
         if name in specs
     )
@@ -132,7 +132,7 @@ def _description(cls: type[Declared]) -> str:
     )
 
 
-def _told(spec: Spec) -> str:
+def _accepted_text(spec: Spec) -> str:
     unit = f" [{expected_unit(spec.dimension)}]" if isinstance(spec, QuantityKind) and spec.dimension != "1" else ""
     return f"{spec.description}{unit}"
 

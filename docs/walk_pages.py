@@ -25,12 +25,12 @@ def walks_page() -> str:
         f":::{{dropdown}} {of[0].upper()}{of[1:]}: {len(met)} functions in {len({file for file, _ in met})} files\n"
         + table(["file", "function", "what it is"], [_row(file, name) for file, name in met])
         + ":::\n"
-        for of, met in followed()
+        for of, met in traced_values()
     )
 
 
 @cache
-def followed() -> list[tuple[str, list[tuple[str, str]]]]:
+def traced_values() -> list[tuple[str, list[tuple[str, str]]]]:
     """Description of a traced value, and file and name of every function on its way, from a fresh Python process."""
     paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
     command = [sys.executable, "-m", "structure.hops", "--json"]

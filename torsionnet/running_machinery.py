@@ -38,7 +38,7 @@ class RunningMachinery(AssembledModel):
         excitations: Iterable[str] | None = None,
         refine: bool = False,
     ) -> OrderResponse:
-        """Response of running machinery: complex amplitude of every order of the outputs at every speed.
+        """Response of running machinery as complex amplitudes of every order of the outputs at every speed.
 
         Parameters
         ----------
@@ -356,7 +356,7 @@ class RunningMachinery(AssembledModel):
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
     ) -> LimitCheck:
-        """Check of the model's limits over speed: a verdict on every limit, and barred ranges.
+        """Verdicts on the model's limits over speed, and barred ranges.
 
         Parameters
         ----------

@@ -65,8 +65,8 @@ class ModelCommand(Command):
         if len(self.configurations) > 1 or ALL_CONFIGURATIONS in self.configurations:
             raise click.UsageError(why)
 
-    def joined(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
-        """Rows of the tables of all cases as one table, the configuration in the first column if one was named.
+    def combined_table(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
+        """Table with the rows of all cases, and the configuration in the first column if any was named.
 
         Equal notes stand once; a note that is not on all cases begins with the names of its configurations.
         """

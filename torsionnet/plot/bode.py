@@ -1,4 +1,4 @@
-"""Bode plot: magnitude and phase of frequency responses over frequency."""
+"""Bode plot of frequency responses, magnitude and phase over frequency."""
 
 from __future__ import annotations
 

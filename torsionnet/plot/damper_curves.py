@@ -16,7 +16,7 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.damper_optimum import DamperOptimum
 
 TOP_FACTOR, BOTTOM_FACTOR = 3.0, 300.0
-"""Ends of the level axis: times the largest level as given or optimal, and that level over this factor."""
+"""Factors from the largest level, as given or optimal, to the upper end of the level axis and down to its lower end."""
 WIDE_RANGE = 3.0
 """Ratio of the ends of a range above which its axis is logarithmic."""
 

@@ -20,7 +20,7 @@ HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
 SPEED_POINTS = 601
 """Points of the line of an order over speed: steps well below the width of a line on paper."""
 HEADROOM, NEAREST = 1.12, 0.028
-"""Upper end of the axis over the highest crossing; least distance of two labels over the height of the axes."""
+"""Upper end of the axis over the highest crossing, and least distance of two labels over the height of the axes."""
 
 
 def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:

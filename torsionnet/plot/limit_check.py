@@ -31,7 +31,7 @@ def limit_check(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Judged quantities over speed: the sum of all orders in black, the largest orders below it, limits in red.
+    """Quantities judged by limits over speed, with the sum of all orders in black, the largest orders, limits in red.
 
     Ranges to be barred are shaded.
 
@@ -70,7 +70,7 @@ def limit_check(
 
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
-    """Verdicts of each panel: those of one limit on one quantity together."""
+    """Verdicts by panel, those of one limit on one quantity together."""
     known = {one.limit for one in check.verdicts}
     for name in names or ():
         if name not in known:

@@ -134,7 +134,7 @@ def waveform(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Waveform at one speed: sum of all orders, with their phases, over the angle of the reference shaft.
+    """Waveform of an output at one speed, the sum of all orders with their phases over the reference shaft's angle.
 
     Parameters
     ----------

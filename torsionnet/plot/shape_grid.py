@@ -46,7 +46,7 @@ TINY = style.SMALL - 1  # points
 
 @dataclass(frozen=True)
 class Panel:
-    """Panel of a mode: numbers of case and mode, row and column; left end, zero line, width, half height in inches."""
+    """Panel of a mode, with numbers of case and mode, row and column, and its place and size in inches."""
 
     case: int
     mode: int
@@ -59,7 +59,7 @@ class Panel:
 
 
 def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels: Sequence[str]) -> Figure:
-    """Mode shapes of several configurations: relative angles of the nodes, referred to one shaft.
+    """Mode shapes of several configurations as relative angles of the nodes, referred to one shaft.
 
     Parameters
     ----------

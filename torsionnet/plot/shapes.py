@@ -36,7 +36,7 @@ MANY_NODES, FEW_LETTERS, FEW_NAMES = 24, 22, 4
 STANDING_AMPLITUDE = 1e-9
 """Amplitude over the largest of the mode up to which a node stands still: rounding errors are smaller."""
 LIMIT, CLOSE_GEARS = 1.45, 2.2
-"""End of the axis of amplitudes; distance of gears, in distances of nodes, below which their labels alternate."""
+"""End of the axis of amplitudes, and distance of gears, over that of nodes, below which their labels alternate."""
 OUT_OF_PHASE = 10.0
 """Scatter of the phase of the nodes in degrees, weighted by amplitude, from which imaginary parts are shown."""
 
@@ -189,7 +189,7 @@ def station_shape(modes: Modes, index: int, view: ShapeView) -> NDArray[np.compl
 
 
 def phase_scatter(shape: NDArray[np.complex128]) -> float:
-    """Scatter of the phase in degrees: mean distance of the nodes' phases from 0 or 180, weighted by amplitude.
+    """Mean distance in degrees of the nodes' phases from 0 or 180, weighted by amplitude.
 
     Parameters
     ----------

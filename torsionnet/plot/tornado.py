@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 
 
 def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: str | None = None) -> Figure:
-    """Sensitivities of modes as bars: percent of natural frequency and damping ratio per percent of each parameter.
+    """Bars with the percent of natural frequency and of damping ratio of modes per percent of each parameter.
 
     Parameters
     ----------

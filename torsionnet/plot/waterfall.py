@@ -16,7 +16,7 @@ from torsionnet.response.order_response import OrderResponse
 MOST_SPECTRA = 30
 """Spectra drawn of all speeds, evenly chosen; more would hide each other."""
 LINE_HEIGHT, LINE_HALF_WIDTH = 0.15, 0.004
-"""Height of the highest line over the range of speeds; half the width of a line's foot over that of frequencies."""
+"""Height of the highest line over the range of speeds, and half the width of a line's foot over that of frequencies."""
 SMALLEST_ORDER = 0.02
 """Amplitude over the largest one from which an order is named and the frequency axis has room for it."""
 NAME_DISTANCE = 0.025

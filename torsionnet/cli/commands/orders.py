@@ -82,7 +82,7 @@ class OrdersCommand(ModelCommand):
         return Answer(
             screen=lambda: _compared(found[0], tests, conventions) if tests else _shown(found, conventions),
             data=lambda: [_as_data(case, run, tests) for case, run in zip(cases, found, strict=True)],
-            csv=lambda: [("", self.joined(cases, [run.long_table() for run in found]))],
+            csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
                 (case.configuration + ending, figure)
                 for case, run in zip(cases, found, strict=True)

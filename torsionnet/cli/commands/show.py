@@ -36,7 +36,7 @@ class ShowCommand(ModelCommand):
         return Answer(
             screen=lambda: self.parts(cases),
             data=lambda: [self.as_data(case) for case in cases],
-            csv=lambda: [("", self.joined(cases, [elements_table(case.drivetrain) for case in cases]))],
+            csv=lambda: [("", self.combined_table(cases, [elements_table(case.drivetrain) for case in cases]))],
             figures=lambda plot: [
                 (case.configuration, plot.schematic(case.drivetrain, boxes=self.boxes)) for case in cases
             ],

@@ -45,7 +45,7 @@ class StaticCommand(ModelCommand):
                 {"configuration": case.configuration, **state.to_data()}
                 for case, state in zip(cases, found, strict=True)
             ],
-            csv=lambda: [("", self.joined(cases, [state.table(conventions) for state in found]))],
+            csv=lambda: [("", self.combined_table(cases, [state.table(conventions) for state in found]))],
         )
 
     def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:

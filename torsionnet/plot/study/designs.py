@@ -104,7 +104,7 @@ def _place(one: DesignParameter, value: float) -> float:
 def damper_over_conditions(
     found: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Largest level in every condition: as given, with one damper for all, with a damper for this condition alone.
+    """Largest level in every condition as given, with one damper for all, and with a damper for this condition alone.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Parallel coordinates: variants as lines across an axis for each parameter and quantity."""
+"""Plot of variants in parallel coordinates, as lines across an axis for each parameter and quantity."""
 
 from __future__ import annotations
 

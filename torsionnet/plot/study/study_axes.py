@@ -46,7 +46,7 @@ def symbol_or_text(name: str) -> str:
 
 
 def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
-    """Label of an axis: a name with its unit, broken into lines of a width in inches.
+    """Label of an axis with a name and its unit, broken into lines of a width in inches.
 
     >>> axis_label("stiffness_of_the_coupling", "N*m/rad", 1.4).splitlines()
     ['stiffness_of_the_', 'coupling', '[N·m/rad]']
@@ -59,7 +59,7 @@ def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
 
 
 def label_with_remark(name: str, unit: str, more: str, inches: float) -> str:
-    """Label of an axis: a name with its unit and a remark, broken into lines of a width in inches.
+    """Label of an axis with a name, its unit and a remark, broken into lines of a width in inches.
 
     >>> label_with_remark("theta", "rad", "largest over the others", 2.0).splitlines()[1:]
     ['largest over the others']
@@ -156,7 +156,7 @@ def finite_values(values: Iterable[ArrayLike]) -> NDArray[np.float64]:
 
 
 def axis_ends(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Ends of an axis for finite values: the lowest and highest, moved apart if all are equal."""
+    """Lowest and highest of finite values as the ends of an axis, moved apart if all are equal."""
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     size = max(abs(low), abs(high))
     if high - low > EQUAL_VALUES * size:
