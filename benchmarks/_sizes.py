@@ -1,4 +1,4 @@
-"""The switch ``--short`` of every script here: the same code with small sizes and few runs, to see that it runs."""
+"""Switch ``--short`` of every benchmark: the same code with small sizes and few runs, to check that it runs."""
 
 import sys
 from typing import TypeVar
@@ -10,5 +10,5 @@ ARGUMENTS = [argument for argument in sys.argv[1:] if argument != "--short"]
 
 
 def sized(full: T, short: T) -> T:
-    """The size to measure with."""
+    """Size to measure with: ``full``, or the small one with ``--short``."""
     return short if SHORT else full

@@ -1,4 +1,4 @@
-"""Modal fits and fits of records on a machine that is busy, with and without a limit to the threads of BLAS.
+"""Times of modal fits and fits of records on a busy machine, with and without a limit to the threads of BLAS.
 
 python -m benchmarks.busy_machine [BUSY]    # loops beside it; by default one for each core
 
@@ -63,7 +63,7 @@ def measured(threads: str, spacing: float) -> dict[str, float]:
 
 
 def main(busy: int) -> None:
-    """Print a table."""
+    """Print the table of times."""
     for count in dict.fromkeys((0, busy)):
         with ExitStack() as stack:
             for _ in range(count):

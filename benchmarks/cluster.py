@@ -1,4 +1,4 @@
-"""A study on workers of dask.distributed against the same in one process: CPU of everything, and time.
+"""CPU time and duration of a study on workers of dask.distributed against the same study in one process.
 
 python -m benchmarks.cluster
 
@@ -39,7 +39,7 @@ CASES = ("serial", "2 processes", "local:1", "local:2", "local:2, memory as dask
 
 
 def work_in(folder: Path) -> ChunkWork:
-    """The response of an AMT test rig at 400 frequencies with four parameters that vary."""
+    """Work of a study in a folder: response of an AMT test rig at 400 frequencies with four varying parameters."""
     rig = tn.load("amt_rig").configured("II")
     vary = {name: Normal(deviation="5 %") for name in ("k_1", "k_2", "c_1", "I_2")}
     space = Space(rig, vary, sampling=Samples(count=CHUNKS * SIZE))
@@ -64,7 +64,7 @@ def executor(case: str, folder: Path) -> Iterator[Executor]:
 
 
 def measured(case: str) -> dict[str, float | str]:
-    """Of this process and its children, which must have ended."""
+    """CPU time, duration, peak memory and digest of a case, its children included, which must have ended."""
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as name:
         work = work_in(Path(name))
@@ -86,7 +86,7 @@ def in_process(case: str) -> dict[str, float | str]:
 
 
 def main() -> None:
-    """Print a table."""
+    """Print the table of CPU times and durations."""
     print(f"{CHUNKS * SIZE:,} variants, 400 frequencies, in {CHUNKS} chunks")
     found = {case: in_process(case) for case in CASES}
     if len({one["digest"] for one in found.values()}) > 1:

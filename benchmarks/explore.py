@@ -1,4 +1,4 @@
-"""The explore page: seconds from the command to the first answer, ms from a slider to the drawn curves in Chromium."""
+"""Times of the explore page: seconds from the command to the first answer, ms from a slider to curves in Chromium."""
 
 import json
 import statistics

@@ -1,4 +1,4 @@
-"""Frequency responses against other ways to them, in one run: medians, and the ratios to be reached, as Markdown.
+"""Times of frequency responses against other ways to calculate them, with the ratios to be reached, as Markdown.
 
 openTorsion 0.3.2 is no dependency: its row needs it in the interpreter that runs this, or in the one named by
 ``OPENTORSION_PYTHON`` (``python -m venv v; v/bin/pip install opentorsion==0.3.2``).
@@ -39,7 +39,7 @@ print(time.perf_counter() - start)
 
 
 def chain(n, extra=(), parent=None, ratio=None):
-    """J = 1, k = 1e6, c = 10 between neighbours, 0.1 to ground; ``extra`` pairs close loops."""
+    """Chain with J = 1, k = 1e6, c = 10 between neighbours, 0.1 to ground; ``extra`` pairs close loops."""
     parent = parent or (lambda i: i - 1)
     ratio = ratio or (lambda _: 1.0)
     links = [(parent(i), i, ratio(i)) for i in range(1, n)] + [(i, j, 1.0) for i, j in extra]
@@ -52,7 +52,7 @@ def chain(n, extra=(), parent=None, ratio=None):
 
 
 def graph(system, omega, method="graph"):
-    """All of it: dynamic stiffness and receptance between the ends."""
+    """Receptance between the ends of a chain, by elimination along its graph."""
     n = system.n_coordinates
     # As a drivetrain keeps it for all calls and configured copies.
     problem = system.memo.once(
@@ -68,7 +68,7 @@ def compiled(system, omega):
 
 
 def thomas(system, omega):
-    """Tridiagonal elimination of the assembled matrix by hand, all frequencies at once."""
+    """Receptance between the ends of a chain, by tridiagonal elimination of its matrix, all frequencies at once."""
     M, C, K = system.M, system.C, system.K
     n, s = len(M), 1j * omega
     diagonal = [K[i, i] + s * (C[i, i] + s * M[i, i]) for i in range(n)]
@@ -161,7 +161,7 @@ def long_chain():
 
 
 def against(what, n, n_f, reference, least):
-    """By numpy, and in the compiled loop of the extra ``fast``."""
+    """Rows of the table for numpy, and for the compiled loop of the extra ``fast``."""
     system, omega = chain(n), frequencies(n_f)
     start = time.perf_counter()
     expected = reference(system, omega)

@@ -1,4 +1,4 @@
-"""A fit of three parameters over three gears with 600 lines each, beside lmfit with finite differences.
+"""Times of a fit of three parameters over three gears with 600 lines each, beside lmfit with finite differences.
 
 python -m benchmarks.identification
 """
@@ -36,7 +36,7 @@ def ours(rig: Any, measured: dict[str, Any]) -> dict[str, float]:
 
 
 def with_lmfit(rig: Any, measured: dict[str, Any]) -> dict[str, float]:
-    """What one would write without: a residual function, lmfit's own finite differences."""
+    """Parameters fitted with a plain residual function and lmfit's own finite differences."""
     import lmfit
 
     configured = {gear: rig.configured(gear) for gear in GEARS}

@@ -1,4 +1,4 @@
-"""How often 95 % intervals hold the truth: fits of the source paper's rigs from virtual tests of many seeds.
+"""Coverage of 95 % intervals: shares that hold the truth, in fits of the source paper's rigs to virtual tests.
 
 python -m benchmarks.interval_coverage [SEEDS] [PATTERN]    # 60 seeds of all cases, or of those whose name has PATTERN
 
@@ -58,7 +58,7 @@ WAYS = tuple(product(WINDOWS, ROUTES))
 
 @dataclass(frozen=True)
 class Case:
-    """A rig with its sensors."""
+    """Test rig of the paper with the sensors of its fit."""
 
     rig: str
     sensors: str
@@ -73,14 +73,14 @@ class Case:
 
 @cache
 def benches(case: Case) -> dict[str, Any]:
-    """By configuration; each keeps what it calculated without noise, for all seeds."""
+    """Benches by configuration; each keeps its noise-free records for all seeds."""
     file, configurations, _ = RIGS[case.rig]
     plan = Plan(drive="T_M", excitation=CHIRP, exciter=EXCITER, channels=SENSORS[case.sensors], acquisition=ACQUISITION)
     return {name: tn.Bench(tn.load(file).configured(name), plan) for name in configurations}
 
 
 def measured(record: Any, configuration: str, settings: Welch, route: str, reference: str = "") -> tn.Measurement:
-    """One test as the fit is given it."""
+    """Measurement of one test in the form given to the fit: a record, a response, or a file."""
     if route == "record":
         return tn.Measurement(record, "theta_1", "T_T", configuration, settings=settings)
     response = estimate(record, "theta_1", "T_T", settings=settings, reference=reference or ())
@@ -110,7 +110,7 @@ def several(case: Case, seeds: range) -> list[Any]:
 
 
 def rows(case: Case, runs: list[Any]) -> list[tuple[str, str]]:
-    """For each parameter the shares of intervals that hold the truth, and how values and errors scatter."""
+    """Table rows, one per parameter: shares of intervals that hold the truth, and scatter of values and errors."""
     found = []
     for column, name in enumerate(case.parameters):
         shares, details = [], []

@@ -1,4 +1,4 @@
-"""How often fits say that they are wrong: of right models (false alarms), of wrong ones, and under noise on the torque.
+"""Shares of fits rejected as wrong: right models (false alarms), wrong models, and noise on the torque.
 
 python -m benchmarks.lack_of_fit [RUNS]    # 60 runs take about an hour
 """
@@ -32,7 +32,7 @@ RIGS: dict[str, tuple[tuple[str, ...], dict[str, float]]] = {
 
 
 def bench(rig: Any, channels: dict[str, Any], duration: float = 60.0) -> tn.Bench:
-    """A sweep from rest at 1 kHz."""
+    """Virtual bench with a sweep from rest at 1 kHz."""
     plan = Plan(
         excitation=LinearChirp(start=0.2, stop=30, duration=duration, amplitude=15),
         channels={"T_T": Transducer(noise="0.23 N*m"), **channels},
@@ -42,7 +42,7 @@ def bench(rig: Any, channels: dict[str, Any], duration: float = 60.0) -> tn.Benc
 
 
 def fitted(rig: Any, benches: dict[str, tn.Bench], start: Any, settings: Welch, route: str, seed: int) -> Any:
-    """By records, or by responses estimated from them."""
+    """Fit to records, or to responses estimated from them."""
     tests = []
     for gear, one in benches.items():
         record = one.run(seed)
@@ -55,7 +55,7 @@ def fitted(rig: Any, benches: dict[str, tn.Bench], start: Any, settings: Welch, 
 
 
 def right(runs: int) -> Iterator[tuple[str, float, float]]:
-    """Right models: share of fits that are called wrong, and median of residuals over noise."""
+    """Case, share of right models called wrong, and median of residuals over noise, of each rig and sensor."""
     for name, (gears, start) in list(RIGS.items())[: sized(None, 1)]:
         rig = tn.load(name)
         for sensor, channels in list(SENSORS.items())[: sized(None, 1)]:
@@ -70,7 +70,7 @@ def right(runs: int) -> Iterator[tuple[str, float, float]]:
 
 
 def wrong() -> Iterator[tuple[str, Any, tn.Bench, dict[str, float], str]]:
-    """What is wrong, the model fitted, the bench, the parameters, and the freedom that would explain it."""
+    """Label, model fitted, bench, start values, and the freedom that would explain the misfit, of each wrong model."""
     rig = tn.load("dmf_rig")
     late = {"theta_1": replace(FINE, delay=1.1e-3)}
     for noise in (0.23, 3.0):
@@ -82,7 +82,7 @@ def wrong() -> Iterator[tuple[str, Any, tn.Bench, dict[str, float], str]]:
 
 
 def hysteretic(eta: float) -> Any:
-    """The DMF rig with a hysteretic spring in its flywheel."""
+    """DMF rig with a hysteretic spring in its flywheel."""
     rig = tn.load("dmf_rig")
     spring = tn.HystereticSpring("dmf", nodes=("primary", "secondary"), stiffness="k_2", loss_factor=eta)
     elements = [spring if name == "dmf" else element for name, element in rig.definition.elements.items()]
@@ -96,7 +96,7 @@ def hysteretic(eta: float) -> Any:
 
 
 def noisy_meter(runs: int) -> None:
-    """Bias and intervals of fits under noise on the torque, by what they are multiplied with."""
+    """Print bias and coverage of fits under noise on the torque, by noise in N m and estimator."""
     rig, true = tn.load("dmf_rig"), {"c_2": 4.0, "k_2": 460.0}
     for noise in (3, 10):
         one = bench(rig, {"theta_1": FINE, "T_T": Transducer(noise=f"{noise} N*m")}, duration=30.0)

@@ -1,4 +1,4 @@
-"""Modes missed and modes invented by each way of fitting them, over drawn systems with noise.
+"""Modes missed and modes invented by each method of modal identification, over random systems with noise.
 
 python -m benchmarks.modal_methods [SYSTEMS]    # 22 of each kind take some minutes
 """
@@ -19,13 +19,13 @@ from torsionnet.modal import Settings, identify_modes
 from torsionnet.response import Channel, FrequencyResponse
 
 METHODS = ("rational", "lscf", "auto")
-SAME, SAME_DAMPING = 0.004, 0.5
-"""Relative errors up to which a mode counts as found; modes 1.5 % apart are told apart by the first."""
+SAME_FREQUENCY, SAME_DAMPING = 0.004, 0.5
+"""Relative errors of frequency and damping up to which a mode counts as found; modes 1.5 % apart stay distinct."""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of systems: natural frequencies in Hz and damping ratios from a generator, sensors, noise over the RMS."""
+    """Kind of random systems: natural frequencies in Hz, damping ratios, sensors, and noise over the RMS."""
 
     name: str
     modes: Any
@@ -65,7 +65,7 @@ KINDS = (
 
 
 def response(kind: Kind, seed: int) -> tuple[NDArray[np.complex128], FrequencyResponse]:
-    """Poles, and the response that they make with shapes drawn and noise added."""
+    """Poles of a system, and its response with random shapes and noise."""
     rng = np.random.default_rng([seed, len(kind.name)])
     f, zeta = kind.modes(rng)
     poles = 2 * np.pi * f * (-zeta + 1j * np.sqrt(1 - zeta**2))
@@ -85,21 +85,21 @@ def response(kind: Kind, seed: int) -> tuple[NDArray[np.complex128], FrequencyRe
 def missed_and_invented(
     poles: NDArray[np.complex128], found: NDArray[np.complex128], top: float = np.inf
 ) -> tuple[int, int]:
-    """Modes without a partner, one to one."""
+    """Numbers of modes missed and of modes invented, from a one-to-one assignment."""
     found = found[np.abs(found) <= 2 * np.pi * top]
     if not len(found):
         return len(poles), 0
     ratios = -poles.real / np.abs(poles)
     apart = np.abs(np.abs(found) / np.abs(poles)[:, None] - 1)
     damping = np.abs((-found.real / np.abs(found)) / ratios[:, None] - 1)
-    good = (apart < SAME * np.maximum(1, ratios / 0.02)[:, None]) & (damping < SAME_DAMPING)
+    good = (apart < SAME_FREQUENCY * np.maximum(1, ratios / 0.02)[:, None]) & (damping < SAME_DAMPING)
     rows, columns = linear_sum_assignment(np.where(good, apart, 1e3))
     pairs = int(good[rows, columns].sum())
     return len(poles) - pairs, len(found) - pairs
 
 
 def campaign(kind: Kind, method: Any, systems: int) -> tuple[int, int, int]:
-    """Modes, those missed, those invented."""
+    """Numbers of modes, of modes missed, and of modes invented, over random systems of a kind."""
     counts = np.zeros(3, dtype=int)
     for seed in range(systems):
         poles, measured = response(kind, seed)

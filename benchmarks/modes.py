@@ -1,4 +1,4 @@
-"""Modes of large damped and undamped chains, in one run: medians, as Markdown.
+"""Times of the modes of large damped and undamped chains, as Markdown.
 
 openTorsion 0.3.2 is no dependency: its row needs it in the interpreter named by ``OPENTORSION_PYTHON``
 (``python -m venv v; v/bin/pip install opentorsion==0.3.2``).
@@ -18,7 +18,7 @@ HUGE, SEGMENTS, LARGE, MIDDLE = sized((5000, 1000, 500, 250), (100, 60, 60, 40))
 
 
 def rig(n, *, damped=True):
-    """J = 1, k = 1e6, c = 10 between neighbours and 0.1 to ground."""
+    """Chain with J = 1, k = 1e6, c = 10 between neighbours and 0.1 to ground."""
     elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=1) for i in range(n)]
     if damped:
         elements += [tn.Damper(f"c{i}", nodes=(f"n{i}", "ground"), damping=0.1) for i in range(n)]
@@ -30,7 +30,7 @@ def rig(n, *, damped=True):
 
 
 def rows():
-    """Yield work, seconds here, seconds there, and the ratio or the seconds to reach."""
+    """Rows of the table: task, seconds, seconds of the other program, and the ratio or seconds to reach."""
     huge = rig(HUGE)
     yield f"{HUGE} DOF damped, lowest 20", seconds(lambda: huge.modes(lowest=20), runs=1), None, "<= 3 s"
     one = tn.Shaft("S", nodes=("a", "b"), length=3, outer_diameter=0.05, segments=SEGMENTS)

@@ -1,4 +1,4 @@
-"""A plant of 400 elements built with parts against its flat file: CPU time to load, and to solve.
+"""CPU times to load and to solve a plant of 400 elements built with parts, against its flat file.
 
 Median over runs, both in one process; the flat file is what ``torsionnet show --flat`` prints.
 """

@@ -1,4 +1,4 @@
-"""What a drivetrain of many elements costs before anything is solved: seconds, memory, and how they grow.
+"""Seconds and memory to build, check, write, load and assemble drivetrains of many elements, by size.
 
 Every size runs in a process of its own, so that each peak of memory is its own. A chain has an inertia and a spring a
 node; a train hangs gears, couplings and branches together.
@@ -33,7 +33,7 @@ def chain(n: int) -> list[tn.Element]:
 
 
 def train(n: int) -> list[tn.Element]:
-    """Four elements a node: an inertia, and in turn a shaft, a gear, a coupling to a branch."""
+    """Drivetrain with four elements per node: an inertia, and in turn a shaft, a gear, a coupling to a branch."""
     elements: list[tn.Element] = [tn.Inertia("J0", node="n0", inertia=1)]
     for i in range(1, n // 2):
         ends = (f"n{(i - 1) // 2}", f"n{i}")
@@ -52,7 +52,7 @@ SHAPES = {"chain": chain, "geared tree": train}
 
 
 def stages(shape: str, n: int) -> dict[str, float]:
-    """Seconds of CPU of every stage, and the peak of memory of this process in MB."""
+    """Seconds of CPU time of every stage, and the peak memory of this process in MB."""
     seconds, began = {}, time.process_time()
 
     def done(stage: str) -> None:
@@ -81,7 +81,7 @@ def stages(shape: str, n: int) -> dict[str, float]:
 
 
 def peak() -> float:
-    """MB; what Linux says of this program alone, else nothing."""
+    """Peak memory of this program in MB, as Linux reports it; nan on other systems."""
     status = Path("/proc/self/status")
     return int(status.read_text().partition("VmHWM:")[2].split()[0]) / 1024 if status.exists() else float("nan")
 

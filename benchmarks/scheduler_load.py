@@ -1,4 +1,4 @@
-"""What tasks cost the scheduler and the client of a cluster, for a plan of a study on many workers.
+"""Load of tasks on the scheduler and the client of a cluster, for the plan of a study on many workers.
 
 python -m benchmarks.scheduler_load [WORKERS]
 
@@ -32,7 +32,7 @@ SECONDS = sized(20.0, 1.0)
 
 @dataclass(frozen=True)
 class Waiting:
-    """A task that takes time but no work."""
+    """Task that takes time but no work."""
 
     folder: Path
     seconds: float
@@ -70,13 +70,13 @@ def own_cpu() -> float:
 
 
 def through_loopback() -> int:
-    """Bytes, of all programs of this machine; 0 where the system does not say."""
+    """Bytes through the loopback device, of all programs of this machine; 0 where the system does not report them."""
     counters = psutil.net_io_counters(pernic=True).get("lo")
     return counters.bytes_sent if counters else 0
 
 
 def spent(scheduler: psutil.Process, work: Callable[[], int]) -> tuple[int, float, float, float, float]:
-    """Tasks, seconds, seconds of CPU of the scheduler and of this process, bytes."""
+    """Tasks done, seconds, CPU seconds of the scheduler and of this process, and bytes sent, of a run."""
     before = time.perf_counter(), cpu(scheduler), own_cpu(), through_loopback()
     count = work()
     after = time.perf_counter(), cpu(scheduler), own_cpu(), through_loopback()
@@ -84,7 +84,7 @@ def spent(scheduler: psutil.Process, work: Callable[[], int]) -> tuple[int, floa
 
 
 def measure(count: int, seconds: float, folder: str) -> None:
-    """Print what idle workers cost, and then a task."""
+    """Print the load of idle workers, and then that of a task."""
     file = Path(folder) / f"scheduler_{count}_{seconds}.json"
     where = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
     with process("-m", "distributed.cli.dask_scheduler", *where) as scheduler:

@@ -1,4 +1,4 @@
-"""Motion over time against scipy.signal.lsim: 80 s at 10 kHz of the AMT rig in fifth gear, chirp torque."""
+"""Times of a simulation against scipy.signal.lsim: 80 s at 10 kHz of the AMT rig in fifth gear, chirp torque."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""CPU time (user + system, median of five processes) of the commands one types most, against their budgets."""
+"""CPU times (user + system, median of five processes) of the most frequent commands, against their budgets."""
 
 import os
 import resource

@@ -1,4 +1,4 @@
-"""Studies: CPU time of one variant, side by side with other ways to it, as Markdown.
+"""CPU times per variant of a study, beside other ways to calculate it, as Markdown.
 
 python -m benchmarks.studies [kernel]    # all parts by default
 """
@@ -22,14 +22,14 @@ from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 RUNS = sized(5, 1)
 N_LOOP = sized(40, 3)
 
 
 def chain(n: int) -> tn.Drivetrain:
-    """Inertias between springs, all values parameters."""
+    """Chain of inertias between springs, all values parameters."""
     elements: list[tn.Element] = []
     parameters: dict[str, float] = {}
     for i in range(n):
@@ -49,7 +49,7 @@ def drawn(model: tn.Drivetrain, count: int, names: list[str], seed: int = 0) -> 
 
 
 def cpu(work: Callable[[], object], variants: int) -> float:
-    """Median CPU time in ms a variant."""
+    """Median CPU time in ms per variant."""
     work()
     times = []
     for _ in range(RUNS):
@@ -60,7 +60,7 @@ def cpu(work: Callable[[], object], variants: int) -> float:
 
 
 def lapack(batch: Batch, omega: np.ndarray) -> np.ndarray:
-    """|H| of the last coordinate by the assembled matrices of every variant, a block of frequencies at a time."""
+    """|H| of the last coordinate from the assembled matrices of every variant, a block of frequencies at a time."""
     rows = batch.drivetrain.assembly.system.rows
     load = np.zeros((rows.shape[1], 1))
     load[0] = 1
@@ -78,7 +78,7 @@ def lapack(batch: Batch, omega: np.ndarray) -> np.ndarray:
 def magnitudes(
     plan: BatchPlan, request: TransferRequest, values: dict[str, np.ndarray], f: np.ndarray, method: str
 ) -> np.ndarray:
-    """From values of parameters to |H|."""
+    """Magnitudes |H| of variants from values of parameters."""
     return np.abs(batched_responses(plan.batch(values), request, f, method).values)
 
 
@@ -88,7 +88,7 @@ def kernel() -> None:
     names = list(rig.parameters)
     values, plan = drawn(rig, count, names), batch_plan(rig, names)
     assert plan is not None
-    request = remembered(rig, "n_5", "T", None)
+    request = cached_request(rig, "n_5", "T", None)
     few = {name: column[:N_LOOP] for name, column in values.items()}
     singles = [dict(zip(few, map(float, row), strict=True)) for row in zip(*few.values(), strict=True)]
     found = {
@@ -108,10 +108,10 @@ def kernel() -> None:
 
 
 def library_rig() -> None:
-    """1e6 variants of a library model in chunks, with their sampling and the reduction to bands."""
+    """Print the CPU time of variants of a library model in chunks, with sampling and a reduction."""
     rig, f = tn.load("amt_rig").configured("V"), np.linspace(0.1, 40, 400)
     names = ["k_1", "k_2", "c_1", "c_O", "I_1", "I_2"]
-    plan, request = batch_plan(rig, names), remembered(rig, "theta_1", "T_T", None)
+    plan, request = batch_plan(rig, names), cached_request(rig, "theta_1", "T_T", None)
     assert plan is not None
     chunk, chunks = sized(5000, 50), sized(8, 2)
 

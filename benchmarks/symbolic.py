@@ -1,4 +1,4 @@
-"""Symbolic transfer functions against the times aimed at, medians of one run, as a Markdown table.
+"""Times of symbolic transfer functions against the times aimed at, medians of one run, as a Markdown table.
 
 Chains are damped and free at both ends, every inertia, stiffness and damping a symbol of its own. Times are those of
 calls on an existing `drivetrain.symbolic()`; a fresh one is made for every run, so that nothing is remembered.

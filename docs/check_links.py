@@ -1,4 +1,4 @@
-"""Every link inside the built pages leads to a page, file or heading that exists.
+"""Check that every link inside the built pages leads to a page, file or heading that exists.
 
 python docs/check_links.py [FOLDER]
 """
@@ -13,7 +13,7 @@ LINKS = {"a": "href", "link": "href", "img": "src", "script": "src", "object": "
 
 
 class Page(HTMLParser):
-    """Links and places of one page."""
+    """Links of a built page, and the places in it that links may lead to."""
 
     def __init__(self, text):
         super().__init__()
@@ -27,8 +27,8 @@ class Page(HTMLParser):
             self.links.append((tag, given[LINKS[tag]]))
 
 
-def broken(folder):
-    """One line for each link that leads nowhere, and each file that a page would load from elsewhere."""
+def broken_links(folder):
+    """Messages, one for each link that leads nowhere and each file that a page would load from elsewhere."""
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(folder.rglob("*.html"))}
     for path, page in pages.items():
         for tag, link in dict.fromkeys(page.links):
@@ -47,7 +47,7 @@ def broken(folder):
 
 
 def main(folder):
-    found = list(broken(folder.resolve()))
+    found = list(broken_links(folder.resolve()))
     sys.stdout.write("\n".join([*found, f"{len(found)} broken links in {folder}", ""]))
     return bool(found)
 

@@ -1,4 +1,4 @@
-"""Sphinx settings; build with `make docs`. Needs no network."""
+"""Settings of Sphinx for the documentation; ``make docs`` builds it without network."""
 
 import sys
 import tomllib
@@ -53,7 +53,7 @@ sphinx_gallery_conf = {
 
 
 def setup(app):
-    """Write the pages that are made from the code before the others are read."""
+    """Connect the steps of the build: generated pages are written before the others are read."""
     import generate
     from pygments.lexers.special import TextLexer
 
@@ -63,7 +63,7 @@ def setup(app):
 
 
 def for_sphinx(_app, what, _name, _object, _options, lines):
-    """|H| in a docstring is a magnitude, no substitution; what stands before a colon in a property is no type."""
+    """Escape |H| and colons of properties in docstring lines, in place, which Sphinx would take for markup."""
     if what in ("property", "attribute") and lines:
         lines[0] = lines[0].replace(": ", " \N{EN DASH} ", 1)
     lines[:] = [line.replace("|", r"\|") for line in lines]

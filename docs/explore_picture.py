@@ -24,16 +24,16 @@ SIZE = {"width": 1440, "height": 900}
 ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
 
 
-def measured(folder: Path) -> Path:
-    """A virtual test of the rig in fifth gear as a file with its response."""
+def write_test_response(folder: Path) -> Path:
+    """Path of a file with the response of a virtual test of the rig in fifth gear."""
     record, response = folder / "gear_V.npz", folder / "gear_V.csv"
     torsionnet(["bench", "amt_bench", "-c", "V", "-o", str(record)])
     torsionnet(["estimate", str(record), *ESTIMATE.split(), "--csv", str(response)])
     return response
 
 
-def arranged(found: Any) -> None:
-    """One curve pinned, another value of the oil damping, the cursor beside the peak."""
+def pin_and_change_oil_damping(found: Any) -> None:
+    """Prepare the explore page: one curve pinned, another oil damping, the cursor beside the peak."""
     page = found.page
     page.locator("label", has_text="deg").click()
     page.click("#pin")
@@ -46,8 +46,8 @@ def arranged(found: Any) -> None:
     page.wait_for_timeout(300)
 
 
-def softened(found: Any) -> None:
-    """The damper as written pinned, less damping in its film now, the cursor beside the peak."""
+def pin_and_soften_damper(found: Any) -> None:
+    """Prepare the explore page: the damper as written pinned, less damping in its film, the cursor beside the peak."""
     page = found.page
     page.click("#pin")
     with found.update():
@@ -64,18 +64,18 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
-        overlay = measured(Path(folder))
+        overlay = write_test_response(Path(folder))
         with (
             serving("amt_rig", configuration="V", pairs=[ResponseChoice("theta_1", "T_T")], overlay=overlay) as server,
             visit(browser, server.address, viewport=SIZE) as found,
         ):
-            arranged(found)
+            pin_and_change_oil_damping(found)
             found.page.screenshot(path=str(PICTURE), full_page=True)
         with (
             serving("marine_medium_speed", over_speed=["T_crank"]) as server,
             visit(browser, server.address, viewport=SIZE) as found,
         ):
-            softened(found)
+            pin_and_soften_damper(found)
             found.page.screenshot(path=str(OVER_SPEED))
         browser.close()
 

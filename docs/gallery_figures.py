@@ -1,4 +1,4 @@
-"""Lets sphinx-gallery find figures that belong to no pyplot window, as torsionnet.plot returns them."""
+"""Scraper with which sphinx-gallery finds figures that belong to no pyplot window, as torsionnet.plot returns them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sphinx_gallery.scrapers import figure_rst
 
 
 def scrape(_: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
-    """Save every new figure among the variables of an example; the text that shows them."""
+    """Save every new figure among the variables of an example, and return the reStructuredText that shows them."""
     import matplotlib.pyplot as plt
 
     for number in plt.get_fignums():

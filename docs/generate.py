@@ -90,12 +90,12 @@ COMMON = ("description", "enabled", "catalogue", "size", "referred_to")
 
 
 def elements_page() -> str:
-    """One section for each registered type."""
+    """Text of the reference of elements, with a section for each registered type."""
     return "\n".join(element_section(kind, cls) for kind, cls in ELEMENT_TYPES.items())
 
 
 def element_index() -> str:
-    """A line for each registered type: its name and the first sentence of its description."""
+    """Table of the registered element types with the first sentences of their descriptions."""
     lines = [f"| [{kind}](#{kind}) | {first_sentence(cls)} |" for kind, cls in sorted(ELEMENT_TYPES.items())]
     return "\n".join(["| type | what it is |", "|---|---|", *lines, ""])
 
@@ -128,7 +128,7 @@ def element_section(kind: str, cls: type[Element]) -> str:
 
 
 def element_classes_page() -> str:
-    """The types in the reference of the Python interface."""
+    """Text of the reference of element classes of the Python interface."""
     entries = "\n\n".join(f".. autoclass:: {name}" for name in sorted(element_classes()))
     return f"```{{eval-rst}}\n.. currentmodule:: torsionnet\n\n{entries}\n```\n"
 
@@ -142,12 +142,12 @@ def is_port(declared: Field[Any]) -> bool:
 
 
 def physics(cls: type[Element]) -> str:
-    """The docstring up to its examples."""
+    """Docstring of a class up to its examples."""
     return (getdoc(cls) or "").partition("\nExamples\n")[0].strip() + "\n"
 
 
 def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element:
-    """The first element that the docstring makes, or with all other quantities that go with it; values or symbols."""
+    """First element made in the docstring of a class, as written or with all other quantities that go with it."""
     first = made_in_docstring(cls)[0]
     data = {name: getattr(first, name) for name in first.to_data() if name != "type"}
     if symbolic:
@@ -161,7 +161,7 @@ def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element
 
 @cache
 def made_in_docstring(cls: type[Element]) -> tuple[Element, ...]:
-    """The elements of a type that the examples in its docstring make: they are shown, and known to work."""
+    """Elements of a type that the examples in its docstring make."""
     made: list[Element] = []
 
     def recorded(*args: Any, **entries: Any) -> Element:
@@ -175,7 +175,7 @@ def made_in_docstring(cls: type[Element]) -> tuple[Element, ...]:
 
 
 def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
-    """Every quantity by its symbol, unless the element needs its number; ratios for teeth, and members that turn."""
+    """Arguments of an element with every quantity as its symbol, unless the element needs its number."""
     for declared in own_fields(cls):
         kind = spec_of(declared)
         if isinstance(kind, NodeName) and data.get(declared.name) == GROUND:
@@ -197,7 +197,7 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def has_laws(cls: type[Element], data: dict[str, Any]) -> bool:
-    """Whether the laws can be written in symbols; which row of a table counts is told by a number."""
+    """Whether the laws of an element can be written in symbols."""
     try:
         described(make_element(cls.kind, "part", data))
     except TypeError:
@@ -206,7 +206,7 @@ def has_laws(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
-    """A value that an entry may have beside those of the example; None of what does not stand in laws."""
+    """Valid value of an entry beside the values of the example; None for entries that do not occur in laws."""
     kind = spec_of(declared)
     if isinstance(kind, NodeName):
         return declared.name
@@ -217,7 +217,7 @@ def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
 
 
 def laws(cls: type[Element]) -> str:
-    """Rows and laws in symbols, of the plainest element and of one with everything given."""
+    """Rows and laws of an element type in symbols, of its plainest element and of one with everything given."""
     plain, full = (described(sample(cls, full=full, symbolic=True)) for full in (False, True))
     if plain == full:
         return plain
@@ -232,14 +232,14 @@ def described(element: Element) -> str:
 
 
 def part_text(part: Part) -> str:
-    """A law, a constraint or an action in LaTeX."""
+    """LaTeX of a law, a constraint or an action."""
     if isinstance(part, Action):
         return rf"T_{{{angles(part.row)}}} = {action(part)} \left({angles(part.sensed)}\right)"
     return rf"\gamma = {angles(part.row)},\qquad {law_text(part)}"
 
 
 def angles(row: Row) -> str:
-    """A row as a sum of angles."""
+    """LaTeX of a row as a sum of angles."""
     text = ""
     for node, coefficient in row.items():
         factor = sympy.factor(sympy.sympify(coefficient))
@@ -252,7 +252,7 @@ def angles(row: Row) -> str:
 
 
 def action(part: Action) -> str:
-    """The transfer function of an action."""
+    """LaTeX of the transfer function of an action."""
     above, below = (
         sympy.latex(sum(value * S**power for power, value in enumerate(map(sympy.sympify, values))))
         for values in (part.numerator, part.denominator)
@@ -285,13 +285,13 @@ def kappa(law: Law) -> str:
 
 
 def wave_text(table: ShaftStiffness) -> str:
-    """A law of a continuous shaft in K, the stiffness of the piece with its loss, and its x."""
+    """LaTeX of a law of a continuous shaft in K, the stiffness of the piece with its loss, and its x."""
     K, x, omega = sympy.symbols("K x omega", positive=True)
     return sympy.latex(table.with_coefficients(K, K * x**2 / omega**2, 0).formula(omega))
 
 
 def with_curves_named(expression: sympy.Expr) -> sympy.Expr:
-    """What is read off a curve, straight between its rows, as a function of what stands over it."""
+    """Formula with every piecewise linear curve replaced by a named function of its argument."""
     return expression.replace(
         lambda part: part.is_Add and part.has(sympy.Abs),
         lambda part: sympy.Function("curve")(*sorted(part.free_symbols, key=str)),
@@ -345,7 +345,7 @@ def bounds(kind: Spec) -> str:
 
 
 def flow(data: Any) -> str:
-    """Plain data in YAML's flow style, as one line of a model file."""
+    """Text of plain data in YAML's flow style, as one line of a model file."""
     if isinstance(data, dict):
         return "{" + ", ".join(f"{key}: {flow(value)}" for key, value in data.items()) + "}"
     if isinstance(data, (list, tuple)):
@@ -429,7 +429,7 @@ def damping_page() -> str:
 
 
 def bench_page() -> str:
-    """Every entry of a bench: section."""
+    """Text of the page on the entries of a ``bench:`` section."""
     sections: list[tuple[str, type[Declared]]] = [
         ("`exciter`", Exciter),
         ("Channel of `type: transducer`", Transducer),
@@ -454,12 +454,12 @@ def _entries_table(title: str, cls: type[Declared]) -> str:
 
 
 def report_page() -> str:
-    """Every section with what it holds."""
+    """Table of the sections of a report with their contents."""
     return table(["section", "what it holds"], [[code(name), prose(text)] for name, text in SECTIONS.items()])
 
 
 def report_texts_page() -> str:
-    """Every text of a report that words.yaml of a template folder may replace."""
+    """YAML of the texts of a report that words.yaml of a template folder may replace."""
     shown = [
         f"{section}:\n" + "".join(f"  {text}\n" for text in map(_quoted, texts))
         for section, texts in replaceable_texts().items()
@@ -468,7 +468,7 @@ def report_texts_page() -> str:
 
 
 def _quoted(text: str) -> str:
-    """As a key of YAML needs it."""
+    """Text quoted where a key of YAML needs it."""
     return f'"{text}"' if text != text.strip() or text[0] in ",:;{." or ": " in text or text.endswith(":") else text
 
 
@@ -519,14 +519,14 @@ def refusal(entry: str, written: str) -> str:
 
 
 def sign_pictures(folder: Path) -> None:
-    """Torque at ports, ratios, sensors, clamps and lag, as the page on sign conventions explains them."""
+    """Write the pictures of the page on sign conventions."""
     import sign_picture
 
     sign_picture.write_all(folder)
 
 
 def symbol_pictures(folder: Path) -> None:
-    """How a schematic draws each element."""
+    """Write the pictures of the symbols of all elements."""
     import symbol_picture
 
     for kind, cls in ELEMENT_TYPES.items():
@@ -555,7 +555,7 @@ PAGES = {
 
 
 def write_all(folder: Path = GENERATED) -> None:
-    """All generated pages, and the pictures."""
+    """Write all generated pages and pictures."""
     folder.mkdir(exist_ok=True)
     for name, make in PAGES.items():
         (folder / name).write_text(make(), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The house of the package as a picture and as tables: layers, their floors, and the way of a model through them."""
+"""Picture and tables of the package's layers, their floors, and the way of a model through them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.located import LocatedDocument, compose
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.report.build import build
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report import write_report
@@ -29,7 +29,7 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 PACKAGE = Path(torsionnet.__file__).parent
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
@@ -42,13 +42,13 @@ WAY: tuple[tuple[object, str, type | str], ...] = (
     (define, "reads and checks its entries", Definition),
     (Drivetrain.from_definition, "can be asked", Drivetrain),
     (AssembledModel.assembly, "writes rows in numbers", Assembly),
-    (remembered, "turns names into readings", TransferRequest),
+    (cached_request, "turns names into readings", TransferRequest),
     (make_tape, "plans the elimination", Tape),
     (transfer_functions, "walks it at every frequency", FrequencyResponse),
     (build, "says what it means", Report),
     (write_report, "writes pages", "HTML, LaTeX, Markdown, PDF"),
 )
-"""What is done with a model file, in words, and what comes of it."""
+"""Steps from a model file to a report: function, its task in words, and its result."""
 
 LEFT, WIDTH, GAP, TOP = 16.0, 560.0, 16.0, 40.0
 TITLE, STRIP, PAD, LANE = 22.0, 17.0, 6.0, 15.0
@@ -57,7 +57,7 @@ INK, MUTED = "#222222", "#6b6b6b"
 
 
 def layers_page() -> str:
-    """The layers and what each knows, and the floors of those that have any."""
+    """Tables of the layers with what each knows, and of the floors of those that have any."""
     levels = [
         [str(len(LAYERS) - depth), ", ".join(map(code, layer.names)), layer.knows] for depth, layer in enumerate(LAYERS)
     ]
@@ -75,7 +75,7 @@ def layers_page() -> str:
 
 @cache
 def arrows() -> list[tuple[int, int]]:
-    """From a layer to one below it that it imports from, without those that others lead to."""
+    """Pairs of layers, the first importing from the second below it, without arrows that follow from others."""
     level = {name: depth for depth, layer in enumerate(LAYERS) for name in layer.names}
     below: dict[int, set[int]] = {depth: set() for depth in range(len(LAYERS))}
     for first, second in _imports():
@@ -94,7 +94,7 @@ def arrows() -> list[tuple[int, int]]:
 
 @cache
 def _imports() -> set[tuple[str, str]]:
-    """Pairs of first names below the package, of all imports from one to the other."""
+    """Names of the importing and of the imported package, of all imports between packages."""
     found = set()
     for module in modules_below(PACKAGE):
         for one in module.imports:
@@ -105,7 +105,7 @@ def _imports() -> set[tuple[str, str]]:
 
 
 class Lane(NamedTuple):
-    """An arrow past layers between its ends: on which side, and how many others are inside of it there."""
+    """Route of an arrow that leads past layers: its side, and the number of arrows inside of it there."""
 
     first: int
     last: int
@@ -118,7 +118,7 @@ class Lane(NamedTuple):
 
 @cache
 def lanes() -> list[Lane]:
-    """Every arrow that leads past a layer, on a side where it crosses as few others as can be."""
+    """Routes of all arrows that lead past a layer, on sides where they cross as few others as possible."""
     long = sorted(((first, last) for first, last in arrows() if last > first + 1), key=lambda ends: ends[1] - ends[0])
 
     def crossings(sides: tuple[int, ...]) -> int:
@@ -133,7 +133,7 @@ def lanes() -> list[Lane]:
 
 
 def _cross(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Whether each has an end beside the other."""
+    """Whether two arrows cross: each has an end between those of the other."""
     return all(any(low < end < high for end in ends) for ends, (low, high) in ((one, other), (other, one)))
 
 
@@ -142,7 +142,7 @@ def _cross(one: tuple[int, int], other: tuple[int, int]) -> bool:
 
 @dataclass
 class Drawing:
-    """Shapes and texts of an SVG, in the order in which they are drawn."""
+    """Builder of an SVG: shapes and texts in the order in which they are drawn."""
 
     shapes: list[str] = field(default_factory=list)
 
@@ -177,7 +177,7 @@ class Drawing:
 
 
 def picture() -> str:
-    """The house as SVG: layers from the top, floors in them, arrows to what is imported; beside it a model's way."""
+    """SVG of the layers from the top, floors in them, arrows to the layers imported, and a model's way beside them."""
     drawing, places = Drawing(), list(_places())
     bottom = places[-1][1] + places[-1][2]
     drawing.text(LEFT, TOP - 16, "Who imports from whom", "h", "start")
@@ -192,7 +192,7 @@ def picture() -> str:
 
 
 def _places() -> Iterator[tuple[tuple[float, float], float, float]]:
-    """Of every layer its left and right end, its top and its height."""
+    """Left and right end, top and height of each layer, from the top layer down."""
     y, past = TOP, lanes()
     for depth, layer in enumerate(LAYERS):
         sides = [
@@ -209,7 +209,7 @@ def _lane_at(one: Lane) -> float:
 
 
 def _layer(drawing: Drawing, layer: Layer, sides: tuple[float, float], y: float, height: float, depth: int) -> None:
-    """Its packages beside each other, floors in them with the lowest at the bottom."""
+    """Draw a layer: its packages beside each other, floors in them with the lowest at the bottom."""
     left, right = sides
     between = 18.0
     width = (right - left - between * (len(layer.names) - 1)) / len(layer.names)
@@ -229,14 +229,14 @@ def _layer(drawing: Drawing, layer: Layer, sides: tuple[float, float], y: float,
 
 
 def _said_of(name: str) -> str:
-    """The first line of the text of a module."""
+    """First line of the docstring of a module."""
     if name == "__main__":
         return "python -m torsionnet"
     return (getdoc(import_module(f"torsionnet.{name}")) or "").partition("\n")[0]
 
 
 def _way(drawing: Drawing, bottom: float) -> None:
-    """From a model file at the top to pages at the bottom; a thing has the colour of the layer that it is from."""
+    """Draw the way of a model from its file at the top to pages at the bottom, in the colours of the layers."""
     drawing.text(WAY_LEFT, TOP - 16, "The way of a model", "h", "start")
     step = (bottom - TOP - WAY_BOX) / len(WAY)
     middle = WAY_LEFT + WAY_WIDTH / 2
@@ -264,7 +264,7 @@ def _called(made_by: object) -> str:
 
 
 def _tint(depth: int) -> str:
-    """From blue at the top to sand at the bottom."""
+    """Colour of a layer, from blue at the top to sand at the bottom."""
     share = depth / (len(LAYERS) - 1)
     first, last = (214, 230, 245), (245, 236, 214)
     return "#" + "".join(f"{round(a + share * (b - a)):02x}" for a, b in zip(first, last, strict=True))

@@ -1,4 +1,4 @@
-"""Formulas as MathML, which browsers draw themselves: pages need no script and no network."""
+"""Formulas as MathML, which browsers draw without script and network."""
 
 from html import escape
 
@@ -17,13 +17,13 @@ def visit_displaymath(writer, node):
 
 
 def mathml(latex, display):
-    """The formula, with its source for those who copy it."""
+    """MathML of a formula, with its LaTeX source for copying."""
     text = convert(wrapped(latex).replace("{aligned}", "{align*}"), display=display)
     return text.replace("<math ", f'<math title="{escape(" ".join(latex.split()), quote=True)}" ', 1)
 
 
 def wrapped(latex):
-    """Lines and columns of a displayed formula need their environment."""
+    """LaTeX of a displayed formula in the environment that its lines and columns need."""
     has_lines = (r"\\" in latex or "&" in latex) and r"\begin" not in latex
     return rf"\begin{{aligned}}{latex}\end{{aligned}}" if has_lines else latex
 

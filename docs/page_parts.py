@@ -1,16 +1,16 @@
-"""Markdown that several generated pages are made of."""
+"""Markdown of tables and texts for generated pages."""
 
 from __future__ import annotations
 
 
 def table(headings: list[str], rows: list[list[str]]) -> str:
-    """A Markdown table."""
+    """Markdown of a table."""
     lines = [headings, ["---"] * len(headings), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
 
 
 def prose(text: str) -> str:
-    """Text in which stars are stars."""
+    """Markdown of a text with its stars escaped."""
     return text.replace("*", r"\*")
 
 

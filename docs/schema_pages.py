@@ -36,7 +36,7 @@ PLAIN = {
 
 
 def file_entries_page() -> str:
-    """The entries of the file itself, then those of each section that has entries of fixed names."""
+    """Tables of the entries of a model file, then of each section with fixed names."""
     schema = json_schema()
     tables = [entries_table("The file", schema, schema)]
     for name, definition in schema["$defs"].items():
@@ -46,7 +46,7 @@ def file_entries_page() -> str:
 
 
 def with_entries(definition: dict[str, Any]) -> dict[str, Any]:
-    """The variant that is a mapping."""
+    """Variant of a schema that is a mapping."""
     options = [definition, *definition.get("anyOf", [])]
     return next(option for option in options if "properties" in option)
 
@@ -71,7 +71,7 @@ def target(entry: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def kind_of(entry: dict[str, Any], schema: dict[str, Any]) -> str:
-    """What kind of value an entry takes, in words."""
+    """Words for the kind of value that an entry takes."""
     if "const" in entry:
         return code(entry["const"])
     if "enum" in entry:

@@ -1,4 +1,4 @@
-"""Pictures on the page of sign conventions, drawn with the symbols of the schematic."""
+"""Pictures of the page on sign conventions, drawn with the symbols of the schematic."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RC = {"svg.hashsalt": "torsionnet", "svg.fonttype": "path"}
 
 
 def write_all(folder: Path) -> None:
-    """Every picture as SVG, named after what it shows."""
+    """Write every picture as SVG, named after what it shows."""
     for name, draw in PICTURES.items():
         block = draw()
         x0, x1, y0, y1 = block.extent
@@ -37,7 +37,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def turn(block: Piece, x: float, texts: Texts, look: str, *, y: float = 0.0) -> None:
-    """An arrow around the shaft in the positive sense, with its name above."""
+    """Draw an arrow around the shaft in the positive sense, with its name above."""
     for stroke in outlines.torque_arrow(x):
         fill = look if stroke.fill else ""
         block.strokes.append(Stroke(tuple((u, v + y) for u, v in stroke.points), look, stroke.closed, fill))
@@ -46,26 +46,26 @@ def turn(block: Piece, x: float, texts: Texts, look: str, *, y: float = 0.0) -> 
 
 
 def node(block: Piece, x: float, name: str, *, y: float = 0.0) -> None:
-    """A disc with the name of its node."""
+    """Draw a disc with the name of its node."""
     block.strokes += [stroke.shifted(0, y) for stroke in outlines.disc(x, 24)]
     block.boxes.append((x - 8, x + 8, y - 24, y + 24))
     block.write(x, y + 26, [(name, "node")])
 
 
 def cut(block: Piece, x: float, *, y: float = 0.0) -> None:
-    """Where the shaft is cut in thought."""
+    """Draw the line at which a shaft is imagined to be cut."""
     block.strokes.append(Stroke(((x, y - 26), (x, y + 14)), "housing"))
     block.boxes.append((x - 1, x + 1, y - 26, y + 14))
     block.write(x, y - 27, [("cut", "what")], upward=False)
 
 
 def below(block: Piece, x: float, *lines: str) -> None:
-    """Sentences under everything else."""
+    """Write sentences below a drawing."""
     block.write(x, block.extent[2] - 6, [(line, "value") for line in lines], upward=False)
 
 
 def spin(block: Piece, x: float, y: float, radius: float, start: float, end: float, look: str) -> None:
-    """An arc with an arrow head, seen along the axis; angles in degrees."""
+    """Draw an arc with an arrow head, seen along the axis; angles in degrees."""
     path = arc(x, y, radius, radius, start, end)
     block.strokes.append(Stroke(path, look))
     sign = 1 if end > start else -1
@@ -81,7 +81,7 @@ def spin(block: Piece, x: float, y: float, radius: float, start: float, end: flo
 
 
 def wheel(block: Piece, x: float, y: float, radius: float, name: str, *, inner: bool = False) -> None:
-    """A gear seen along its axis; a ring has its teeth inside."""
+    """Draw a gear seen along its axis; a ring has its teeth inside."""
     teeth = radius - 3 if not inner else radius + 3
     outer, within = ((teeth, "thin", ""), (radius, "part", "")), ((radius, "part", outlines.WHEEL), (teeth, "thin", ""))
     circles = outer if inner else within
@@ -231,7 +231,7 @@ def imposed() -> Piece:
 
 
 def lag() -> Figure:
-    """Input and a later output over time."""
+    """Drawing of an input and a later output over time."""
     figure = Figure(figsize=(4.6, 2.8), layout="constrained", facecolor="white")
     axes = figure.subplots()
     t, phase = np.linspace(0, 2, 400), -60.0

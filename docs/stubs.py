@@ -1,4 +1,4 @@
-"""What type checkers and editors see of the package: names that are imported on demand, signatures of element types.
+"""Stubs for type checkers and editors: names of the package that are imported on demand, and signatures of its entries.
 
 ``python docs/generate.py`` writes the stubs into the package, beside what they describe.
 """
@@ -14,11 +14,11 @@ from pathlib import Path
 from textwrap import fill, indent
 
 import torsionnet as tn
-import torsionnet.core.entries.accepted as accepted
+import torsionnet.core.entries.accepted_types as accepted
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.lazy import TABLES
+from torsionnet.core.lazy_imports import TABLES
 from torsionnet.core.units import expected_unit
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.elements import Element, element_classes
@@ -33,7 +33,7 @@ _ACCEPTED = {*accepted.__annotations__, *(one.__name__ for one in _PROTOCOLS)}
 
 
 def stubs() -> dict[Path, str]:
-    """The text of every stub by its path."""
+    """Texts of all stubs, by path."""
     for name in tn.__all__:
         getattr(tn, name)
     found = {_path(f"{package}.__init__"): package_stub(package) for package in TABLES}
@@ -48,7 +48,7 @@ def _path(module: str) -> Path:
 
 
 def package_stub(package: str) -> str:
-    """The names of a package, each where it comes from."""
+    """Text of the stub of a package: its names, each imported from its module."""
     table = dict(TABLES[package])
     if package == "torsionnet":
         table |= {name: f"{ELEMENT_TYPES}:{name}" for name in element_classes()}
@@ -72,12 +72,12 @@ def _imported(home: str, name: str) -> str:
 
 
 def element_types_stub() -> str:
-    """Every element type with the signature it has when the program runs, and what its entries may be given as."""
+    """Text of the stub of all element types: their signatures, and the types of their entries."""
     return _classes_stub(element_classes())
 
 
 def public_entry_classes() -> dict[str, type[Declared]]:
-    """Classes of entries that packages offer, but for element types, by name."""
+    """Classes of entries that packages offer, apart from element types, by name."""
     offered = {name: getattr(import_module(package), name) for package, table in TABLES.items() for name in table}
     return {
         name: one
@@ -87,7 +87,7 @@ def public_entry_classes() -> dict[str, type[Declared]]:
 
 
 def entry_classes_stub() -> str:
-    """The signatures of other classes with entries that packages offer, such as an acquisition or a distribution."""
+    """Text of the stub of other classes with entries that packages offer, as an acquisition or a distribution."""
     return _classes_stub(public_entry_classes())
 
 
@@ -123,7 +123,7 @@ def _description(cls: type[Declared]) -> str:
     text = (getdoc(cls) or "").partition("\nExamples\n")[0].strip()
     specs = dict(cls.specs())
     entries = "\n".join(
-        fill(f"{name}: {_told(specs[name])}", WIDTH, subsequent_indent="    ")
+        fill(f"{name}: {_accepted_text(specs[name])}", WIDTH, subsequent_indent="    ")
         for name in signature(cls).parameters
         if name in specs
     )
@@ -132,13 +132,13 @@ def _description(cls: type[Declared]) -> str:
     )
 
 
-def _told(spec: Spec) -> str:
+def _accepted_text(spec: Spec) -> str:
     unit = f" [{expected_unit(spec.dimension)}]" if isinstance(spec, QuantityKind) and spec.dimension != "1" else ""
     return f"{spec.description}{unit}"
 
 
 def _signatures(cls: type[Declared]) -> Iterator[str]:
-    """As it is called; and with a catalogue, which may give what else is required, and is None then."""
+    """Text of the signatures of a class, with an overload for a catalogue, which may give required entries."""
     from_row = (
         []
         if not issubclass(cls, Element)
@@ -154,7 +154,7 @@ def _signatures(cls: type[Declared]) -> Iterator[str]:
 
 
 def _signature(cls: type[Declared], from_row: Iterable[str]) -> str:
-    """The constructor, in which a catalogue gives those of ``from_row``, if there are any."""
+    """Text of the constructor of a class, with entries from ``from_row`` optional."""
     specs = dict(cls.specs())
     given = ["self"]
     parameters = list(signature(cls).parameters.values())
@@ -178,6 +178,6 @@ def _lines(lines: Iterable[str]) -> str:
 
 
 def write_stubs() -> None:
-    """All stubs, into the package."""
+    """Write all stubs into the package."""
     for path, text in stubs().items():
         path.write_text(text, encoding="utf-8")

@@ -30,7 +30,7 @@ SECTIONS = {
 
 
 def study_file_page() -> str:
-    """The entries of the file, then those of its sections."""
+    """Tables of the entries of a study file, then of its sections."""
     schema = file_schema(StudyEntries)
     parts = [entries_table("The file", schema, schema)]
     for name, title in SECTIONS.items():
@@ -44,7 +44,7 @@ def study_file_page() -> str:
 
 
 def type_section(kind: str, cls: type[Any], definition: dict[str, Any], schema: dict[str, Any]) -> str:
-    """What a class says of itself, up to its examples, and its entries."""
+    """Text on a class: its docstring up to the examples, and a table of its entries."""
     rest = {key: entry for key, entry in definition["properties"].items() if key != "type"}
     text = (getdoc(cls) or "").partition("\nExamples\n")[0].strip().replace("``", "`")
     return f"### {kind}\n\n{prose(text)}\n\n" + (_table({**definition, "properties": rest}, schema) if rest else "")

@@ -17,7 +17,7 @@ BETWEEN = 60.0
 
 
 def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
-    """One picture of the plainest element and, where it looks different, of one with everything given."""
+    """Write the pictures of an element type: its plainest element, and one with everything given if that differs."""
     whole = Piece()
     drawn: list[tuple[Stroke, ...]] = []
     for element in samples:
@@ -31,7 +31,7 @@ def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
 
 
 def picture(element: Element) -> Piece:
-    """By the kind of its symbol."""
+    """Drawing of an element by the kind of its symbol."""
     if element.glyph == "disc":
         return _disc(element)
     if element.glyph == "clamp":
@@ -60,7 +60,7 @@ def _clamp(element: Element) -> Piece:
 
 
 def _hanging(element: Element) -> Piece:
-    """Below a shaft, with the ground or the mass at its far end."""
+    """Drawing of an element below a shaft, with the ground or the mass at its far end."""
     glyph, end, top = glyphs.inline_glyph(element, {}), spring_chains.far_end(element, {}), -14.0
     block = Piece(glyph.hanging(44, top))
     block.line((0, 0), (88, 0))
@@ -74,7 +74,7 @@ def _hanging(element: Element) -> Piece:
 
 
 def _inline(element: Element) -> Piece:
-    """Between two ends."""
+    """Drawing of an element between two ends."""
     glyph = glyphs.inline_glyph(element, {})
     block = Piece(glyph.along(44, 0))
     block.boxes.append((44, 44 + glyph.length, -glyph.half_width, glyph.half_width))
@@ -86,7 +86,7 @@ def _inline(element: Element) -> Piece:
 
 
 def _gear(element: Element) -> Piece:
-    """Two wheels; a moving housing is a dashed frame."""
+    """Drawing of two gear wheels, with a moving housing as a dashed frame."""
     block, distance = Piece(), 70.0
     block.line((0, 0), (70, 0))
     block.line((70, -distance), (150, -distance))
@@ -99,7 +99,7 @@ def _gear(element: Element) -> Piece:
 
 
 def _box(element: Element) -> Piece:
-    """Three ports at the edges of a box; any others beside the third."""
+    """Drawing of a box with three ports at its edges, and further ports beside the third."""
     block, half = Piece(), 35.0
     block.line((-110, 0), (-60, 0))
     block.line((60, 0), (110, 0))

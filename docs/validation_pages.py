@@ -18,7 +18,7 @@ TESTS = DOCS.parent / "tests"
 
 
 def paper_page() -> str:
-    """The rigs of the source paper: the model against what its test shows."""
+    """Table of the rigs of the source paper: the model against the results of its test."""
     from torsionnet.demo import rigs as demo
 
     rigs = demo.rigs()
@@ -88,7 +88,7 @@ PER_HZ = {
 
 
 def cases_page() -> str:
-    """Every published number, and every case with only a reference computed to 40 digits."""
+    """Tables of the published numbers, and of the cases with a reference computed to 40 digits."""
     if str(TESTS) not in sys.path:
         sys.path.insert(0, str(TESTS))
     from validation.build import build, case_names, read_case
@@ -117,7 +117,7 @@ def cases_page() -> str:
 
 
 def source_of(case: dict[str, Any]) -> str:
-    """Where the numbers come from, without notes on how the file was found."""
+    """Source of the numbers of a case, without notes on how its file was found."""
     return re.sub(r"; the two-node value.*", "", case["source"])
 
 
@@ -161,7 +161,7 @@ def computed_row(name: str, case: dict[str, Any], modes: tn.Modes) -> list[str]:
 
 
 def bench_numbers_page() -> str:
-    """Estimates from the virtual bench against the model, with a fine and with the paper's encoder."""
+    """Table of estimates from the virtual bench against the model, with a fine and with the paper's encoder."""
     cases = [("DMF", tn.load_bench("dmf_bench"))]
     cases += [(f"AMT {gear}", tn.load_bench("amt_bench").configured(gear)) for gear in ("II", "III", "IV", "V")]
     fine = table(

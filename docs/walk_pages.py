@@ -1,4 +1,4 @@
-"""Which functions a value passes on its way through the package, as tables made by following it."""
+"""Tables of the functions that a value passes on its way through the package, made by tracing it."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ ROOT = Path(__file__).parents[1]
 
 
 def walks_page() -> str:
-    """A table for each walk, folded."""
+    """Text with a folded table for each traced value."""
     return "\n".join(
         f":::{{dropdown}} {of[0].upper()}{of[1:]}: {len(met)} functions in {len({file for file, _ in met})} files\n"
         + table(["file", "function", "what it is"], [_row(file, name) for file, name in met])
         + ":::\n"
-        for of, met in followed()
+        for of, met in traced_values()
     )
 
 
 @cache
-def followed() -> list[tuple[str, list[tuple[str, str]]]]:
-    """What is followed, and file and name of every function on its way; by a Python that remembers nothing yet."""
+def traced_values() -> list[tuple[str, list[tuple[str, str]]]]:
+    """Description of a traced value, and file and name of every function on its way, from a fresh Python process."""
     paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
     command = [sys.executable, "-m", "structure.hops", "--json"]
     done = subprocess.run(command, check=True, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": paths})
@@ -44,7 +44,7 @@ def _row(file: str, name: str) -> list[str]:
 
 
 def _said_of(file: str, name: str) -> str:
-    """The first line of its text, where it has one of its own."""
+    """First line of the docstring of a function; empty if it has none."""
     if "<locals>" in name or name.endswith("__"):
         return ""
     module = import_module("torsionnet" + file.removesuffix(".py").replace("/", "."))

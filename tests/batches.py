@@ -20,7 +20,7 @@ def require_like_single_models(batch, rel=1e-14):
             counts["impossible"] += 1
             continue
         assert not batch.impossible[index], f"{_values(batch, index)} is possible"
-        if batch.apart[index]:
+        if batch.separate[index]:
             counts["apart"] += 1
             continue
         counts["together"] += 1

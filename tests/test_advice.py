@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsionnet.response import Channel, Conventions, FrequencyResponse
-from torsionnet.signals.advice import half_power_bandwidth, peaks, remarks
+from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, significant_peaks
 from torsionnet.signals.agreement import agreement
 
 F = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
@@ -99,14 +99,14 @@ class TestPeaks:
     )
     def test_stand_out_and_are_not_too_low(self, heights, expected):
         f, values = towers(heights)
-        assert [f[place] for place in peaks(values)] == expected
+        assert [f[place] for place in significant_peaks(values)] == expected
 
     def test_zeros_and_missing_values_are_no_peaks(self):
         f, values = towers([1.0, 1.0])
         values[f == 0] = 0
         values[f == 15] = np.nan
-        assert [f[place] for place in peaks(values)] == [10, 20]
-        assert peaks(np.zeros(0)) == []
+        assert [f[place] for place in significant_peaks(values)] == [10, 20]
+        assert significant_peaks(np.zeros(0)) == []
 
     def test_width_of_a_triangle(self):
         """It has fallen by 3 dB at a share of 0.293 of its half width."""
@@ -127,7 +127,7 @@ class TestRemarks:
         shaped = (
             None if coherence is None else np.interp(f, 10 * np.arange(1, len(coherence) + 1), coherence)[:, None, None]
         )
-        return remarks(response(values, f=f, coherence=shaped, **more), bins)
+        return peak_warnings(response(values, f=f, coherence=shaped, **more), bins)
 
     def test_narrow(self):
         (said,) = self.said([1.0, 2.0], 0.4)
@@ -154,7 +154,7 @@ class TestRemarks:
         """A peak between 0 and 1 Hz counts."""
         f = np.arange(0, 3, 0.1)
         values = np.maximum(0.1, 1 - abs(f - 0.5) / 0.4)
-        (said,) = remarks(response(values, f=f, usable_up_to=2.0), 0.4)
+        (said,) = peak_warnings(response(values, f=f, usable_up_to=2.0), 0.4)
         assert "at 0.5 Hz" in said
 
     def test_doubtful(self):
@@ -170,5 +170,5 @@ class TestRemarks:
         f, values = towers([1.0])
         both = np.stack([values, np.full(len(f), 0.1)], axis=1)[:, :, None] * np.ones((1, 1, 2))
         channels = (Channel("a", "rad"), Channel("b", "rad")), (Channel("T", "N*m"), Channel("U", "N*m"))
-        said = remarks(FrequencyResponse(f, both.astype(complex), *channels), 0.4)
+        said = peak_warnings(FrequencyResponse(f, both.astype(complex), *channels), 0.4)
         assert [text.split()[1] for text in said] == ["a/T", "a/U"]

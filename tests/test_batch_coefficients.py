@@ -138,25 +138,25 @@ class TestOneByOne:
 
     def test_digits_lost_in_a_difference(self):
         batch = batch_of(chain(), {"J_1": [0.2, 0.3], "J_m": [0.05, 0.2999999999]})
-        assert batch.apart.tolist() == [False, True]
+        assert batch.separate.tolist() == [False, True]
         assert batch.model(1).assembly.system.inertia[1] == 1e-10
 
     def test_exactly_nothing_left_of_decimals(self):
         model = chain(J_m="J_a + J_b", J_a=0.1, J_b=0.02)
         batch = batch_of(model, {"J_1": [0.2, 0.3], "J_a": [0.1, 0.1], "J_b": [0.1, 0.2]})
-        assert batch.apart.tolist() == [True, True]
+        assert batch.separate.tolist() == [True, True]
         assert len(batch.model(1).assembly.laws) == len(chain().assembly.laws) - 1
 
     def test_laws_that_vanish(self):
         batch = batch_of(chain(), {"k": [900.0, 0.0, 800.0], "c": [2.0, 1.0, 0.0]})
-        assert batch.apart.tolist() == [False, True, True]
+        assert batch.separate.tolist() == [False, True, True]
         assert not batch.impossible.any()
-        assert batch.together.tolist() == [0]
+        assert batch.stacked.tolist() == [0]
 
     def test_damping_beside_a_stiffness_may_vanish(self):
         model = chain(c_1=2)
         model = tn.Drivetrain("c", [*model.elements.values()][:4], parameters=model.parameter_definitions)
-        assert batch_of(model, {"c": [0.0, 2.0]}).together.tolist() == [0, 1]
+        assert batch_of(model, {"c": [0.0, 2.0]}).stacked.tolist() == [0, 1]
 
 
 class TestPlans:
@@ -229,7 +229,7 @@ def test_no_model_is_made_for_a_variant(monkeypatch):
     rng = np.random.default_rng(1)
     batch = plan.batch({name: rig.parameters[name] * rng.normal(1, 0.1, 1000) for name in plan.names})
     assert len(made) == 1
-    assert len(batch.together) == 1000
+    assert len(batch.stacked) == 1000
 
 
 def test_part_and_whole():

@@ -14,7 +14,7 @@ from torsionnet.solve.batch import batched_responses as module
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
 from torsionnet.solve.dynamic_stiffness import quotient
-from torsionnet.solve.dynamic_stiffness.transfer_request import remembered, usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request, usable_channels
 
 F = np.array([0.31, 2.2, 17.0, 91.0])
 methods = pytest.mark.parametrize("method", ["graph", "compiled"])
@@ -35,7 +35,7 @@ def one_by_one(batch, output, input, f, excitation=None, method="auto"):
 
 
 def together(batch, output, input, f, excitation=None, method="auto"):
-    request = remembered(batch.drivetrain, output, input, excitation)
+    request = cached_request(batch.drivetrain, output, input, excitation)
     return batched_responses(batch, request, f, method).values
 
 
@@ -44,10 +44,10 @@ def together(batch, output, input, f, excitation=None, method="auto"):
 @pytest.mark.parametrize("name", library_cases())
 def test_library_models(name, method):
     rig, rng = tn.load(name), np.random.default_rng(3)
-    inputs, outputs = usable(rig)
+    inputs, outputs = usable_channels(rig)
     planned = [one for one in rig.parameters if batch_plan(rig, [one]) is not None]
     batch = batch_of(rig, {one: rig.parameters[one] * rng.uniform(0.9, 1.1, 5) for one in planned})
-    assert len(batch.together) >= 3
+    assert len(batch.stacked) >= 3
     outputs = [*outputs[:4], rig.nodes[-1]]
     found = together(batch, outputs, inputs[:1], F, method=method)
     expected = one_by_one(batch, outputs, inputs[:1], F)
@@ -78,7 +78,7 @@ def test_special_variants(method):
         "c_O": [0.0, 1.0, 1.0, 170.0, 2.0],
     }
     batch = batch_of(rig, values)
-    assert batch.apart.tolist() == [True, True, False, False, False]
+    assert batch.separate.tolist() == [True, True, False, False, False]
     assert batch.impossible.tolist() == [False, False, True, False, True]
     f = np.array([0.0, *F])
     found = together(batch, ["theta_1", "T_T"], "T_M", f, method=method)
@@ -101,7 +101,7 @@ def test_stiffness_over_frequency_and_actions(kind, method):
     parts += [tn.Inertia("j_x", node="x", inertia="J"), tn.Spring("s_x", nodes=("x", "a"), stiffness="k", damping=2)]
     rig = tn.Drivetrain("c", [*parts, element], parameters=parameters, inputs={"T": {"torque": "x"}})
     batch = batch_of(rig, {"J": [0.5, 0.7, 1.0], "k": [50.0, 70.0, 80.0], "eta": [0.1, 0.2, 0.3]})
-    assert len(batch.together) == 3
+    assert len(batch.stacked) == 3
     found = together(batch, ["a", "torque(e)"], "T", F, method=method)
     assert found == pytest.approx(one_by_one(batch, ["a", "torque(e)"], "T", F, method="dense"), rel=1e-9)
 
@@ -209,7 +209,7 @@ def test_a_variant_that_cannot_be_asked(method):
         sensors={"turned": {"angle": "b"}},
     )
     batch, said = batch_of(rig, {"k": [800.0, 0.0, 900.0]}), []
-    request = remembered(rig, "a", "turned", None)
+    request = cached_request(rig, "a", "turned", None)
     found = batched_responses(batch, request, F, method, said.append)
     assert [str(one) for one in said] == [
         "turned stays zero under a torque on a at every frequency; it cannot be a measured input"
@@ -237,10 +237,10 @@ def test_variants_of_a_call_make_no_models(monkeypatch, changes):
 
 def test_compiled_and_numpy_doubt_the_same_points():
     rig = tn.load("dmf_rig")
-    request = remembered(rig, "theta_1", "T_T", None)
+    request = cached_request(rig, "theta_1", "T_T", None)
     batch = batch_of(rig, {"k_2": np.linspace(300, 600, 5), "c_2": np.zeros(5)})
     kappa = batch.law_stiffness(2 * np.pi * np.linspace(0.01, 40, 3000))
     compiled, numpy = (quotient.transfer_functions(request, kappa, method) for method in ("compiled", "graph"))
     np.testing.assert_allclose(compiled.values, numpy.values, rtol=1e-10)
     np.testing.assert_allclose(compiled.conditioning, numpy.conditioning, rtol=1e-10)
-    assert np.array_equal(compiled.doubtful, numpy.doubtful)
+    assert np.array_equal(compiled.uncertain, numpy.uncertain)

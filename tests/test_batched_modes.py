@@ -76,7 +76,7 @@ def test_library_models_as_each_variant_by_itself(name):
         found = batched_modes(batch)
         assert_all_as_single(batch, found)
         assert (
-            found.doubtful.all() if name == "planetary_set" else not found.doubtful.all()
+            found.uncertain.all() if name == "planetary_set" else not found.uncertain.all()
         )  # its planets' modes are equal
 
 
@@ -113,7 +113,7 @@ def test_overdamped_and_driven_vibrations_by_their_closed_form():
         assert own == pytest.approx(known, rel=1e-12)
     assert np.isnan(found.eigenvalues[0, 1])
     assert found.undamped_natural_frequencies * 2 * np.pi == pytest.approx(np.full((7, 1), 20.0), rel=1e-14)
-    assert not found.doubtful.any()
+    assert not found.uncertain.any()
 
 
 def test_hysteretic_springs_by_their_closed_form():
@@ -131,7 +131,7 @@ def test_hysteretic_springs_by_their_closed_form():
     source = np.random.default_rng(4)
     values = {name: value * np.exp(0.4 * source.standard_normal(20)) for name, value in model.parameters.items()}
     found = batched_modes(batch_plan(model, list(values)).batch(values))
-    assert not found.doubtful.any()
+    assert not found.uncertain.any()
     for place in range(20):
         k = values["k"][place] * (1 + 1j * values["eta"][place])
         squares = np.linalg.eigvals(np.diag([1 / values["J"][place], 0.5]) @ np.array([[1e3 + k, -k], [-k, k]]))
@@ -179,7 +179,7 @@ def test_stiff_chains_are_doubtful_and_right(grounded):
     values = {name: value * np.exp(0.3 * source.standard_normal(3)) for name, value in model.parameters.items()}
     batch = batch_plan(model, list(values)).batch(values)
     found = batched_modes(batch)
-    assert found.doubtful.all()
+    assert found.uncertain.all()
     for place in range(3):
         known = np.abs(exact_poles(batch, place)) / (2 * np.pi)
         own = found.natural_frequencies[place]
@@ -202,7 +202,7 @@ def test_what_is_not_doubtful_is_right_whatever_the_numbers(seed):
         own = found.eigenvalues[place][~np.isnan(found.eigenvalues[place])]
         assert len(own) == len(known)
         apart = np.abs(own - known[np.argmin(np.abs(own[:, None] - known), axis=1)]) / np.abs(own)
-        assert apart.max() < 1e-9, found.doubtful[place]
+        assert apart.max() < 1e-9, found.uncertain[place]
 
 
 def test_massless_nodes_by_their_closed_form():
@@ -218,7 +218,7 @@ def test_massless_nodes_by_their_closed_form():
     )
     k, c = (grid.ravel() for grid in np.meshgrid(np.geomspace(1e2, 1e9, 8), np.geomspace(1e-2, 1e6, 9)))
     found = batched_modes(batch_plan(model, ["k", "c"]).batch({"k": k, "c": c}))
-    assert 0 < found.doubtful.sum() < len(k)
+    assert 0 < found.uncertain.sum() < len(k)
     for place in range(len(k)):
         with mpmath.workdps(50):
             quadratic = [mpmath.mpf(1000) * c[place], mpmath.mpf(1000) * k[place], mpmath.mpf(k[place]) * c[place]]
@@ -242,7 +242,7 @@ def test_equal_branches_have_the_shapes_that_single_models_choose():
     model = star(3)
     batch = batch_plan(model, ["k", "c"]).batch({"k": np.array([80.0, 100.0]), "c": np.array([0.0, 0.3])})
     found = batched_modes(batch)
-    assert found.doubtful.all()
+    assert found.uncertain.all()
     assert_all_as_single(batch, found)
     branch = np.sort(np.roots([0.1, 0.3, 100.0]).imag)[-1]
     assert np.sort(np.abs(found.eigenvalues[1].imag - branch))[:2] == pytest.approx([0, 0], abs=1e-9)
@@ -282,7 +282,7 @@ def test_bits_do_not_depend_on_the_neighbours(block):
     plan, values = block()
     whole = batched_modes(plan.batch(values))
     assert np.any(np.isnan(whole.eigenvalues))
-    assert 0 < whole.doubtful.sum() < 10
+    assert 0 < whole.uncertain.sum() < 10
     for size in (1, 2, 3, 7, 31):
         for start in range(0, 60, size):
             some = slice(start, start + size)
@@ -293,7 +293,7 @@ def test_bits_do_not_depend_on_the_neighbours(block):
             assert part.shapes.tobytes() == whole.shapes[some][:, :, :width].tobytes()
             rates = whole.undamped_natural_frequencies[some, : part.undamped_natural_frequencies.shape[1]]
             assert part.undamped_natural_frequencies.tobytes() == rates.tobytes()
-            assert (part.doubtful == whole.doubtful[some]).all()
+            assert (part.uncertain == whole.uncertain[some]).all()
 
 
 def test_impossible_variants_have_no_modes_and_others_keep_theirs():
@@ -311,7 +311,7 @@ def test_variants_with_other_rows_are_solved_one_by_one():
     model = tn.load("amt_rig")
     values = {"tau": np.array([3.0, 5.0]), "c_O": np.array([100.0, 200.0])}
     found = single_modes(model, values)
-    assert found.doubtful.all()
+    assert found.uncertain.all()
     for place in range(2):
         one = model.configured(**{name: column[place] for name, column in values.items()})
         assert_as_single(found, place, natural_modes(one)[0])
@@ -342,7 +342,7 @@ def test_a_matrix_that_lapack_gives_up_on_costs_the_others_nothing(monkeypatch):
 
     monkeypatch.setattr(np.linalg, "eig", failing)
     after = batched_modes(batch)
-    changed = before.doubtful != after.doubtful
+    changed = before.uncertain != after.uncertain
     assert changed.sum() == 1
     assert after.eigenvalues[~changed].tobytes() == before.eigenvalues[~changed].tobytes()
     assert after.eigenvalues[changed] == pytest.approx(before.eigenvalues[changed], rel=1e-9, nan_ok=True)

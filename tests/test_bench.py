@@ -319,7 +319,7 @@ def test_a_bench_in_a_model_file_comes_back(tmp_path):
 @pytest.mark.parametrize("name", list(library_benches()))
 def test_benches_of_the_library_fit_the_schema_and_run(name):
     jsonschema = pytest.importorskip("jsonschema")
-    from torsionnet.model.files.located import compose
+    from torsionnet.model.files.located_yaml import compose
 
     text = library_benches()[name].read_text(encoding="utf-8")
     assert text.splitlines()[0] == "# yaml-language-server: $schema=../torsionnet.schema.json"
@@ -336,7 +336,7 @@ def as_json(data):
 
 def test_the_bench_of_a_file_fits_the_schema():
     jsonschema = pytest.importorskip("jsonschema")
-    from torsionnet.model.files.located import compose
+    from torsionnet.model.files.located_yaml import compose
 
     schema = jsonschema.Draft202012Validator(json_schema())
     schema.validate(as_json(compose(BENCH, "x").data))

@@ -12,7 +12,7 @@ from models import EVERY_ELEMENT
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.loading import load, loads
 from torsionnet.model.files import read_file
-from torsionnet.model.files.located import PythonParser, compose
+from torsionnet.model.files.located_yaml import PythonParser, compose
 from torsionnet.model.files.reader import read_text
 
 KINDS = ", ".join(sorted(EVERY_ELEMENT))

@@ -5,7 +5,7 @@ import pytest
 from models import geared_line
 
 import torsionnet as tn
-from torsionnet.solve.dynamic_stiffness.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.solve.modes.bordered_poles import measured_poles
 
 
@@ -47,7 +47,7 @@ def test_downstream_of_the_cut_it_turns_round_with_the_excitation():
 
 def test_the_general_way_agrees_with_the_cut():
     rig = geared_line()
-    general, _ = measured_poles(rig, ask(rig, "angle", "T", None))
+    general, _ = measured_poles(rig, resolve_request(rig, "angle", "T", None))
     np.testing.assert_allclose(general.eigenvalues, rig.modes(measured_input="T").eigenvalues, rtol=1e-8)
 
 

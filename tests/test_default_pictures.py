@@ -11,7 +11,7 @@ from torsionnet.cli.commands.estimate import peak_table
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.signals import Recording, Signal, spectrogram
-from torsionnet.signals.advice import remarks
+from torsionnet.signals.advice import peak_warnings
 from torsionnet.solve.responses.peaks import _standing_out
 
 RATE = 4000.0
@@ -112,7 +112,7 @@ def test_peaks_of_noise_are_no_peaks():
     noisy = replace(seen, values=np.where(seen.frequencies[:, None, None] > 60, 1e6 * seen.values, seen.values))
     rows = peak_table(noisy, tn.Conventions()).rows
     assert [(row[2], round(row[3])) for row in rows] == [("first line", 0), ("peak 1", 8)]
-    assert remarks(noisy, 0.5) == remarks(noisy.between(0, 60), 0.5)
+    assert peak_warnings(noisy, 0.5) == peak_warnings(noisy.between(0, 60), 0.5)
 
 
 @pytest.mark.parametrize("decibels", [False, True])

@@ -21,7 +21,7 @@ from torsionnet.signals import (
 from torsionnet.signals.repeated_blocks import repeated_blocks
 from torsionnet.signals.resolution import step_of
 from torsionnet.signals.spikes import spikes
-from torsionnet.signals.standstill import frozen
+from torsionnet.signals.standstill import frozen_stretches
 
 RATE = 1000.0
 TIME = np.arange(20_000) / RATE
@@ -79,7 +79,7 @@ class TestFrozen:
         for begin in range(2000, 18_000, 1777):
             values = torque()
             values[begin : begin + 200] = values[begin]
-            assert frozen(values, RATE) == [(begin, begin + 199)]
+            assert frozen_stretches(values, RATE) == [(begin, begin + 199)]
         (text,) = messages(values)
         assert text.startswith("stands still where it moves before and after: from 17.993 to 18.192 s; samples may")
         assert text.endswith("have been lost: cut it out, or record again")
@@ -89,18 +89,18 @@ class TestFrozen:
         count = int(0.15 * rate)
         values = np.random.default_rng(1).normal(size=2000)
         values[700 : 700 + count] = values[700]
-        assert frozen(values, rate) == [(700, 699 + count)]
+        assert frozen_stretches(values, rate) == [(700, 699 + count)]
 
     def test_one_soon_after_the_other(self):
         values = torque()
         values[3000:3150], values[3155:3305] = values[3000], values[3155]
-        assert frozen(values, RATE) == [(3000, 3149), (3155, 3304)]
+        assert frozen_stretches(values, RATE) == [(3000, 3149), (3155, 3304)]
 
     @pytest.mark.parametrize("lines", [500, 5000])
     def test_of_a_fast_encoder(self, lines):
         values = angle(lines)
         values[8000:8200] = values[8000]
-        (found,) = frozen(values, RATE, 2 * np.pi / lines)
+        (found,) = frozen_stretches(values, RATE, 2 * np.pi / lines)
         assert abs(found[0] - 8000) < 5
         assert found[1] == 8199
         assert any("stands still" in text for text in messages(values, "angle"))
@@ -108,7 +108,7 @@ class TestFrozen:
     def test_of_a_smooth_signal_by_its_jump(self):
         values = 20 * np.sin(2 * np.pi * 3 * TIME)
         values[5000:5200] = values[5000]
-        assert frozen(values, RATE) == [(5000, 5199)]
+        assert frozen_stretches(values, RATE) == [(5000, 5199)]
 
     @pytest.mark.parametrize(
         "values",
@@ -123,7 +123,7 @@ class TestFrozen:
         ],
     )
     def test_not_what_rests_or_is_slow(self, values):
-        assert frozen(values, RATE, 1.0 if np.all(values == np.rint(values)) else 0.0) == []
+        assert frozen_stretches(values, RATE, 1.0 if np.all(values == np.rint(values)) else 0.0) == []
 
 
 def quantised(values, step=0.05):

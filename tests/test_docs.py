@@ -17,10 +17,10 @@ from structure.floors import LAYERS
 import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.core.damping import MEASURES
-from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.units import _BASE
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.study.answers.answer import ANSWERS
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.space.variations.variation import VARIATIONS
@@ -203,7 +203,9 @@ def test_walks_are_told_in_the_order_in_which_they_go(begins):
     page = (DOCS / "architecture.md").read_text(encoding="utf-8")
     paragraph = page.partition(f"**{begins}**")[2].partition("\n\n")[0]
     told = [name for name in re.findall(r"(?<!})`([\w.]+)`", paragraph) if name != "Number"]
-    (met,) = [names for of, names in importlib.import_module("walk_pages").followed() if of.startswith(begins.lower())]
+    (met,) = [
+        names for of, names in importlib.import_module("walk_pages").traced_values() if of.startswith(begins.lower())
+    ]
     met = iter(name for _, name in met)
     assert [name for name in told if not any(one == name or one.endswith(f".{name}") for one in met)] == []
     assert len(told) > 5
@@ -347,7 +349,7 @@ def test_broken_links_are_found(tmp_path):
         '<a id="top" href="sub/b.html#here">b</a><a href="#top">t</a><img src="https://x/y.png">'
     )
     (tmp_path / "sub" / "b.html").write_text('<p id="there"></p><a href="../c.html">c</a><a href="https://x">x</a>')
-    assert list(links["broken"](tmp_path)) == [
+    assert list(links["broken_links"](tmp_path)) == [
         "a.html: sub/b.html#here names a place that is not there",
         "a.html: https://x/y.png is loaded from elsewhere",
         "sub/b.html: there is no ../c.html",

@@ -24,7 +24,7 @@ from torsionnet.report.writers.latex_text import escaped as latex_escaped
 
 HOSTILE = '<b>A & "B"</b> $x_1$ 100% #~^\\{} <script>alert(1)</script> 中 Ω `c` *d* | é'
 DATE = "2025-03-31"
-CHROMIUM = next((found for name in browser.COMMANDS if (found := shutil.which(name))), None)
+CHROMIUM = next((found for name in browser.BROWSER_COMMANDS if (found := shutil.which(name))), None)
 needs_browser = pytest.mark.skipif(
     CHROMIUM is None, reason="no Chromium, Chrome or Edge on the path to open pages with"
 )
@@ -195,7 +195,7 @@ class TestInBrowser:
 
     def test_pdf(self, tmp_path, monkeypatch):
         """The browser's own date is taken out; how it numbers its tags is its own affair."""
-        monkeypatch.setenv(browser.VARIABLE, CHROMIUM)
+        monkeypatch.setenv(browser.BROWSER_ENV, CHROMIUM)
         path = tmp_path / "a.pdf"
         assert tn.write_report("dmf_rig", path, sections=["summary", "modes"], date=DATE) == (path,)
         data = path.read_bytes()
@@ -207,7 +207,7 @@ class TestInBrowser:
 
 class TestPdf:
     def test_no_browser(self, monkeypatch, tmp_path):
-        monkeypatch.delenv(browser.VARIABLE, raising=False)
+        monkeypatch.delenv(browser.BROWSER_ENV, raising=False)
         monkeypatch.setattr(browser.shutil, "which", lambda _: None)
         with pytest.raises(tn.MissingExtraError, match=r"-o report\.html") as caught:
             tn.write_report("dmf_rig", tmp_path / "r.pdf", sections=["validity"])
@@ -215,18 +215,18 @@ class TestPdf:
         assert list(tmp_path.iterdir()) == []
 
     def test_wrong_variable(self, monkeypatch):
-        monkeypatch.setenv(browser.VARIABLE, "/no/such/program")
+        monkeypatch.setenv(browser.BROWSER_ENV, "/no/such/program")
         with pytest.raises(tn.MissingExtraError, match="/no/such/program"):
             browser.find_browser()
 
     def test_usual_places_on_windows(self, monkeypatch):
-        monkeypatch.delenv(browser.VARIABLE, raising=False)
+        monkeypatch.delenv(browser.BROWSER_ENV, raising=False)
         monkeypatch.setenv("PROGRAMFILES", "C:/Program Files")
         monkeypatch.setattr(browser.shutil, "which", lambda name: name if "msedge.exe" in name else None)
         assert "Edge" in browser.find_browser()
 
     def test_a_browser_that_fails(self, monkeypatch, tmp_path):
-        monkeypatch.setenv(browser.VARIABLE, shutil.which("false") or "false")
+        monkeypatch.setenv(browser.BROWSER_ENV, shutil.which("false") or "false")
         with pytest.raises(tn.SolveError, match="did not print"):
             pdf.write(make_report("dmf_rig", sections=["validity"], date=None), tmp_path / "r.pdf")
 

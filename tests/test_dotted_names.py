@@ -15,8 +15,8 @@ from torsionnet.model.defining import flatten_definition
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, flat_text
+from torsionnet.model.parts.part_insertion import part_of
 from torsionnet.model.parts.use import Use
-from torsionnet.model.parts.using import part_of
 
 
 def in_a_part(definition):

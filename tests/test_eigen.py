@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.modes import ehrlich_aberth
 from torsionnet.solve.modes import spectrum as spectrum_module
 from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
@@ -126,7 +126,7 @@ def inclusion(s, modes):
     coefficients, zeros = exact_polynomial(s)
     rigid = rigid_count(modes)
     assert rigid == s.n_coordinates - np.linalg.matrix_rank(s.rows[s.stiffness > 0])
-    assert zeros == rigid + unresisted(s, (s.stiffness > 0) | (s.damping > 0)).dimension
+    assert zeros == rigid + unresisted_motions(s, (s.stiffness > 0) | (s.damping > 0)).dimension
     values = modes.eigenvalues[rigid:]
     every = np.concatenate([values, values[values.imag > 0].conj()])
     assert len(every) == len(coefficients) - 1

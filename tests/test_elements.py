@@ -9,7 +9,7 @@ import pytest
 from models import EVERY_ELEMENT, SHEET
 
 import torsionnet as tn
-from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import spec_of
 from torsionnet.model.element_base.nodes import NodeName, NodePair

@@ -9,9 +9,9 @@ from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.excitations.engine_phases import conditions_running_alone
-from torsionnet.response.engine_angles import settled
+from torsionnet.response.engine_angles import at_worst_angles
 from torsionnet.response.frequency_response import Channel
-from torsionnet.response.least_angle import at_least
+from torsionnet.response.least_angle import at_least_range_angles
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 
@@ -197,7 +197,7 @@ class TestClosedForms:
     def test_two_equal_engines_add_up_at_0_and_cancel_half_a_period_later(self, order):
         case = self.one_order(order, [7.0, 7.0])
         assert case.half_range.item() == pytest.approx(14.0, rel=1e-6)
-        worst, least = settled(case.values, case.lines), at_least(case)
+        worst, least = at_worst_angles(case.values, case.lines), at_least_range_angles(case)
         assert worst.angles[0].degrees.item() == pytest.approx(0.0, abs=1e-3)
         assert least.angles[0].degrees.item() == pytest.approx(180 / order, abs=0.05)
         assert abs(least.values.sum()) < 0.01
@@ -206,7 +206,7 @@ class TestClosedForms:
         """Whatever their phases; and with two smaller ones against the third what is left of it."""
         case = self.one_order(2.0, [5.0, 3.0j, -1.0])
         assert case.half_range.item() == pytest.approx(9.0, rel=1e-6)
-        assert abs(at_least(case).values.sum()) == pytest.approx(1.0, rel=1e-2)
+        assert abs(at_least_range_angles(case).values.sum()) == pytest.approx(1.0, rel=1e-2)
 
 
 @pytest.mark.parametrize("engines", [2, 3])
@@ -219,7 +219,7 @@ def test_no_angle_makes_more_of_many_orders(engines):
         lines.append(OrderLine("screw", 4.0, Fraction(1, 3)))
     values = draw.normal(size=(1, len(lines), 2)) + 1j * draw.normal(size=(1, len(lines), 2))
     case = OrderResponse(np.array([50.0]), "a", tuple(lines), values, (Channel("x", "rad"), Channel("y", "rad")))
-    least = at_least(case)
+    least = at_least_range_angles(case)
     smallest = OrderResponse(case.speeds, "a", least.lines, least.values, case.outputs).half_range[0]
     angles = draw.uniform(0, 4 * np.pi, (800, engines - 1))
     rates = np.array([[line.order * (line.excitation == name) for line in lines] for name in names[1:]])

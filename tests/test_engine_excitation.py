@@ -20,7 +20,7 @@ from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import inertia_harmonics
-from torsionnet.model.files.changing import ValuePlace, changed_text
+from torsionnet.model.files.value_editing import ValuePlace, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.solve.running import worst_combination

@@ -12,7 +12,7 @@ from test_equal_cases import PLANT
 import torsionnet as tn
 from torsionnet.report.document_tree import Listing
 from torsionnet.report.report import make_report
-from torsionnet.response.equal_remarks import concerned, gathered
+from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
 from torsionnet.solve.running.limit_check import MISFIRING
 
 CONDITIONS = [
@@ -93,7 +93,7 @@ class TestLimits:
 def test_every_remark_is_told_of_all_that_it_was_said_of_and_of_no_other():
     rng = np.random.default_rng(1)
     said = [("abc"[i], CONDITIONS[j], "xy"[k]) for i, j, k in rng.integers((3, 6, 2), size=(40, 3))]
-    found = [(about, name, text) for abouts, names, text in gathered(said) for about in abouts for name in names]
+    found = [(about, name, text) for abouts, names, text in grouped_remarks(said) for about in abouts for name in names]
     assert len(found) == len(set(found))
     assert set(found) == set(said)
 
@@ -103,7 +103,7 @@ def test_names_in_words_mean_the_same_configurations():
     choices = {name: dict(part.split("=") for part in name.split(",")) for name in CONDITIONS}
     for chosen in range(1, 63):
         names = {name for place, name in enumerate(CONDITIONS) if chosen >> place & 1}
-        words = concerned(sorted(names), CONDITIONS)
+        words = configurations_in_words(sorted(names), CONDITIONS)
         meant = set()
         for group in words.removeprefix("all but ").split(", "):
             held = {axis: kept.split(" or ") for axis, kept in (part.split("=") for part in group.split(","))}

@@ -11,12 +11,12 @@ from scipy import signal
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.recording import Recording, Signal
-from torsionnet.signals.advice import half_power_bandwidth, peaks, remarks, resolution_limit
+from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, resolution_limit, significant_peaks
 from torsionnet.signals.comparison import difference, frac
 from torsionnet.signals.estimators import estimate, multiple_coherence
-from torsionnet.signals.record_blocks import in_order
-from torsionnet.signals.single_tests import Step, full_record, stepped_sine
+from torsionnet.signals.record_blocks import blocks_in_order
 from torsionnet.signals.spectra import cross_spectra
+from torsionnet.signals.unaveraged_estimates import Step, full_record, stepped_sine
 from torsionnet.signals.uncertainty import random_error, random_errors
 from torsionnet.signals.welch import PAPER, Welch, effective_averages
 
@@ -324,8 +324,8 @@ class TestBlocks:
 
     def test_which_blocks_follow_on_each_other(self):
         whole = recorded(T=white(100))
-        assert [follows for _, follows in in_order(self.cut(whole, 30, 60))] == [False, True, True]
-        assert [follows for _, follows in in_order([whole, whole])] == [False, False]
+        assert [follows for _, follows in blocks_in_order(self.cut(whole, 30, 60))] == [False, True, True]
+        assert [follows for _, follows in blocks_in_order([whole, whole])] == [False, False]
 
     @pytest.mark.parametrize(
         ("blocks", "message"),
@@ -395,23 +395,23 @@ class TestRemarks:
         return FrequencyResponse(f, values[:, None, None], (Channel("t", "rad"),), (Channel("T", "N*m"),))
 
     def test_narrow_peak(self):
-        (remark,) = remarks(self.resonant(0.01, 0.05), 0.5)
+        (remark,) = peak_warnings(self.resonant(0.01, 0.05), 0.5)
         assert remark.startswith("warning: t/T half-power bandwidth under 3 bins of 0.5 Hz at 20 Hz (0.4 Hz)")
 
     def test_wide_peak(self):
         response = self.resonant(0.1)
-        peak = peaks(response.magnitude[:, 0, 0])
+        peak = significant_peaks(response.magnitude[:, 0, 0])
         assert response.frequencies[peak].tolist() == [19.5] or response.frequencies[peak].tolist() == [20.0]
         assert half_power_bandwidth(response.frequencies, response.magnitude[:, 0, 0], peak[0]) > 3.5
-        assert remarks(response, 0.5) == ()
+        assert peak_warnings(response, 0.5) == ()
 
     def test_low_coherence_at_a_peak(self):
         response = self.resonant(0.1)
         doubtful = replace(response, coherence=np.full((len(response.frequencies), 1, 1), 0.5))
-        (remark,) = remarks(doubtful, 0.5)
+        (remark,) = peak_warnings(doubtful, 0.5)
         assert "coherence under 0.8 at the peak at" in remark
         assert "(0.50)" in remark
-        assert remarks(doubtful, 0.5, judge_coherence=False) == ()
+        assert peak_warnings(doubtful, 0.5, judge_coherence=False) == ()
 
     def test_estimate_carries_its_remarks_and_settings(self):
         torque = white(10_000)

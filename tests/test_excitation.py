@@ -94,7 +94,7 @@ def test_burst_of_the_whole_period_is_never_silent():
         (lambda: SteppedSine(frequencies=(), hold=1), "at least one"),
         (lambda: Multisine(start=5, stop=2, period=4), "start must be below stop"),
         (lambda: Multisine(start=1.01, stop=1.02, period=4), "no line between"),
-        (lambda: Multisine(start=1, stop=20, period=1.23456789).samples(1000), "no whole number of samples"),
+        (lambda: Multisine(start=1, stop=20, period=1.23456789).samples(1000), "not a whole number of samples"),
         (lambda: BurstRandom(start=1, stop=20, period=4, share=1.5), "share must be at most 1"),
         (lambda: LinearChirp(start=1, stop=600, duration=5).samples(1000), "needs more than twice that rate"),
     ],

@@ -26,7 +26,7 @@ from torsionnet.explore.server import STATIC, pages
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import RequestError, State, read_state
 from torsionnet.io import write_frequency_response
-from torsionnet.model.files.changing import changed_text, place_of
+from torsionnet.model.files.value_editing import changed_text, place_of
 
 V_360 = State({"gear": "V"}, {"c_O": "360 N*m*s/rad"}, "theta_1", "T_T", band=(0.5, 50.0))
 HALF_TURN = 180.0

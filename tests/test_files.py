@@ -43,7 +43,7 @@ from torsionnet.model.elements import (
     TabulatedSpring,
 )
 from torsionnet.model.files import dump, json_schema, library_entry, library_models, read_file
-from torsionnet.model.files.located import PythonParser, compose
+from torsionnet.model.files.located_yaml import PythonParser, compose
 from torsionnet.model.files.model_schema import schema_text
 from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text

@@ -8,7 +8,7 @@ from torsionnet.core.entries.band import Band, Bands
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.model_schema import file_schema
 from torsionnet.model.fit import FitFile
 from torsionnet.response import Channel, FrequencyResponse
@@ -131,7 +131,7 @@ FAULTS = [
     ("decimation: 2", "band: 2", 'unknown key "band"; frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]'),
     ("decimation: 2", "to: 40", 'unknown key "to"; frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]'),
     ("decimation: 2", "preset: papre", 'expected paper, got \'papre\'; did you mean "paper"?'),
-    ("overlap: 50 %", "overlap: 1", "overlap is a share from 0 to below 1, got 1.0"),
+    ("overlap: 50 %", "overlap: 1", "overlap is a number from 0 to below 1 (0.5 for 50 %), got 1.0"),
     ("excluded: [7 Hz, 8 Hz]", "excluded: [8 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, as in 0.3..40 Hz or [0.3 Hz, 40 Hz]; got ['8 Hz', '7 Hz']"),
     ("excluded: [7 Hz, 8 Hz]", "excluded: [7 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, as in 0.3..40 Hz or [0.3 Hz, 40 Hz]; got ['7 Hz', '7 Hz']"),
     ("excluded: [7 Hz, 8 Hz]", "excluded: 7 Hz", "expected a band such as 0.3..40 Hz or [0.3 Hz, 40 Hz], got '7 Hz'"),

@@ -13,7 +13,7 @@ from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.limits_fit import limit_subject
+from torsionnet.model.checks.limit_checks import limit_subject
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.iacs_m68 import IacsM68

@@ -8,12 +8,12 @@ from scipy.optimize import linear_sum_assignment
 import torsionnet as tn
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_modes import batched_modes, single_modes
-from torsionnet.solve.batch.mode_tracking import tracked
+from torsionnet.solve.batch.mode_tracking import track_modes
 
 
 def followed(model, values):
     values = {name: np.asarray(column, dtype=float) for name, column in values.items()}
-    return tracked(batched_modes(batch_plan(model, list(values)).batch(values)))
+    return track_modes(batched_modes(batch_plan(model, list(values)).batch(values)))
 
 
 def squares(found):
@@ -209,10 +209,10 @@ def test_laws_over_frequency_and_other_rows_are_followed_singly():
     found = followed(coupled(3.0, tn.HystereticSpring, loss_factor=0.01), {"k_a": K_A[::6]})
     known, _ = veering(K_A[::6], 3.0)
     assert squares(found) == pytest.approx(known, rel=1e-3)
-    assert found.found.doubtful.all()
+    assert found.found.uncertain.all()
     rig = tn.load("amt_rig")
     values = {"tau": np.array([3.26, 4.14, 7.96])}
-    ratios = tracked(single_modes(rig, values))
+    ratios = track_modes(single_modes(rig, values))
     for place, tau in enumerate(values["tau"]):
         assert np.sort(ratios.natural_frequencies[place]) == pytest.approx(
             rig.configured(tau=tau).modes().natural_frequencies

@@ -165,7 +165,7 @@ class TestWhatIsWrong:
             ("{by: speed, of: prop, value: 3 MN*m/rad}", "has no value of its own"),
             ("{of: prop, value: 3 MN*m/rad}", "of needs by:"),
             ("{by: load, of: wheel, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", "wheel neither drives nor absorbs"),
-            ("{by: mean_torque, of: prop_damp, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", "prop_damp hands on no mean torque"),
+            ("{by: mean_torque, of: prop_damp, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", "prop_damp transmits no mean torque"),
         ],
     )  # fmt: skip
     def test_is_said_at_its_place(self, k_cpl, what):

@@ -7,8 +7,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.files.changing import ValuePlace, changed_text
 from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.value_editing import ValuePlace, changed_text
 from torsionnet.model.files.writer import dump, flat_text
 
 MODEL = """\

@@ -8,7 +8,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.model.checks.plausible import unusual_sizes
+from torsionnet.model.checks.size_checks import unusual_sizes
 
 MODEL = """\
 torsionnet: 1

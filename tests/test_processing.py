@@ -171,7 +171,7 @@ class TestCalculus:
             ("", differentiate, "x is of unknown quantity"),
             ("acceleration", differentiate, "the last of angle, velocity, acceleration"),
             ("angle", integrate, "the first of angle"),
-            ("angle", lambda r, n: convert(r, n, "speed"), '"speed" is none of'),
+            ("angle", lambda r, n: convert(r, n, "speed"), '"speed" is not a motion'),
             ("angle", lambda r, n: differentiate(r, n, ends="taper"), 'mirror or periodic, got "taper"'),
         ],
     )

@@ -498,7 +498,7 @@ class TestResampled:
         ("given", "rate", "message"),
         [
             (FAULTS["gap"][0], None, "cannot resample across 1 gaps"),
-            (FAULTS["nan"][0], 2000.0, "values that are no finite numbers"),
+            (FAULTS["nan"][0], 2000.0, "some values are not finite"),
             (FAULTS["jitter"][0], 100.0, "decimate with a filter instead"),
         ],
     )

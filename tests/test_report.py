@@ -28,9 +28,9 @@ from torsionnet.plot.drawing.labels import quantity, symbol
 from torsionnet.plot.drawing.pieces import ROLES
 from torsionnet.plot.schematic.stations import idle_nodes, node_axis
 from torsionnet.plot.shape_grid import shape_grid
-from torsionnet.plot.shapes import view_of
+from torsionnet.plot.shapes import shape_view
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.phase import unwrapped
+from torsionnet.response.phase import unwrapped_phase
 
 DEGREES = tn.Conventions(angle="deg", frequency="cpm")
 FREQUENCIES = np.geomspace(0.3, 40, 60)
@@ -167,10 +167,10 @@ class TestBode:
 
     def test_phase_goes_on_below_a_half_turn(self):
         turns = np.exp(-1j * np.radians(np.arange(0, 720, 30)))
-        np.testing.assert_allclose(unwrapped(turns), -np.arange(0.0, 720, 30), atol=1e-9)
+        np.testing.assert_allclose(unwrapped_phase(turns), -np.arange(0.0, 720, 30), atol=1e-9)
 
     def test_opposite_phase_is_a_lag(self):
-        np.testing.assert_array_equal(unwrapped(np.array([complex(-1, 0.0), complex(-2, -0.0)])), [-180, -180])
+        np.testing.assert_array_equal(unwrapped_phase(np.array([complex(-1, 0.0), complex(-2, -0.0)])), [-180, -180])
 
     @pytest.mark.parametrize("span", [0, 100, 300, 2000])
     def test_phase_ticks_are_multiples_of_45(self, span):
@@ -306,7 +306,7 @@ class TestModeShapes:
         rig = transaxle()
         modes = rig.modes()
         assert modes.kinds[:2] == ("rigid body", "rigid body")
-        view = view_of(modes, rig)
+        view = shape_view(modes, rig)
         expected = {"engine": 1, "pinion": 1, "cage": 3, "left": 3, "right": 3, "block": 1}
         assert dict(zip(modes.nodes, view.factors, strict=True)) == pytest.approx(expected | {"third": 2, "fourth": 4})
         assert view.free == ()
@@ -319,7 +319,7 @@ class TestModeShapes:
 
     def test_speeds_of_the_operating_point_come_first(self):
         rig = free_planetary({"speed": {"c": 100, "r": 50}})  # s from the kinematics of the set
-        view = view_of(rig.modes(), rig, "c")
+        view = shape_view(rig.modes(), rig, "c")
         factors = dict(zip(rig.nodes, view.factors, strict=True))
         assert factors["r"] == pytest.approx(2)
         assert factors["s"] == pytest.approx(100 / (100 * (1 + 3) - 3 * 50))
@@ -328,11 +328,11 @@ class TestModeShapes:
     def test_idle_gear_wheels_are_left_out_unless_asked_for(self):
         rig = transaxle()
         modes = rig.modes()
-        names = {station.node for station in view_of(modes, rig).axis.stations}
+        names = {station.node for station in shape_view(modes, rig).axis.stations}
         assert names == set(rig.nodes) - {"third", "fourth"}
         assert "2 idle gear wheels not shown" in legend(mode_shapes(modes, rig))
         every = mode_shapes(modes, rig, idle=True)
-        assert {station.node for station in view_of(modes, rig, idle=True).axis.stations} == set(rig.nodes)
+        assert {station.node for station in shape_view(modes, rig, idle=True).axis.stations} == set(rig.nodes)
         assert not [text for text in legend(every) if "idle" in text]
 
     def test_a_load_behind_a_gear_is_no_idler(self):
@@ -343,7 +343,7 @@ class TestModeShapes:
     def test_in_a_rigid_body_mode_every_branch_turns_alike(self):
         rig = transaxle()
         modes = rig.modes()
-        view = view_of(modes, rig)
+        view = shape_view(modes, rig)
         turning = modes.shapes[:, 0] * view.factors
         other = modes.shapes[:, 1] * view.factors
         place = {node: index for index, node in enumerate(modes.nodes)}

@@ -495,7 +495,7 @@ class TestPage:
         shown = (ROOT / "docs" / "how_to" / "report_template.md").read_text(encoding="utf-8")
         for name in ("page.html", "page.tex", "page.md"):
             assert all(f"| `{block}`" in shown for block in templating.shipped_blocks(name))
-        assert all(re.search(rf"`{name}[`(]", shown) for name in templating.NAMES)
+        assert all(re.search(rf"`{name}[`(]", shown) for name in templating.PAGE_NAMES)
 
     def test_message_on_the_page_about_it_is_the_real_one(self, folder):
         shown = (ROOT / "docs" / "how_to" / "report_template.md").read_text(encoding="utf-8")

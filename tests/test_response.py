@@ -8,7 +8,7 @@ import pytest
 from models import geared_line
 
 import torsionnet as tn
-from torsionnet.response.phase import phase_at_rest
+from torsionnet.response.phase import phase_at_zero_frequency
 
 F = np.array([1.0, 2.0, 5.0])
 
@@ -97,9 +97,9 @@ def test_repr_is_short(H):
     ("value", "phase"), [(1 + 1e-67j, 0), (-1 - 1e-67j, 180), (1 - 1e-3j, -math.degrees(math.atan(1e-3))), (1e-9j, 90)]
 )
 def test_a_phase_of_rounding_is_none_at_rest(value, phase):
-    assert phase_at_rest(value) == pytest.approx(phase, abs=1e-13)
+    assert phase_at_zero_frequency(value) == pytest.approx(phase, abs=1e-13)
 
 
 def test_what_is_infinite_or_unknown_has_no_phase():
-    assert math.isnan(phase_at_rest(complex(math.inf)))
-    assert math.isnan(phase_at_rest(complex(math.nan)))
+    assert math.isnan(phase_at_zero_frequency(complex(math.inf)))
+    assert math.isnan(phase_at_zero_frequency(complex(math.nan)))

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import pytest
 
-from torsionnet.solve.dynamic_stiffness.row_algebra import clique, combined, common_motion, normalised
+from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
 
 NOTHING, LITTLE = 1e-14, 1e-12
 """Relative differences below and above what rounding leaves."""
@@ -16,26 +16,26 @@ class TestCombined:
     def test_what_cancels_but_for_rounding_is_gone(self, sign):
         first, second = {0: 3.0, 1: sign * 0.3, 2: 5.0}, {0: 1.0, 1: sign * 0.1}
         assert 3.0 * 0.1 != 0.3
-        assert combined(first, second, 0) == {2: 5.0}
+        assert combine_rows(first, second, 0) == {2: 5.0}
 
     @pytest.mark.parametrize(("off", "left"), [(NOTHING, set()), (LITTLE, {1})])
     def test_how_much_is_rounding(self, sign, off, left):
         first, second = {0: 2.0, 1: sign * 6.0}, {0: 1.0, 1: sign * 3.0 * (1 + off)}
-        assert set(combined(first, second, 0)) == left
+        assert set(combine_rows(first, second, 0)) == left
 
     def test_small_beside_others_is_kept(self, sign):
         first, second = {0: 1.0, 1: 1e20}, {0: 1.0, 2: sign * 1e-20}
-        assert combined(first, second, 0) == {1: 1e20, 2: -sign * 1e-20}
+        assert combine_rows(first, second, 0) == {1: 1e20, 2: -sign * 1e-20}
 
     def test_opposite_terms_add(self, sign):
-        assert combined({0: 3.0, 1: sign * 0.25}, {0: 1.0, 1: -sign * 0.5}, 0) == {1: sign * 1.75}
+        assert combine_rows({0: 3.0, 1: sign * 0.25}, {0: 1.0, 1: -sign * 0.5}, 0) == {1: sign * 1.75}
 
     def test_each_coordinate_in_one_row_only(self, sign):
         first, second = {0: sign * 2.0, 1: 5.0}, {0: 7.0, 2: 11.0}
-        assert combined(first, second, 0) == {1: 35.0, 2: -sign * 22.0}
+        assert combine_rows(first, second, 0) == {1: 35.0, 2: -sign * 22.0}
 
     def test_second_row_without_the_coordinate(self, sign):
-        assert combined({0: sign * 2.0, 1: 5.0}, {2: 3.0}, 0) == {2: -sign * 6.0}
+        assert combine_rows({0: sign * 2.0, 1: 5.0}, {2: 3.0}, 0) == {2: -sign * 6.0}
 
 
 class TestNormalised:
@@ -79,7 +79,7 @@ class TestClique:
     @pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0, 1.0), (2.0, -0.5, 4.0, 0.25)])
     def test_acts_as_the_row(self, row, scale):
         d = dict(zip(sorted(row), scale, strict=False))
-        parts = list(clique(row, d))
+        parts = list(equivalent_links(row, d))
         assert total(parts) == outer(row)
         links = [tuple(part) for part, _ in parts if len(part) == 2]
         assert sorted(links) == list(combinations(sorted(row), 2))
@@ -90,13 +90,13 @@ class TestClique:
     def test_no_grounds_where_the_row_does_not_answer(self, sign):
         row = {0: sign * 0.1, 1: sign * 0.2, 2: -sign * 0.3}
         assert sum(row.values()) != 0
-        assert [tuple(part) for part, _ in clique(row, dict.fromkeys(row, 1.0))] == [(0, 1), (0, 2), (1, 2)]
+        assert [tuple(part) for part, _ in equivalent_links(row, dict.fromkeys(row, 1.0))] == [(0, 1), (0, 2), (1, 2)]
 
     @pytest.mark.parametrize("sign", [1, -1])
     @pytest.mark.parametrize(("off", "grounds"), [(NOTHING, 0), (LITTLE, 2)])
     def test_how_much_is_rounding(self, sign, off, grounds):
         row = {0: 10.0, 1: -5.0 * (1 + sign * off)}
-        assert sum(len(part) == 1 for part, _ in clique(row, {0: 0.5, 1: 1.0})) == grounds
+        assert sum(len(part) == 1 for part, _ in equivalent_links(row, {0: 0.5, 1: 1.0})) == grounds
 
 
 class TestCommonMotion:

@@ -14,7 +14,7 @@ from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.excitation import SteppedSine
 from torsionnet.signals.timing import gaps
 from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits, _quotient
-from torsionnet.solve.dynamic_stiffness.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 
 
 def rotor(*elements):
@@ -61,7 +61,7 @@ class TestManyDigits:
             )
             s = mpmath.mpc(0, mpmath.mpf(1) / 1000)
             expected = 1 / (s**2 * (J_1 + J_2 * k / (i**2 * (k + J_2 * s**2))))
-            request = ask(rig, ["a", "torque(shaft)"], ["a"], None)
+            request = resolve_request(rig, ["a", "torque(shaft)"], ["a"], None)
             (angle,), (torque,) = ManyDigits(rig.assembly, request).transfer(s)
             assert abs(angle / expected - 1) < mpmath.mpf(10) ** -190
             behind = expected / i * k * J_2 * s**2 / (k + J_2 * s**2)

@@ -14,7 +14,7 @@ from test_limits import hump, m68, stressed
 import torsionnet as tn
 from torsionnet.model.configurations import combinations
 from torsionnet.model.limits.m68_stress import usual_range
-from torsionnet.response.speed_refinement import speeds_wanted
+from torsionnet.response.speed_refinement import speeds_to_refine
 from torsionnet.response.speed_spans import joined_spans
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.order_torque import OrderTorque
@@ -245,15 +245,15 @@ def test_where_to_look_next():
     speeds = np.linspace(10, 20, 11)
     curve = lambda n: 1 / np.hypot(1, 20 * (n - 14.3))[:, None]  # noqa: E731
     for _ in range(8):
-        more = speeds_wanted(speeds, curve(speeds))
+        more = speeds_to_refine(speeds, curve(speeds))
         speeds = np.sort(np.append(speeds, more))
     assert curve(speeds).max() == pytest.approx(1, rel=KNOWN)
     assert len(speeds) < 40
-    assert not len(speeds_wanted(speeds, np.zeros((len(speeds), 1)), 1.0))
+    assert not len(speeds_to_refine(speeds, np.zeros((len(speeds), 1)), 1.0))
     straight = (speeds - 8)[:, None]
-    assert not len(speeds_wanted(speeds, straight))
-    assert np.abs(speeds_wanted(speeds, straight, 8.45) - 16.45).min() < 0.02
-    assert math.isfinite(float(speeds_wanted(speeds, np.where(speeds > 12, straight.T, np.nan).T, 6.5)[0]))
+    assert not len(speeds_to_refine(speeds, straight))
+    assert np.abs(speeds_to_refine(speeds, straight, 8.45) - 16.45).min() < 0.02
+    assert math.isfinite(float(speeds_to_refine(speeds, np.where(speeds > 12, straight.T, np.nan).T, 6.5)[0]))
 
 
 class TestOrdersOfOneFrequency:

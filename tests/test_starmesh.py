@@ -16,7 +16,7 @@ from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.solve.dynamic_stiffness import dense, starmesh, tape_writing
 from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
 from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
-from torsionnet.solve.dynamic_stiffness.row_algebra import clique, combined, common_motion, normalised
+from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
 
 DIGITS = 60
 
@@ -280,7 +280,7 @@ def test_lanes_that_lose_digits_are_in_doubt(respond):
     system = system_of(2, laws)
     kappa = np.array([[-4.0, -4.0, 2.0], [-4.0, -4.0, 4.0], [-1.0, 2.0, 2 * (1 + 1e-9)], [-4.0, -4.0, 3.0]])
     found = respond(problem_of(system, unit_load(2), np.eye(2)), sampled_stiffness(kappa.astype(complex)))
-    assert found.doubtful.tolist() == [True, True, True, False]
+    assert found.uncertain.tolist() == [True, True, True, False]
 
 
 @both_ways
@@ -289,7 +289,7 @@ def test_a_law_whose_stiffness_and_inertia_all_but_cancel_is_in_doubt(respond):
     omega = np.array([1.0, 2.0, 2.0 * (1 + 1e-6)])
     kappa = LawStiffness(*(np.array([[value]]) for value in (1.0, 0.0, 4.0)), omega=omega)
     found = respond(problem, kappa)
-    assert found.doubtful.tolist() == [False, True, True]
+    assert found.uncertain.tolist() == [False, True, True]
     assert found.values[0, 0, 0] == pytest.approx(1 / 3)
 
 
@@ -415,7 +415,7 @@ rows_strategy = st.dictionaries(st.integers(0, 5), st.floats(0.1, 10).map(lambda
 @given(rows_strategy, rows_strategy)
 def test_combined_row_leaves_the_coordinate_out(first, second):
     v = min(first)
-    found = combined(first, second, v)
+    found = combine_rows(first, second, v)
     assert v not in found
     for j in range(6):
         expected = second.get(v, 0) * first.get(j, 0) - first[v] * second.get(j, 0)
@@ -425,7 +425,7 @@ def test_combined_row_leaves_the_coordinate_out(first, second):
 @given(rows_strategy, st.lists(st.sampled_from([1.0, 0.3, -2.0]), min_size=6, max_size=6))
 def test_clique_acts_as_the_row(row, scale):
     total = np.zeros((6, 6))
-    for part, weight in clique(row, dict(enumerate(scale))):
+    for part, weight in equivalent_links(row, dict(enumerate(scale))):
         b = np.array([part.get(j, 0.0) for j in range(6)])
         total += weight * np.outer(b, b)
     a = np.array([row.get(j, 0.0) for j in range(6)])

@@ -91,7 +91,7 @@ NOT_FOR_A_PLAIN_RIG = {
     for name in (
         "bench",
         "catalogues.catalogue",
-        "catalogues.taken_entries",
+        "catalogues.catalogue_values",
         "checks.operation",
         "checks.running",
         "elements.clutch",

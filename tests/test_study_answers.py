@@ -44,7 +44,7 @@ def study(vary=None, quantities=None, **more):
 
 def answered(one, name="a"):
     answer = one.answers[name]
-    return answer.found(one, run_study(one) if answer.of_variants else None)
+    return answer.conclude(one, run_study(one) if answer.of_variants else None)
 
 
 def median():
@@ -259,7 +259,7 @@ def everything():
 @pytest.mark.parametrize("name", ANSWERS)
 def test_every_answer_has_words_a_table_data_and_a_picture(everything, name):
     one, result = everything
-    found, again = (one.answers[name].found(one, result) for _ in range(2))
+    found, again = (one.answers[name].conclude(one, result) for _ in range(2))
     assert found.sentences
     assert "soft" in str(found.table())
     assert json.dumps(found.to_data(), allow_nan=False) == json.dumps(again.to_data(), allow_nan=False)
@@ -305,6 +305,6 @@ def test_yield_of_what_hardly_varies():
         tn.load("amt_rig"), {"k_1": {"type": "normal", "deviation": "4 %"}}, asked, sampling={"count": 50},
         limits={"same": {"below": 0.8}}, answers={"kept": {"type": "yield"}},
     )  # fmt: skip
-    found = study.answers["kept"].found(study, tn.study.run_study(study))
+    found = study.answers["kept"].conclude(study, tn.study.run_study(study))
     assert "100 % (93 to 100 %)" in found.sentences[0]
     assert len(found.figure(tn.plot).axes) == 1

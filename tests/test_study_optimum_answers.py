@@ -47,7 +47,7 @@ def answered(answer, rig=None, *, vary=None, quantities=None, **more):
         answers={"a": answer},
         **more,
     )
-    found = study.answers["a"].found(study, None)
+    found = study.answers["a"].conclude(study, None)
     assert isinstance(found.table().to_text(), str)
     assert json.loads(json.dumps(found.to_data()))["sentences"] == list(found.sentences)
     assert found.figure(plot).axes

@@ -10,9 +10,9 @@ from torsionnet import plot
 from torsionnet.core.units import RPM
 from torsionnet.study import define, run_study
 from torsionnet.study.answers.draws_beyond import limited_values
-from torsionnet.study.answers.map_answer import MapFound, ParameterMap
-from torsionnet.study.answers.percentile_bands_answer import BandsFound
-from torsionnet.study.answers.yield_answer import YieldFound
+from torsionnet.study.answers.map_answer import MapResult, ParameterMap
+from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
+from torsionnet.study.answers.yield_answer import YieldResult
 from torsionnet.study.quantities.quantity import QuantityForm
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.shown_units import IN_SI, ShownUnits, shown_units
@@ -23,7 +23,7 @@ Y = np.linspace(1.0, 2.0, 4)
 
 def a_map(values, x=X, y=Y, limit=None, cases=("",)):
     maps = {case: ParameterMap(x, y, values) for case in cases}
-    return MapFound("map", ("k_1", "N*m/rad"), ("c", ""), ("theta", "rad"), "fixed", maps, limit)
+    return MapResult("map", ("k_1", "N*m/rad"), ("c", ""), ("theta", "rad"), "fixed", maps, limit)
 
 
 def rising():
@@ -84,7 +84,7 @@ def test_labels_of_maps_stay_in_the_picture(cases, limit):
     labels = [f"firing=misfire_of_cylinder_{n}, temperature=warm" for n in range(cases)] if cases > 1 else [""]
     maps = {case: ParameterMap(X, Y, np.where(rising() > 7, np.nan, rising())) for case in labels}
     x, y, quantity = zip(LONG, ("N*m/rad", "N*m*s/rad", "N*m"), strict=True)
-    found = MapFound("map", x, y, quantity, "largest", maps, QuantityLimit(below=limit))
+    found = MapResult("map", x, y, quantity, "largest", maps, QuantityLimit(below=limit))
     assert _misplaced(plot.contour_map(found, title="A title of so many words that it takes two lines " * 3)) == []
 
 
@@ -130,7 +130,7 @@ class _Asked:
 
 def histogram(values, limit=QuantityLimit(below=3.0)):  # noqa: B008 - frozen
     found = limited_values(_Asked(limit), "as given", "f_1", np.asarray(values, dtype=float))
-    return YieldFound("yield", (), 0.95, 0, "", exhaustive=False, distributions=found)
+    return YieldResult("yield", (), 0.95, 0, "", exhaustive=False, distributions=found)
 
 
 class TestLimitShares:
@@ -168,7 +168,7 @@ class TestLimitShares:
 def test_bands_over_speed_are_over_revolutions_a_minute():
     speeds = np.array([600.0, 900.0, 1500.0]) / RPM
     lines = {"": np.array([[1.0, 2, 1], [2.0, 3, 2], [3.0, 4, 3]])}
-    found = BandsFound("bands", "T", QuantityForm("N*m", "speed", speeds), (2.5, 50.0, 97.5), lines)
+    found = PercentileBandsResult("bands", "T", QuantityForm("N*m", "speed", speeds), (2.5, 50.0, 97.5), lines)
     axes = plot.percentile_bands(found).axes[0]
     assert axes.get_xlim() == pytest.approx((600, 1500))
     assert "r/min" in axes.get_xlabel()
@@ -224,7 +224,7 @@ def test_odd_studies_have_pictures(parameters, cases, tmp_path):
     )  # fmt: skip
     result, units = run_study(study), shown_units(study)
     for name, answer in study.answers.items():
-        figure = drawn(answer.found(study, result).figure(plot, units=units), tmp_path)
+        figure = drawn(answer.conclude(study, result).figure(plot, units=units), tmp_path)
         assert figure.get_figheight() < 40, name
         assert _overlapping(figure) == [], name
 

@@ -9,7 +9,7 @@ import pytest
 from study_blocks import columns, singly, spread
 
 import torsionnet as tn
-from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.excitations.speed_range import SpeedRange
 from torsionnet.study.quantities.counted_remarks import MOST_REMARKS, OTHERS

@@ -76,7 +76,7 @@ def study(**changes):
 
 
 def found(one, name, result):
-    return one.answers[name].found(one, result)
+    return one.answers[name].conclude(one, result)
 
 
 @pytest.fixture(autouse=True)
@@ -377,7 +377,7 @@ class TestLimitsOnCurves:
             vary={"k": VARY["k"]}, quantities={"H": curve(("1 Hz", "10 Hz"), 3)}, configurations=(), sampling=None,
             limits={"H": {"below": limit}}, answers={"rare": {"type": "failure_probability", "count": 20_000}},
         )  # fmt: skip
-        rare = one.answers["rare"].found(one)
+        rare = one.answers["rare"].conclude(one)
         assert rare.events["as given"].probability == pytest.approx(norm.sf(3), rel=0.05)
         assert "largest H above" in rare.sentences[0]
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.lazy import lazy_exports
+from torsionnet.core.lazy_imports import lazy_exports
 from torsionnet.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ _named, _attribute, _ = lazy_exports(
 
 
 def __getattr__(name: str) -> object:
-    """What the table names, or an element type by the name of its class."""
+    """Public object or element class by its name, imported when it is first asked for."""
     if name == "__all__":
         return _public_names()
     if name[:1].isupper() and name not in _named and name in _element_types():
@@ -88,7 +88,7 @@ def _public_names() -> list[str]:
 
 
 def _element_types() -> dict[str, type[Element]]:
-    """Those that files of the package or of a program have registered by now."""
+    """Element classes by name that the package or a program has registered so far."""
     from torsionnet.model.elements import element_classes
 
     return element_classes()

@@ -1,4 +1,4 @@
-"""The drivetrain: a model that can be asked for its responses, modes and equations."""
+"""Drivetrain model with methods for its responses, modes, simulation and equations."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class Drivetrain(RunningMachinery):
-    """A torsional model; every method that changes something returns a changed copy.
+    """Torsional model of a drivetrain; every method that changes something returns a changed copy.
 
     Parameters
     ----------
@@ -73,11 +73,11 @@ class Drivetrain(RunningMachinery):
     """
 
     def check(self) -> tuple[Fault, ...]:
-        """Warnings and notes about the model, modes that grow among them (errors have already been refused)."""
-        return (*super().check(), *self._growing)
+        """Warnings and notes about the model, unstable modes included (errors have already been refused)."""
+        return (*super().check(), *self._unstable_modes)
 
     @cached_property
-    def _growing(self) -> tuple[Fault, ...]:
+    def _unstable_modes(self) -> tuple[Fault, ...]:
         if not any(element.may_feed for element in self.elements.values()):
             return ()
         from torsionnet.solve.modes.stability import unstable_modes
@@ -85,7 +85,7 @@ class Drivetrain(RunningMachinery):
         return unstable_modes(self)
 
     def graph(self) -> nx.MultiGraph[str]:
-        """The drivetrain as a networkx graph: nodes, and an edge for each pair of ports an element connects.
+        """Graph of the drivetrain (networkx): its nodes, and an edge for each pair of ports that an element connects.
 
         Node ``ground`` is there if an element is attached to it. Elements with one port are in the node attribute
         ``elements``; edges carry ``element`` and ``kind``.
@@ -172,7 +172,7 @@ class Drivetrain(RunningMachinery):
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
-        """Motion over time from rest, exact for torques that run straight from sample to sample.
+        """Motion and torques over time from rest, exact for input torques that are linear between samples.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ class Drivetrain(RunningMachinery):
         lowest: int | None = None,
         up_to: float | None = None,
     ) -> Modes:
-        """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
+        """Complex modes with natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
         Parameters that follow the operating point have their values at its speed, else at the rated one; a note says
         which that is.
@@ -244,7 +244,7 @@ class Drivetrain(RunningMachinery):
         return replace(found, notes=(*found.notes, *operating_speed_notes(self.external_torques)))
 
     def loop_margins(self, controller: str | None = None) -> LoopMargins:
-        """Stability margins of the loop opened at a controller, and the loop itself for Nyquist's plot.
+        """Stability margins of the loop opened at a controller, and its frequency response for Nyquist's plot.
 
         Gain, phase, delay and modulus margins, each with its frequency, all other loops being closed; delays are exact.
         :func:`torsionnet.plot.nyquist` draws it.
@@ -263,12 +263,12 @@ class Drivetrain(RunningMachinery):
         >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
         (2.0944, 47.028, 0.05472)
         """
-        from torsionnet.solve.responses.opened_loops import loop_margins
+        from torsionnet.solve.responses.loop_margin_search import loop_margins
 
         return loop_margins(self, controller)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
-        """M, C, K and transfer functions in the model's own symbols.
+        """Symbolic model, which has M, C, K and transfer functions in the model's own symbols.
 
         ``referred_to`` chooses the nodes kept as coordinates; they stand in the order given.
 
@@ -289,7 +289,7 @@ class Drivetrain(RunningMachinery):
         return to_control(self)
 
     def to_yaml(self, path: str | Path | None = None) -> str:
-        """The model as text of a model file, also written to ``path`` if given."""
+        """Text of the model as a model file, also written to ``path`` if given."""
         from torsionnet.model.files import dump
 
         return dump(self.definition, path)

@@ -1,6 +1,6 @@
 # Written by `make generate`.
 from collections.abc import Mapping
-from torsionnet.core.entries.accepted import Entries, NumberByNumber, Scalar, WholeNumber
+from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, Scalar, WholeNumber
 from typing import Literal
 from torsionnet.model.bench.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
@@ -41,7 +41,7 @@ class Acquisition(_Acquisition):
     ) -> None: ...
 
 class BurstRandom(_BurstRandom):
-    r"""Noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+    r"""Burst of noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
 
     Every period has noise of its own. ``amplitude`` is the peak.
 
@@ -221,7 +221,7 @@ class Lognormal(_Lognormal):
     ) -> None: ...
 
 class Multisine(_Multisine):
-    r"""Equal amplitudes at all lines of a band, with phases that keep the peak low for its power.
+    r"""Multisine with equal amplitudes at all lines of a band, and phases for a low peak at a given power.
 
     From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
     Schoukens and Renneboog 1988).
@@ -370,7 +370,7 @@ class Samples(_Samples):
     ) -> None: ...
 
 class SteppedSine(_SteppedSine):
-    r"""One frequency after the other, each held for whole periods; the phase never jumps.
+    r"""Stepped sine, each frequency held for whole periods without jumps of the phase.
 
     Attributes
     ----------

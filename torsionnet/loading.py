@@ -1,4 +1,4 @@
-"""Drivetrains out of model files."""
+"""Loading of drivetrains from model files and texts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.model.files.reader import find_model, read_file, read_text
 
 
 def load(model: str | os.PathLike[str]) -> Drivetrain:
-    """The drivetrain of a model file, or of a library model given by name.
+    """Load the drivetrain of a model file, or a library model by name.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def load(model: str | os.PathLike[str]) -> Drivetrain:
 
 
 def loads(text: str, file: str = "<text>", folder: str | os.PathLike[str] | None = None) -> Drivetrain:
-    """The drivetrain a model file with this text describes; files that it names lie in ``folder``.
+    """Load the drivetrain described by the text of a model file; files that it names lie in ``folder``.
 
     Examples
     --------

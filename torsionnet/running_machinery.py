@@ -1,4 +1,4 @@
-"""What is asked of running machinery: orders, critical speeds, mean torques, limits, dampers."""
+"""Methods of a drivetrain as running machinery: orders, critical speeds, mean torques, limits, dampers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class RunningMachinery(AssembledModel):
-    """The questions that a drivetrain with speeds and excitations answers."""
+    """Base of a drivetrain with the methods that need its speeds and excitations."""
 
     def order_response(
         self,
@@ -38,7 +38,7 @@ class RunningMachinery(AssembledModel):
         excitations: Iterable[str] | None = None,
         refine: bool = False,
     ) -> OrderResponse:
-        """Response of running machinery: the complex amplitude of every order at every speed.
+        """Response of running machinery as complex amplitudes of every order of the outputs at every speed.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class RunningMachinery(AssembledModel):
         return answer(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
     def mean_response(self, outputs: Channels, speeds: ArrayLike | None = None) -> MeanResponse:
-        """Mean torques and twists of running machinery under its load.
+        """Mean torques and twists of running machinery under its load, over speed.
 
         Springs hand mean torques on; dampers stand for vibration and take none. Drivers act in the direction of
         rotation, absorbers against it, and the reference node of the speeds turns in the positive sense.
@@ -126,7 +126,7 @@ class RunningMachinery(AssembledModel):
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
     ) -> DamperOptimum:
-        """The damping and stiffness of dampers with which the largest vibration is smallest.
+        """Optimal damping and stiffness of dampers, with which the largest vibration is smallest.
 
         Parameters
         ----------
@@ -185,7 +185,7 @@ class RunningMachinery(AssembledModel):
         dampers: str = "as_modelled",
         damper_names: Iterable[str] | None = None,
     ) -> CriticalSpeeds:
-        """Where orders of what runs meet natural frequencies, with and without damping, and what is excited there.
+        """Critical speeds at which orders meet natural frequencies, with and without damping, and their excitation.
 
         Parameters
         ----------
@@ -250,7 +250,7 @@ class RunningMachinery(AssembledModel):
         amplitude: float = 1.0,
         referred_to: str | None = None,
     ) -> HolzerTable:
-        """Amplitudes, inertia torques, sums of torque and twists station by station, without damping.
+        """Holzer table of a mode or trial frequency: amplitudes, torques and twists station by station, undamped.
 
         Parameters
         ----------
@@ -319,7 +319,7 @@ class RunningMachinery(AssembledModel):
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
     ) -> DissipatedPower:
-        """Mean power that vibration turns into heat in elements, over speed.
+        """Mean power in W that vibration dissipates in elements, over speed.
 
         P = sum over frequencies of Re(T conj(dgamma/dt))/2: orders of one frequency are added as complex amplitudes
         first. T is the whole torque of the element, with its elastic and its damping part. Heat of a steady slip
@@ -356,7 +356,7 @@ class RunningMachinery(AssembledModel):
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
     ) -> LimitCheck:
-        """Whether elements bear what running machinery does to them: a verdict on every limit, and barred ranges.
+        """Verdicts on the model's limits over speed, and barred ranges.
 
         Parameters
         ----------

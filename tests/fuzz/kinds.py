@@ -203,7 +203,7 @@ def use_study(path: Path) -> None:
     json.dumps(json_finite(result.to_data()), allow_nan=False)
     for answer in study.answers.values():
         if answer.of_variants:
-            json.dumps(json_finite(answer.found(study, result).to_data()), allow_nan=False)
+            json.dumps(json_finite(answer.conclude(study, result).to_data()), allow_nan=False)
 
 
 def use_report(path: Path) -> None:

@@ -53,7 +53,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/signals/detrending": RECORDS,
     "torsionnet/signals/double_pulses": RECORDS,
     "torsionnet/signals/encoder": RECORDS,
-    "torsionnet/signals/faults_in_values": RECORDS,
+    "torsionnet/signals/value_faults": RECORDS,
     "torsionnet/signals/standstill": RECORDS,
     "torsionnet/signals/harmonics": (*RECORDS, "test_bench"),
     "torsionnet/signals/order_tracking": RECORDS,

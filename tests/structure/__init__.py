@@ -1,1 +1,1 @@
-"""How the package is built: what imports what, and a few counts that should go down. ``make structure`` prints them."""
+"""Structure of the package: imports between modules, and counts that should go down, printed by ``make structure``."""

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def of_commit(commit: str) -> dict[str, str]:
-    """The counts of a commit."""
+    """Counts of the package in a commit."""
     packed = subprocess.run(["git", "archive", commit, "torsionnet"], cwd=ROOT, check=True, capture_output=True).stdout
     with tempfile.TemporaryDirectory() as folder:
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:

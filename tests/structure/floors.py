@@ -1,4 +1,4 @@
-"""The layers of the package and the floors in them: tests enforce them, a page tells them and a picture shows them."""
+"""Layers of the package and the floors in them, which tests enforce and the documentation shows."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Layer(NamedTuple):
-    """Packages and modules beside each other, by their first names below ``torsionnet``."""
+    """Packages and modules of one layer, by their first names below ``torsionnet``."""
 
     names: tuple[str, ...]
     knows: str
@@ -54,5 +54,5 @@ TOP = 1  # torsionnet/__init__.py offers names from every layer
 
 
 def height(name: str) -> int:
-    """How high a layer is, by the first name below the package; that of the package itself is empty."""
+    """Number of the layer of a package or module, counted from the bottom, by its first name below ``torsionnet``."""
     return HEIGHT[name] if name else TOP

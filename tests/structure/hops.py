@@ -1,4 +1,6 @@
-"""``python -m structure.hops``: which functions a stiffness and other marked values pass on their way; ``-v`` names them."""
+"""``python -m structure.hops``: functions that a stiffness and other marked values pass on their way; ``-v`` names
+them.
+"""
 
 from __future__ import annotations
 
@@ -64,7 +66,7 @@ quantities: {{f: {{type: natural_frequency, mode: 1}}}}
 
 
 class Walk(NamedTuple):
-    """What is followed, how it is set going, and the texts by which it is known."""
+    """Marked value to be traced: the code that sets it going, and the texts by which it is recognised."""
 
     of: str
     action: Callable[[], Any]
@@ -72,7 +74,7 @@ class Walk(NamedTuple):
 
 
 def way(action: Callable[[], Any], *marks: str) -> list[tuple[str, str]]:
-    """File and name of every function of the package that gets what is marked, in the order of their first calls."""
+    """File and name of every function of the package that receives a marked value, in the order of first calls."""
     met: dict[tuple[str, str], None] = {}
 
     def watch(frame: FrameType, event: str, _: Any) -> None:
@@ -102,7 +104,7 @@ def _shown(value: Any) -> str:
 
 
 def walks() -> list[Walk]:
-    """All that is followed; what comes before the first step has been done."""
+    """All traced values; everything before their first step has been done."""
     rig, again = tn.loads(MODEL), tn.loads(MODEL)
     return [
         Walk("a stiffness, from text to the assembled rows", lambda: tn.loads(MODEL).assembly, (STIFFNESS,)),

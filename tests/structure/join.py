@@ -1,4 +1,5 @@
-"""``make join OLD=... INTO=...``: a module becomes part of the one that imports it; without the two, which could be.
+"""``make join OLD=... INTO=...``: join a module with the only one that imports it; without OLD and INTO, list
+candidates.
 
 OLD and INTO are paths below ``torsionnet``, and INTO is alone in importing OLD. Its constants go to the constants,
 its definitions behind those of INTO, or before the first that needs one while it is imported; a function that is used
@@ -27,7 +28,7 @@ _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 def candidates(modules: Sequence[Module]) -> Iterator[tuple[Module, Module]]:
-    """Modules and the one that alone imports them: in the same folder, at the top, and both short together."""
+    """Pairs of a module and the only one that imports it, in the same folder, at the top, and both short."""
     known = {module.name: module for module in modules}
     users: dict[str, set[str]] = {name: set() for name in known}
     for module in modules:
@@ -47,7 +48,7 @@ def _lines(module: Module) -> int:
 
 
 def _imported_later(old: Module, into: Module) -> bool:
-    """Whether a function imports it, or type checkers alone: so that starting up does without, and what it loads."""
+    """Whether a module is imported in a function or for type checkers alone, to start up faster."""
     top = {line for node in _runtime(into.tree) for line in range(node.lineno, (node.end_lineno or 0) + 1)}
     return any(found.name == old.name and found.line not in top for found in into.imports)
 
@@ -70,13 +71,13 @@ def _for_types(tree: ast.Module) -> list[ast.Import | ast.ImportFrom]:
 
 
 def _body(tree: ast.Module) -> list[ast.stmt]:
-    """The statements behind docstring and imports."""
+    """Statements of a module behind docstring and imports."""
     rest = [node for node in tree.body if not _is_import(node) and node not in _type_blocks(tree)]
     return rest[1:] if rest and ast.get_docstring(tree) is not None else rest
 
 
 def _bound(nodes: Iterable[ast.stmt]) -> set[str]:
-    """Names that statements at the top of a module give something to."""
+    """Names that statements at the top of a module assign or define."""
     found: set[str] = set()
     for node in nodes:
         if isinstance(node, _DEFINITIONS):
@@ -89,7 +90,7 @@ def _bound(nodes: Iterable[ast.stmt]) -> set[str]:
 
 
 def _parts(module: Module) -> tuple[str, str]:
-    """What stands behind the imports, with its remarks: first constants, and the rest."""
+    """Source behind the imports with its comments: constants, and the rest."""
     lines, body = module.text.splitlines(keepends=True), _body(module.tree)
     top = [*_runtime(module.tree), *_type_blocks(module.tree)]
     late = {number for node in top for number in range(node.lineno, (node.end_lineno or 0) + 1)}
@@ -101,7 +102,7 @@ def _parts(module: Module) -> tuple[str, str]:
 
 
 def _start(lines: Sequence[str], node: ast.stmt) -> int:
-    """The first line of a statement, counted from 0, with decorators and remarks that stand right above."""
+    """First line of a statement, counted from 0, with its decorators and comments right above."""
     decorators: list[ast.expr] = getattr(node, "decorator_list", [])
     above = min([node.lineno, *(one.lineno for one in decorators)]) - 1
     while above and lines[above - 1].startswith("#"):
@@ -110,7 +111,7 @@ def _start(lines: Sequence[str], node: ast.stmt) -> int:
 
 
 def _needed_at_import(body: Sequence[ast.stmt], names: set[str]) -> ast.stmt | None:
-    """The first statement that needs one of the names before the module is whole: as a base, a decorator, a constant."""
+    """First statement that needs one of the names while the module is imported, as a base, a decorator, a constant."""
     inside = {
         node.name: {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
         for node in body
@@ -127,7 +128,7 @@ def _needed_at_import(body: Sequence[ast.stmt], names: set[str]) -> ast.stmt | N
 
 
 def _evaluated(node: ast.AST) -> Iterator[str]:
-    """Names that are looked up while a statement is executed: not in functions, and not in annotations."""
+    """Names that are looked up when a statement is executed: not in functions, and not in annotations."""
     for field, value in ast.iter_fields(node):
         if field in {"annotation", "returns"} or (
             field == "body" and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
@@ -141,7 +142,7 @@ def _evaluated(node: ast.AST) -> Iterator[str]:
 
 
 def joined(old: Module, into: Module) -> str:
-    """The text of the module that both become; imports are for ruff to sort.
+    """Source of the module that OLD and INTO become together; imports are left for ruff to sort.
 
     Raises
     ------
@@ -187,7 +188,7 @@ def _comes_from(node: ast.Import | ast.ImportFrom, old: Module) -> bool:
 
 
 def _with_imports(text: str, old: Module) -> str:
-    """With the imports of the other module, too: those for type checkers in one block, without what is imported anyway."""
+    """Source with the imports of the other module added, those for type checkers in one block."""
     tree = ast.parse(text)
     there = _single(_runtime(tree))
     anyway = there | _single(_runtime(old.tree))
@@ -214,7 +215,7 @@ def _single(nodes: Iterable[ast.Import | ast.ImportFrom]) -> set[str]:
 
 
 def inner(text: str, names: Iterable[str], elsewhere: str) -> str:
-    """A text in which names that are used in no other one begin with an underscore.
+    """Source in which names that no other module uses begin with an underscore.
 
     Examples
     --------
@@ -232,7 +233,7 @@ def inner(text: str, names: Iterable[str], elsewhere: str) -> str:
 
 
 def _local(tree: ast.Module) -> Iterator[str]:
-    """Names that something else has, too: arguments, attributes, what functions and classes give values to."""
+    """Names that are also arguments, attributes or local variables."""
     for node in ast.walk(tree):
         if isinstance(node, ast.arg | ast.keyword):
             yield node.arg or ""
@@ -245,7 +246,7 @@ def _local(tree: ast.Module) -> Iterator[str]:
 
 
 class _Underscores(cst.CSTTransformer):
-    """Other names, in the examples of docstrings too."""
+    """Transformer that puts underscores before names, in the examples of docstrings too."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
         super().__init__()
@@ -265,7 +266,7 @@ class _Underscores(cst.CSTTransformer):
 
 
 def join(old: str, into: str, root: Path = ROOT) -> str:
-    """Put a module into another, rewrite what names it, and say what its docstring said."""
+    """Join a module into another, rewrite all text that names it, and print its docstring."""
     known = {module.name: module for module in modules_below(root / PACKAGE)}
     one, other = (known.get(dotted(Path(PACKAGE) / name)) for name in (old, into))
     if one is None or other is None:
@@ -288,7 +289,7 @@ def join(old: str, into: str, root: Path = ROOT) -> str:
 
 
 def _naming(module: Module, found: Iterable[str]) -> list[str]:
-    """Those of the texts that name a module."""
+    """Paths of the texts that name a module."""
     package, _, name = module.name.rpartition(".")
     dots, short = re.escape(module.name), rf"from {re.escape(package)} import[^()\n]*\b{name}\b"
     named = re.compile(rf"{dots}\b|{short}|import \([^)]*\b{name}\b")

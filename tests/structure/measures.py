@@ -1,4 +1,4 @@
-"""Circles, doubled names and counts of a package."""
+"""Counts of circular imports, doubled names and other properties of a package."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from structure.modules import Module, modules_below
 
 
 def circles(modules: Iterable[Module]) -> list[list[str]]:
-    """Modules that import each other, the largest circle first; every import counts, wherever it stands."""
+    """Groups of modules that import each other, the largest first; imports in functions count, too."""
     graph: nx.DiGraph[str] = nx.DiGraph()
     known = {module.name for module in modules}
     for module in modules:
@@ -24,7 +24,7 @@ def circles(modules: Iterable[Module]) -> list[list[str]]:
 
 
 def doubled_files(modules: Iterable[Module]) -> list[str]:
-    """File names that occur twice or more, ``__init__`` and ``__main__`` aside."""
+    """File names that occur twice or more, apart from ``__init__`` and ``__main__``."""
     return _doubled(module.path.stem for module in modules if not module.path.stem.startswith("__"))
 
 
@@ -38,7 +38,7 @@ def _doubled(names: Iterable[str]) -> list[str]:
 
 
 def measures(package: Path) -> dict[str, str]:
-    """What ``make structure`` prints."""
+    """Names and values of the counts that ``make structure`` prints."""
     modules = modules_below(package)
     around = circles(modules)
     numbers = {

@@ -1,4 +1,4 @@
-"""The modules of the package as they stand in a folder, read without importing them."""
+"""Modules of the package in a folder, read without importing them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 
 class Import(NamedTuple):
-    """One import: the absolute name, its line, and whether only type checkers see it."""
+    """Import statement: absolute name, line, and whether only type checkers see it."""
 
     name: str
     line: int
@@ -22,7 +22,7 @@ class Import(NamedTuple):
 
 @dataclass(frozen=True)
 class Module:
-    """One file below ``root``, the folder of the package."""
+    """Source file of the package below ``root``, with its name, imports and calls."""
 
     path: Path
     root: Path
@@ -33,13 +33,13 @@ class Module:
 
     @property
     def name(self) -> str:
-        """Dotted, a package under its own name."""
+        """Dotted name of the module; of a package its own."""
         parts = self.path.relative_to(self.root.parent).with_suffix("").parts
         return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
     @property
     def layer_name(self) -> str:
-        """First name below the package; empty for its ``__init__``."""
+        """First name of the module below the package; empty for its ``__init__``."""
         first = self.path.relative_to(self.root).parts[0].removesuffix(".py")
         return "" if first == "__init__" else first
 
@@ -79,14 +79,14 @@ class Module:
         }
 
     def _meant(self, module: str, name: str) -> list[str]:
-        """``from a import b`` takes a, and the module a.b where there is one: the package itself is loaded for it too."""
+        """Modules that ``from a import b`` loads: a, and a.b if there is such a module."""
         place = self.root.parent / module.replace(".", "/") / name
         is_module = place.is_dir() or place.with_suffix(".py").is_file()
         return [module, f"{module}.{name}"] if is_module else [module]
 
     @property
     def calls(self) -> Iterator[tuple[str, int]]:
-        """Each call with a plain dotted name: ("click.echo", line)."""
+        """Calls with a plain dotted name, as ("click.echo", line)."""
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute):
                 yield ast.unparse(node.func), node.lineno
@@ -99,7 +99,7 @@ class Module:
 
     @property
     def code_lines(self) -> int:
-        """Lines that are neither blank, nor docstring, nor comment, nor import."""
+        """Number of lines that are neither blank, nor docstring, nor comment, nor import."""
         lines = {
             number
             for token in tokenize.generate_tokens(io.StringIO(self.text).readline)
@@ -114,12 +114,12 @@ class Module:
 
     @property
     def lines_with_any(self) -> int:
-        """Lines of annotations in which ``Any`` stands."""
+        """Number of lines that contain ``Any``."""
         return len({node.lineno for node in ast.walk(self.tree) if isinstance(node, ast.Name) and node.id == "Any"})
 
 
 def _statements(node: ast.AST) -> Iterator[ast.AST]:
-    """All statements below a node, without the expressions in them, which are ten times as many."""
+    """Statements below a node, without the expressions in them, which are ten times as many."""
     for block in ("body", "orelse", "finalbody", "handlers", "cases"):
         for one in getattr(node, block, ()):
             yield one

@@ -1,4 +1,4 @@
-"""``make move OLD=... NEW=...``: a module or folder in another place, with all that names it.
+"""``make move OLD=... NEW=...``: move a module or folder, and rewrite all text that names it.
 
 OLD and NEW are paths below ``torsionnet``; OLD alone is a file with one such pair a line, all moved at once. Imports in the
 package, tests, examples and benchmarks follow, as do dotted names and paths in texts, the table of mutation among them.
@@ -26,7 +26,7 @@ DONE = "moved".join("__")
 
 
 def moves(pairs: Iterable[tuple[str, str]], root: Path) -> dict[str, str]:
-    """Dotted names of modules and what they become, a folder with everything below it.
+    """Dotted names of the modules to be moved and their new names, a folder with everything below it.
 
     Raises
     ------
@@ -52,13 +52,13 @@ def moves(pairs: Iterable[tuple[str, str]], root: Path) -> dict[str, str]:
 
 
 def dotted(path: Path) -> str:
-    """The name of a module from its path, a package under its own."""
+    """Dotted name of a module from its path."""
     parts = path.with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 class _SplitImports(cst.CSTTransformer):
-    """``from a import b`` of a module b that moves becomes an import from where b will be."""
+    """Transformer that changes ``from a import b`` of a module b that moves into an import from its new place."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
         super().__init__()
@@ -91,7 +91,7 @@ class _SplitImports(cst.CSTTransformer):
 
 
 def rewritten(text: str, names: Mapping[str, str], *, code: bool, offered: Collection[str] = ()) -> str:
-    """A text in which moved modules have their new names, dotted or as paths.
+    """Text in which moved modules have their new names, dotted or as paths.
 
     ``offered`` are those whose name their package gives to something else: ``from torsionnet.plot import schematic`` is
     a function, whatever file it comes from.
@@ -119,13 +119,13 @@ def rewritten(text: str, names: Mapping[str, str], *, code: bool, offered: Colle
 
 
 def _replaced(text: str, pairs: Mapping[str, str], before: str, after: Mapping[str, str]) -> str:
-    """The longest first, all in one pass, so that nothing is replaced twice; each where ``after`` it comes what does."""
+    """Text with all names replaced in one pass, the longest first, so that nothing is replaced twice."""
     words = "|".join(re.escape(old) + after[old] for old in sorted(after, key=len, reverse=True))
     return re.sub(f"{before}(?:{words})", lambda found: pairs[found[0]], text) if words else text
 
 
 def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
-    """Rewrite everything that names the modules, and let git move their files."""
+    """Rewrite everything that names the modules, and move their files by git."""
     names = moves(pairs, root)
     offered = [old for old in names if _is_offered(*old.rpartition(".")[::2], root)]
     for path in texts(root):
@@ -144,7 +144,7 @@ def move(pairs: Iterable[tuple[str, str]], root: Path = ROOT) -> None:
 
 
 def _is_offered(package: str, name: str, root: Path) -> bool:
-    """Whether a package imports the name or has it in the table of what it offers."""
+    """Whether a package imports a name or has it in its table of public names."""
     tree = ast.parse((root / package.replace(".", "/") / "__init__.py").read_text(encoding="utf-8"))
     imported = (node for node in tree.body if isinstance(node, ast.ImportFrom))
     tables = (node for node in ast.walk(tree) if isinstance(node, ast.Dict))

@@ -1,4 +1,4 @@
-"""``python -m structure.outputs record FOLDER``: what every command says of every library model; ``same A B`` compares.
+"""``python -m structure.outputs record FOLDER``: record the output of every command for every library model.
 
 For changes that move code: what a user gets before the first move and after each must be equal, byte for byte. What a
 command prints goes into one file with its exit code and the files it wrote, by their contents.
@@ -76,7 +76,7 @@ CHANGES = [
 
 
 def calls() -> Iterator[tuple[str, list[Call]]]:
-    """Name and commands of every piece; those of one piece run one after the other in one folder."""
+    """Names of groups of calls, and their commands, which run one after the other in one folder."""
     for name in sorted(path.stem for path in (Path(tn.__file__).parents[1] / "library").glob("*.yaml")):
         definition = tn.load(name).definition
         words = {
@@ -91,7 +91,7 @@ def calls() -> Iterator[tuple[str, list[Call]]]:
 
 
 def run(commands: list[Call]) -> str:
-    """What the commands print, with their exit codes, and the contents of the files they leave."""
+    """Texts that commands print, with exit codes, and the contents of the files they write."""
     environment = os.environ | {"NO_COLOR": "1", "COLUMNS": "120", "SOURCE_DATE_EPOCH": "0"}
     with tempfile.TemporaryDirectory() as folder:
         for name, text in FILES.items():
@@ -110,7 +110,7 @@ def run(commands: list[Call]) -> str:
 
 
 def _contents(path: Path) -> str:
-    """A text itself, of an archive its members, of other files a digest."""
+    """Text of a file; members of an archive; digest of other files."""
     if zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             texts = [name for name in archive.namelist() if name.endswith((".xml", ".c", ".h"))]
@@ -122,7 +122,7 @@ def _contents(path: Path) -> str:
 
 
 def record(folder: Path) -> None:
-    """Run everything, two pieces at a time; one text file for each piece."""
+    """Run all commands, two groups at a time, and write a text file for each group."""
     folder.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(2) as pool:
         pieces = [(name, pool.submit(run, commands)) for name, commands in calls()]
@@ -132,7 +132,7 @@ def record(folder: Path) -> None:
 
 
 def same(before: Path, after: Path) -> bool:
-    """Whether both folders hold the same; the first lines of what differs are printed."""
+    """Whether two folders hold equal outputs; the first lines of differences are printed."""
     equal = True
     for name in sorted({path.name for folder in (before, after) for path in folder.glob("*.txt")}):
         texts = [(folder / name).read_text("utf-8") if (folder / name).exists() else "" for folder in (before, after)]

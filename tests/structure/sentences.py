@@ -42,7 +42,7 @@ def first_sentence(text: str) -> str:
 
 
 def is_fragment(sentence: str, fewest: int = FEWEST_WORDS) -> bool:
-    """Whether a first sentence needs the code, or the sentence before it, to be understood."""
+    """Whether a first sentence cannot be understood without the code or a sentence before it."""
     words = re.findall(r"[^\s,]+", sentence)
     if not words or sentence.startswith(("See :", "``")):
         return False
@@ -50,7 +50,7 @@ def is_fragment(sentence: str, fewest: int = FEWEST_WORDS) -> bool:
 
 
 def documented(module: Module) -> Iterator[tuple[int, str, str, int]]:
-    """Line, name, first sentence and fewest words of it, of a module, its classes, functions and constants."""
+    """Line, name, first sentence and least number of words of a module's docstrings, also of its constants."""
     for node in ast.walk(module.tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             if text := ast.get_docstring(node):

@@ -13,7 +13,7 @@ import numpy as np
 
 from torsionnet.assembly.action_law import action_laws
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
-from torsionnet.core.collecting import gc_paused
+from torsionnet.core.garbage_collection import gc_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.elements import Law, Values

@@ -16,9 +16,9 @@ from torsionnet.model.bench.bench_checks import check_plan
 from torsionnet.model.bench.bench_file import BenchFile
 from torsionnet.model.files import read_file
 from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.fault_positions import located_faults, presentable_faults
 from torsionnet.model.files.library import library_benches
-from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import find_model
 
 

@@ -65,12 +65,12 @@ class ModelCommand(Command):
         if len(self.configurations) > 1 or ALL_CONFIGURATIONS in self.configurations:
             raise click.UsageError(why)
 
-    def joined(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
-        """Rows of the tables of all cases as one table, the configuration in the first column if one was named.
+    def combined_table(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
+        """Table with the rows of all cases, and the configuration in the first column if any was named.
 
         Equal notes stand once; a note that is not on all cases begins with the names of its configurations.
         """
-        from torsionnet.response.equal_remarks import concerned, gathered
+        from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
         from torsionnet.response.table import Column
 
         first = tables[0]
@@ -81,8 +81,8 @@ class ModelCommand(Command):
         known = list(dict.fromkeys(case.configuration for case in cases))
         said = (("", case.configuration, note) for case, table in pairs for note in table.notes)
         notes = tuple(
-            note if len(names) == len(known) else f"{concerned(names, known)}: {note}"
-            for _, names, note in gathered(said)
+            note if len(names) == len(known) else f"{configurations_in_words(names, known)}: {note}"
+            for _, names, note in grouped_remarks(said)
         )
         title = cases[0].drivetrain.name if len(cases) > 1 else first.title
         columns = (Column("configuration"), *first.columns)

@@ -43,14 +43,14 @@ class Output(Arguments):
     )
     plot_file: str | None = plot_option("a picture")
 
-    def sized(self, table: Table) -> Table:
+    def with_digits(self, table: Table) -> Table:
         """Copy of a table with the digits asked for."""
         return table.with_digits(self.digits) if self.digits else table
 
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """Result of a command as functions for each form: screen, JSON data, CSV tables, pictures, files; and exit code.
+    """Result of a command as functions that give text, JSON data, CSV tables, pictures and files, and exit code.
 
     Tables and pictures for files have a name (of a configuration or channel), which becomes part of the file's name.
     """
@@ -65,7 +65,7 @@ class Answer:
 
 
 class Command(Arguments):
-    """Arguments of a command; the text of the class is its help."""
+    """Base class of commands, whose fields are the arguments; the docstring of a subclass is the command's help."""
 
     forms: ClassVar[tuple[str, ...]] = ()
     """Names of the options of :class:`Output` that the command has."""
@@ -128,7 +128,7 @@ def _print(part: Table | str | tuple[Any, ...], output: Output) -> None:
     if isinstance(part, (str, tuple)):
         print_line(screen_text(part, *([output.digits] if output.digits else [])))
     else:
-        print_table(output.sized(part))
+        print_table(output.with_digits(part))
 
 
 def result_path(file: str, name: str, count: int) -> str:

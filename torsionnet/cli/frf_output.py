@@ -11,7 +11,7 @@ from torsionnet.cli.cases import ConfiguredCase
 from torsionnet.core.result_rows import Out
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
-from torsionnet.response.phase import phase_at_rest
+from torsionnet.response.phase import phase_at_zero_frequency
 from torsionnet.solve.responses.peaks import Peak, Solver, peaks, static_value
 
 
@@ -66,7 +66,7 @@ def peak_table(response: FrequencyResponse, solve: Solver, shown: DisplayUnits) 
 
 def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Iterator[tuple[str, Peak]]:
     value = static_value(solve, o, i)
-    yield "static", Peak(0.0, abs(value), phase_at_rest(value))
+    yield "static", Peak(0.0, abs(value), phase_at_zero_frequency(value))
     for number, peak in enumerate(peaks(response, solve, o, i), 1):
         yield f"peak {number}", peak
 

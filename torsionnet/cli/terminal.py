@@ -26,7 +26,7 @@ NARROWEST_HEADING, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
 NARROWEST_FOLDED = 30
 """Least width in characters of a column into which long texts are folded; narrower ones are hard to read."""
 SCREEN_WIDTH = 120
-"""Characters of a line; tables are folded or split to this width so that a usual terminal does not wrap them."""
+"""Characters of a line to which tables are folded or split, so that a usual terminal does not wrap them."""
 
 
 def message(kind: str, text: str) -> None:
@@ -56,7 +56,7 @@ def print_faults(faults: Iterable[Fault]) -> None:
 
 
 def print_warnings(notes: Iterable[str]) -> None:
-    """Print on stderr the notes of a result that begin with "warning: "."""
+    """Print on stderr those notes of a result that are warnings."""
     for note in notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":

@@ -37,7 +37,7 @@ the paper states none of them; sensors and sampling are the paper's. What these 
 
 @dataclass(frozen=True)
 class Run:
-    """One virtual test: its record, the response estimated from it, and the model's at the same frequencies."""
+    """Record of a virtual test, the response estimated from it, and the model's response at the same frequencies."""
 
     case: str
     record: Recording

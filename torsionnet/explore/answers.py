@@ -20,7 +20,7 @@ from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse, Modes
 from torsionnet.response.frequency_response import DERIVATIVE_ORDERS, FloatArray
-from torsionnet.response.phase import unwrapped
+from torsionnet.response.phase import unwrapped_phase
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 MOST_MODES, MANY_NODES = 40, 120
@@ -131,7 +131,7 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
     ``unbounded`` are frequencies in Hz at which a peak has no height.
     """
     values = response.values[:, 0, 0]
-    magnitude, phase = np.abs(values), unwrapped(values)
+    magnitude, phase = np.abs(values), unwrapped_phase(values)
     return {
         "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
         "kind": response.kind(),

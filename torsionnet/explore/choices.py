@@ -13,7 +13,7 @@ from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND
 from torsionnet.response import FrequencyResponse
-from torsionnet.solve.dynamic_stiffness.transfer_request import usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 
 TWISTING = ("shaft", "spring")
 """Glyphs of the elements whose torque the page offers."""
@@ -59,7 +59,7 @@ def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> R
         measured = ResponseChoice(overlay.outputs[0].name, overlay.inputs[0].name)
         if measured.output in {*rig.sensors, *rig.nodes} and measured.input in {*rig.inputs, *rig.sensors, *rig.nodes}:
             return measured
-    inputs, sensors = usable(rig)
+    inputs, sensors = usable_channels(rig)
     motions = [name for name in sensors if rig.sensors[name].quantity in MOTIONS]
     moving = rig.assembly.kinematics.coordinates or rig.nodes
     return ResponseChoice([*motions, *sensors, *moving][0], [*inputs, *moving][0])

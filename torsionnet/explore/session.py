@@ -16,9 +16,9 @@ from torsionnet.explore.overlay import overlay_data
 from torsionnet.explore.state import State
 from torsionnet.loading import loads
 from torsionnet.model.configurations import parse_choice
-from torsionnet.model.files.changing import changed_text, place_of
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.reader import find_model
+from torsionnet.model.files.value_editing import changed_text, place_of
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.responses.grid import opening_range
 

@@ -12,7 +12,7 @@ from torsionnet.core.entries.spec import Json
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.units import NUMERAL, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.parameters import Parameter
 
 RANGE_FACTOR = 10.0

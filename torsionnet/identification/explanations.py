@@ -13,7 +13,7 @@ from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import LeastSquaresSolution
 from torsionnet.identification.lack_of_fit import Explanation, misfits
 from torsionnet.response.recording import Recording
-from torsionnet.signals.resolution import ENOUGH, resolution
+from torsionnet.signals.resolution import ENOUGH_STEPS, resolution
 
 CAUSES_FITTED_FIRST = 6
 """Number of causes that are fitted first: those that would reduce the misfit most by a linear estimate."""
@@ -107,6 +107,6 @@ def coarse_sensor_remarks(problem: FitProblem) -> tuple[str, ...]:
             if steps is not None and steps.enough_up_to < block.frequencies[-1]:
                 limit = f"{steps.enough_up_to:.3g} Hz"
                 found.append(
-                    f"{one.output} moves by less than {ENOUGH:g} of its steps above {limit}: end the band there"
+                    f"{one.output} moves by less than {ENOUGH_STEPS:g} of its steps above {limit}: end the band there"
                 )
     return tuple(dict.fromkeys(found))

@@ -18,8 +18,8 @@ from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load
 from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import located_faults, presentable_faults
+from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file
 from torsionnet.model.fit import FitFile, FitMeasurement, FitParameter, FitSettings
 from torsionnet.response import FrequencyResponse

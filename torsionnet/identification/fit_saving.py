@@ -13,7 +13,7 @@ from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.identification.fit_result import Compared, FitResult
 from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.quoting import scalar_text
 
 FIT_FORMAT_VERSION = 1

@@ -11,7 +11,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.noise_bias import noise_bias_sentence
 from torsionnet.identification.residuals.response_block import ResponseBlock
-from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, peaks
+from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, significant_peaks
 
 INDISTINGUISHABLE_CORRELATION = 0.95
 """Correlation of two parameters above which they are reported as indistinguishable."""
@@ -129,7 +129,7 @@ def _narrow(block: ResponseBlock, values: FloatArray) -> Iterator[str]:
         return
     bin_width = float(np.diff(f).min())
     curve, lines = block.curve(values), block.fine
-    for peak in peaks(np.abs(curve)):
+    for peak in significant_peaks(np.abs(curve)):
         width = half_power_bandwidth(lines, np.abs(curve), peak)
         if not f[0] <= lines[peak] <= f[-1] or not width < LEAST_BINS * bin_width:
             continue

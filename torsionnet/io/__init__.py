@@ -1,6 +1,6 @@
 """Files of other programs, of records and of responses. Each function reads or writes whole files, or returns text."""
 
-from torsionnet.core.lazy import lazy_exports
+from torsionnet.core.lazy_imports import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

@@ -14,7 +14,7 @@ from torsionnet.core.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.tors_elements import DENSITY, SHEAR_MODULUS, Entry, TorsDocument, read_document
 from torsionnet.model.elements import GROUND, Damper, Element, Gear, Inertia, Shaft, Spring
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 
 VERSION = "openTorsion 0.3.2"
 

@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.entries.nearby import names_a_file
+from torsionnet.core.entries.named_files import names_a_file
 from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.definition import Definition, section_of
@@ -53,7 +53,7 @@ def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Def
     authored = _with_files_read(_with_dotted_parameters(authored))
     if authored.is_flat:
         return authored, []
-    from torsionnet.model.parts.authored import AuthoredModel
+    from torsionnet.model.parts.authored_model import AuthoredModel
     from torsionnet.model.parts.flattening import flatten_parts
 
     flat, found = flatten_parts(authored, whole=whole)

@@ -28,7 +28,7 @@ from torsionnet.model.named_entries import can_be_named, with_named_entries
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, with_operating_values
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.parts.using import part_of, with_use
+from torsionnet.model.parts.part_insertion import part_of, with_use
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 

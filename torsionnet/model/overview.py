@@ -15,7 +15,7 @@ from torsionnet.core.number_text import screen_text
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.laws import Law
 from torsionnet.model.element_base.multiple_values import MultipleValues

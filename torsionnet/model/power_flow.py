@@ -17,7 +17,7 @@ from torsionnet.response.engine_blocks import engine_blocks
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.synthesis import common_cycle, extremes, synthesised
+from torsionnet.response.synthesis import common_cycle, extremes, waveforms
 from torsionnet.response.worst_response import WorstResponse
 
 
@@ -100,4 +100,4 @@ def _largest_over_angle(values: ComplexArray, lines: Sequence[OrderLine]) -> Flo
     spectrum = np.zeros((len(values), int(max(relatives[at] for at in moving) * cycle) + 1, 1), dtype=complex)
     for at in moving:
         spectrum[:, int(relatives[at] * cycle), 0] += values[:, at]
-    return np.asarray(extremes(synthesised(spectrum))[0][:, 0])
+    return np.asarray(extremes(waveforms(spectrum))[0][:, 0])

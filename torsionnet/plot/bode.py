@@ -1,4 +1,4 @@
-"""Frequency responses as magnitude and phase over frequency."""
+"""Bode plot of frequency responses, magnitude and phase over frequency."""
 
 from __future__ import annotations
 
@@ -17,26 +17,30 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import SI, Conventions, FrequencyResponse
-from torsionnet.response.phase import HALF_TURN, unwrapped
-from torsionnet.signals.advice import is_coherent, meant_up_to
+from torsionnet.response.phase import HALF_TURN, unwrapped_phase
+from torsionnet.signals.advice import above_noise_up_to, is_coherent
 
-POOR = 1e-10
-"""Conditioning of a measured input below which a response cannot be trusted."""
+LEAST_CONDITIONING = 1e-10
+"""Conditioning of a measured input below which its ranges are shaded as not to be trusted."""
 
-BEYOND = 1.5
-"""Times the highest frequency that is coherent: the end of the frequency axis of an estimate."""
-ROUNDING = 1e-9
-"""Share of a magnitude that is none of its changes."""
+AXIS_BEYOND_COHERENCE = 1.5
+"""End of the frequency axis of an estimate over the highest usable or coherent frequency; beyond is only noise."""
+CONSTANT_MAGNITUDE = 1e-9
+"""Relative range of magnitudes up to which they are constant and their differences rounding errors."""
 TOO_SMALL, NOT_COHERENT = "motion too small for its sensor, or beyond decimation", "not coherent with the input"
 SHORT_LABEL = 14
+"""Letters of labels below which five of them fit beside each other in the legend."""
 LONGEST_LABEL = 32
-"""Letters beside the magnitude that fit at full size."""
+"""Letters of the label of the magnitude axis that fit at full size; a longer one is set smaller."""
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One transfer function in the units shown; nan where it is infinite or zero."""
+    """Transfer function in the units shown, with its coherence and the frequencies where it is usable.
+
+    Arrays have shape (n_f,); the magnitude is nan where it is infinite or zero.
+    """
 
     label: str
     frequency: FloatArray
@@ -46,13 +50,13 @@ class Curve:
     poor: NDArray[np.bool_]
     is_usable: NDArray[np.bool_]
     is_meant: NDArray[np.bool_]
-    """Where it can be used, or is coherent at least: the picture makes room for that."""
+    """Frequencies at which the response is usable or at least coherent, for which the axes have room."""
     why_faint: str = ""
-    """Why it cannot be used where it is faint."""
+    """Reason in the legend why the faint part of the curve is not usable."""
     pair: str = ""
-    """The transfer function, as ``theta_1/T_T``."""
+    """Name of the transfer function, as ``theta_1/T_T``."""
     name: str = ""
-    """The response it is of, where there are several."""
+    """Label of the response that the curve belongs to, if there are several."""
 
 
 def bode(
@@ -141,7 +145,7 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
 
 
 def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None) -> tuple[str, list[str]]:
-    """What the titles have in common, and a label for each response."""
+    """Common part of the titles, and a label for each response."""
     titles = [response.title for response in responses]
     models = {title.partition(" (")[0] for title in titles}
     common = titles[0] if len(set(titles)) == 1 else models.pop() if len(models) == 1 else ""
@@ -159,7 +163,11 @@ def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None
 
 def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *, x_log: bool) -> list[Curve]:
     shown = response.frequencies > 0 if x_log else np.full(len(response.frequencies), fill_value=True)
-    poor = np.zeros(len(shown), dtype=bool) if response.conditioning is None else response.conditioning < POOR
+    poor = (
+        np.zeros(len(shown), dtype=bool)
+        if response.conditioning is None
+        else response.conditioning < LEAST_CONDITIONING
+    )
     several = len(response.outputs) * len(response.inputs) > 1
     curves = []
     for o, out in enumerate(response.outputs):
@@ -175,7 +183,7 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
                     response.frequencies[shown] * conventions.frequency_scale,
                     np.where(np.isfinite(size) & (size > 0), size, np.nan),
                     # The phase of what is not coherent is any, and its turns would be counted into all that follows.
-                    unwrapped(np.where(is_meant, values, np.nan)),
+                    unwrapped_phase(np.where(is_meant, values, np.nan)),
                     coherence,
                     poor[shown],
                     is_usable,
@@ -189,8 +197,8 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
 
 
 def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Where the curves of an output can be used, and where they can or are coherent; everywhere if nowhere."""
-    is_usable = np.asarray(response.frequencies <= meant_up_to(response, output))
+    """Frequencies at which an output is usable, and those at which it is usable or coherent (all if there are none)."""
+    is_usable = np.asarray(response.frequencies <= above_noise_up_to(response, output))
     found = is_usable | is_coherent(response, output)
     return is_usable, found if found.any() else np.ones_like(found)
 
@@ -241,12 +249,12 @@ def _draw(
 
 
 def _is_constant(sizes: FloatArray) -> bool:
-    """But for rounding, which is not to be enlarged."""
-    return bool(sizes.size) and float(np.ptp(sizes)) < ROUNDING * float(sizes.max())
+    """Whether magnitudes are constant but for rounding errors, which an axis must not enlarge."""
+    return bool(sizes.size) and float(np.ptp(sizes)) < CONSTANT_MAGNITUDE * float(sizes.max())
 
 
 def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
-    """Colour by output and dashes by input; of several responses, by transfer function and by response."""
+    """Colour and dashes of each curve: by output and input, or by transfer function and response of several ones."""
     sides = [(curve.pair, curve.name) for curve in curves]
     if len({name for _, name in sides}) == 1:
         sides = [(output, into) for output, _, into in (curve.pair.rpartition("/") for curve in curves)]
@@ -265,7 +273,7 @@ def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: C
 
 
 def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> None:
-    """The curve, faint where it cannot be used."""
+    """Draw a curve, faint where it is not usable."""
     marker = "." if np.count_nonzero(np.isfinite(data)) == 1 else ""
     panel.plot(curve.frequency, np.where(curve.is_usable, data, np.nan), label=curve.label, marker=marker, **look)
     if not curve.is_usable.all():
@@ -275,7 +283,7 @@ def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> 
 
 
 def _stretches(curve: Curve) -> list[tuple[float, float]]:
-    """Frequency ranges, half a step beyond their ends, where the measured input is too small to divide by."""
+    """Frequency ranges in which the measured input is too small to divide by, widened by half a step at both ends."""
     if not curve.poor.any():
         return []
     f = curve.frequency
@@ -297,15 +305,15 @@ def _dress_frequency(axes: Sequence[Axes], curves: Sequence[Curve], conventions:
 
 
 def _shown_frequencies(curve: Curve) -> FloatArray:
-    """Frequencies up to a little beyond the last at which the curve says anything."""
+    """Frequencies of a curve up to a little beyond the last usable or coherent one."""
     if curve.coherence is None:
         return curve.frequency
     highest = float(curve.frequency[curve.is_meant].max(initial=0.0))
-    return np.asarray(curve.frequency[curve.frequency <= BEYOND * highest])
+    return np.asarray(curve.frequency[curve.frequency <= AXIS_BEYOND_COHERENCE * highest])
 
 
 def _pair(responses: Sequence[FrequencyResponse]) -> str:
-    """``theta_1/T_T`` where all curves show the same transfer function."""
+    """Label of the magnitude axis: the transfer function, ``|theta_1/T_T|``, or "magnitude" if there are several."""
     pairs = {
         f"{out.name}/{into.name}" for response in responses for out in response.outputs for into in response.inputs
     }
@@ -325,7 +333,7 @@ def _dress_magnitude(axes: Axes, what: str, unit: str, *, decibels: bool, conven
 
 
 def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
-    """Below the axes, where it hides no data."""
+    """Draw the legend below the axes, with the meaning of faint and shaded parts."""
     handles, names = axes.get_legend_handles_labels()
     if len(curves) == 1 and "/" in curves[0].label:
         handles, names = [], []

@@ -1,4 +1,4 @@
-"""Circle fit: the points in Nyquist's plane with their circle, and the damping from every pair of points."""
+"""Plot of a circle fit: points and circle in Nyquist's plane, and the damping ratio from every pair of points."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 
 def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
-    """The circle of a mode, and damping ratios over the distance of the points from resonance.
+    """Circle of a mode in Nyquist's plane, and damping ratios over the distance of each pair of points in Hz.
 
-    Level damping on the right means that one mode with this law of damping draws the circle; a slope, that it does
-    not.
+    If the damping ratios on the right are level, a single mode with this law of damping explains the circle; a slope
+    means that it does not.
 
     Parameters
     ----------
     fit : CircleFit
     title : str, optional
-        By default what was fitted, with natural frequency and damping ratio.
+        By default the label of the fit, with natural frequency and damping ratio.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Coherence of estimates."""
+"""Plot of the coherence of estimated frequency responses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Test against model: both responses, and how far they are apart."""
+"""Plot of a test against a model: both responses, and their differences."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
-from torsionnet.plot.bode import BEYOND
+from torsionnet.plot.bode import AXIS_BEYOND_COHERENCE
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.phase import unwrapped
+from torsionnet.response.phase import unwrapped_phase
 from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference
 
@@ -32,10 +32,10 @@ def comparison(
     x_log: bool = True,
     title: str | None = None,
 ) -> Figure:
-    """One transfer function of a test over that of a model: magnitude, phase, coherence, and the differences.
+    """Magnitude, phase and coherence of a transfer function of a test over that of a model, and their differences.
 
-    Points at which the coherence is under 0.8 are hollow. Beyond the frequency up to which the test can be used, the
-    ground is grey. Frequencies end a little beyond the last at which the test says anything.
+    Points at which the coherence is under 0.8 are hollow. Beyond the frequency up to which the test is usable, the
+    background is grey. The axis ends a little beyond the last usable or coherent frequency.
 
     Parameters
     ----------
@@ -103,9 +103,9 @@ def _nonzero(response: FrequencyResponse) -> FrequencyResponse:
 
 
 def _end(test: FrequencyResponse) -> float:
-    """Where the picture ends, Hz: all of a test that says nothing is shown."""
+    """End of the frequency axis in Hz; inf, for all frequencies, if the test is nowhere usable or coherent."""
     meant = _is_coherent(test) if test.usable_up_to is None else _is_coherent(test) | _is_usable(test)
-    return BEYOND * float(test.frequencies[meant].max()) if meant.any() else np.inf
+    return AXIS_BEYOND_COHERENCE * float(test.frequencies[meant].max()) if meant.any() else np.inf
 
 
 def _is_coherent(test: FrequencyResponse) -> NDArray[np.bool_]:
@@ -120,7 +120,7 @@ def _is_usable(test: FrequencyResponse) -> NDArray[np.bool_]:
 
 
 def _reliable(test: FrequencyResponse) -> FloatArray:
-    """Magnitudes that can be trusted."""
+    """Magnitudes of the test at usable, coherent frequencies."""
     return np.asarray(test.magnitude[_is_usable(test) & _is_coherent(test), 0, 0])
 
 
@@ -132,7 +132,7 @@ def _responses(
     size, phase = panels["magnitude"], panels["phase"]
     size.plot(f, model.magnitude[:, 0, 0] * scale, color=MODEL, linewidth=1.6, label="model")
     _points(size, f, test.magnitude[:, 0, 0] * scale, good, "test")
-    calculated = unwrapped(model.values[:, 0, 0])
+    calculated = unwrapped_phase(model.values[:, 0, 0])
     apart = np.degrees(np.angle(test.values[:, 0, 0] / model.values[:, 0, 0]))
     measured = calculated + (apart if test.has_phase else np.nan)
     phase.plot(f, calculated, color=MODEL, linewidth=1.6)
@@ -163,10 +163,10 @@ def _points(panel: Axes, f: FloatArray, values: FloatArray, good: NDArray[np.boo
 
 
 def _limit_to(panel: Axes, values: FloatArray) -> None:
-    """Room for what can be trusted, whatever the rest does."""
+    """Set the limits of a panel to the reliable values, whatever the others are."""
     finite = values[np.isfinite(values)]
-    reach = 1.25 * float(np.abs(finite).max()) if finite.size else 1.0
-    panel.set_ylim(-max(reach, 1e-3), max(reach, 1e-3))
+    limit = max(1.25 * float(np.abs(finite).max()) if finite.size else 1.0, 1e-3)
+    panel.set_ylim(-limit, limit)
 
 
 def _dress(

@@ -1,4 +1,4 @@
-"""A damper: the level over frequency or speed with and without it, and the largest level over each value."""
+"""Plot of a damper design: level over frequency or speed with and without damper, largest level over each value."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.damper_optimum import DamperOptimum
 
-HIGHEST, LOWEST = 3.0, 300.0
-"""Of the largest level as given or best: curves leave the panel above and below."""
-WIDE = 3.0
-"""Ranges whose ends have a larger ratio are logarithmic."""
+TOP_FACTOR, BOTTOM_FACTOR = 3.0, 300.0
+"""Factors from the largest level, as given or optimal, to the upper end of the level axis and down to its lower end."""
+WIDE_RANGE = 3.0
+"""Ratio of the ends of a range above which its axis is logarithmic."""
 
 
 MARK: dict[str, Any] = {"markersize": 6, "zorder": 5, "clip_on": False}
 
 
 def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """The level for the values as given, the best ones, without damping and locked; below, what each value does.
+    """Level with the values as given, with the optimal ones, without damping and locked; below, its maximum by value.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> N
             axes.plot([one.point for one in points], sizes, mark, color=style.INK, label=label, **MARK)
     top = max(found.before.level, found.after.level) * scale
     lowest = min(curve.levels.min() for curve in found.curves[:2]) * scale
-    low, high = max(0.8 * lowest, top / LOWEST), HIGHEST * top
+    low, high = max(0.8 * lowest, top / BOTTOM_FACTOR), TOP_FACTOR * top
     axes.set_yscale("log")
     axes.set_ylim(low, high)
     style.log_ticks(axes.yaxis, low, high)
@@ -79,7 +79,7 @@ def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> N
 
 
 def _draw_effect(axes: Axes, found: DamperOptimum, number: int, scale: float) -> Axes:
-    """The maximum over one value; the value as given is a dotted line."""
+    """Draw the maximum over one value, with the value as given as a vertical line."""
     style.style_axes(axes)
     one = found.parameters[number]
     values, sizes = found.effects[one.name].T
@@ -87,12 +87,12 @@ def _draw_effect(axes: Axes, found: DamperOptimum, number: int, scale: float) ->
     axes.plot([one.value], [found.after.level * scale], "o", color=style.INK, **MARK)
     if one.lower <= one.start <= one.upper:
         axes.axvline(one.start, label="as given", **style.line_style(0))
-    if one.lower > 0 and one.upper > WIDE * one.lower:
+    if one.lower > 0 and one.upper > WIDE_RANGE * one.lower:
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, one.lower, one.upper)
     every = np.concatenate([effect[:, 1] for effect in found.effects.values()]) * scale
     lowest, highest = every.min(), every.max()
-    if highest > WIDE * lowest:
+    if highest > WIDE_RANGE * lowest:
         axes.set_yscale("log")
         style.log_ticks(axes.yaxis, lowest, highest)
     axes.set_xlim(one.lower, one.upper)

@@ -1,4 +1,4 @@
-"""Fits: test and fitted model, what is left over, and how the parameters hang together."""
+"""Plots of a fit: test, fitted model and residuals, and the correlation of the parameters."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ if TYPE_CHECKING:
     from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without
 
 MOST_MEASUREMENTS = 6
-HEIGHTS = (3.0, 2.2, 1.5)
+"""Measurements drawn side by side; with more, the panels would be too narrow to read."""
+HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
 
 
 def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """A column for each measurement: magnitude and phase of test and model, and residuals in units of their noise.
+    """Magnitude and phase of test and model, and residuals in units of their noise, a column for each measurement.
 
-    Residuals that scatter about zero within two say that the model explains the test; a pattern in them says what it
+    The model explains the test if the residuals scatter about zero within two; a pattern in them shows what the model
     lacks.
 
     Parameters
@@ -71,7 +72,7 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
 
 
 def correlation(found: Fit, *, title: str | None = None) -> Figure:
-    """Correlation of the parameters as a matrix: near 1 or -1 the data cannot tell two of them apart."""
+    """Matrix of the correlation of fitted parameters; near 1 or -1 the data cannot tell two of them apart."""
     names = list(found.values)
     side = max(3.0, 0.55 * len(names) + 1.6)
     figure = style.new_figure(side + 0.8, side)

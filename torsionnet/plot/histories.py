@@ -1,4 +1,4 @@
-"""Signals over time."""
+"""Plot of the signals of a recording over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray, Recording
 
 MOST_POINTS = 4000
-"""More than a page is wide in dots."""
+"""Points of a curve above which a signal is thinned: more than the width of a page in dots."""
 
 
 def time_histories(
@@ -25,9 +25,9 @@ def time_histories(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Signals over time, one below the other.
+    """Signals of a recording over time, one below the other.
 
-    Of long records the smallest and largest value of every stretch are drawn, so that no peak is lost.
+    Of long records the smallest and largest value of every section are drawn, so that no peak is lost.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def time_histories(
         style.style_axes(panel)
         largest = float(np.nanmax(np.abs(signal.values), initial=0.0))
         scale, unit = axis_unit(signal.unit, largest, conventions) if signal.unit else (1.0, "unit unknown")
-        time, values = thinned(chosen.time, signal.values * scale)
+        time, values = thin_out(chosen.time, signal.values * scale)
         panel.plot(time, values, color=style.PALETTE[number % len(style.PALETTE)], linewidth=0.7)
         panel.set_ylabel(f"{signal.name} [{unit}]")
     panels[-1].set_xlabel("time [s]")
@@ -69,10 +69,10 @@ def time_histories(
     return figure
 
 
-def thinned(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
-    """Points that draw the same picture: of every stretch the smallest and the largest value.
+def thin_out(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
+    """Times and values of a signal reduced to about ``most`` points: smallest and largest value of every section.
 
-    >>> thinned(np.arange(8.0), np.array([0, 1, 0, -1, 0, 0, 5, 0.0]), most=4)[1].tolist()
+    >>> thin_out(np.arange(8.0), np.array([0, 1, 0, -1, 0, 0, 5, 0.0]), most=4)[1].tolist()
     [-1.0, 1.0, 0.0, 5.0]
     """
     if len(values) <= most:

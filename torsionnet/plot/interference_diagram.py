@@ -1,4 +1,4 @@
-"""Interference (Campbell) diagram: natural frequencies and orders over speed, and where they meet."""
+"""Interference (Campbell) diagram: natural frequencies and orders over speed, with their crossings."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.response.vibration_mode import VibrationMode
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
-"""Areas of marks in points squared."""
+"""Areas in points squared of the marks of crossings with the smallest and the largest generalised force."""
 HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
-ALONG = 601
-"""Points on a line over speed."""
+SPEED_POINTS = 601
+"""Points of the line of an order over speed: steps well below the width of a line on paper."""
 HEADROOM, NEAREST = 1.12, 0.028
-"""Room above the highest frequency shown; least distance of two labels over the height."""
+"""Upper end of the axis over the highest crossing, and least distance of two labels over the height of the axes."""
 
 
 def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
-    """Frequency over speed: modes as horizontal lines, orders as rays, a mark where they meet.
+    """Interference (Campbell) diagram with modes as horizontal lines over speed, orders as rays, crossings as marks.
 
-    The area of a mark goes with the generalised force of that crossing over the largest one; a cross is not excited in
-    this condition. The operating range is shaded, its margins in a lighter shade.
+    The area of a mark grows with the generalised force of that crossing over the largest one; a cross is a crossing
+    that is not excited in this condition. The operating range is shaded, its margins in another colour.
 
     Parameters
     ----------
@@ -60,12 +60,12 @@ def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None,
 
 
 def _names(found: CriticalSpeeds) -> list[str]:
-    """Excitations in the order of their colours."""
+    """Names of the excitations in the order of their colours."""
     return list(dict.fromkeys(one.excitation for one in found.lines))
 
 
 def _natural(one: CriticalSpeed) -> float:
-    """The frequency at which a crossing is marked: with damping where there is one."""
+    """Natural frequency in Hz at which a crossing is marked: with damping if it is known."""
     mode = one.mode
     return mode.undamped_frequency if math.isnan(mode.natural_frequency) else mode.natural_frequency
 
@@ -107,10 +107,10 @@ def _modes(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
 
 
 def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
-    """Each line in the colour of its excitation, with its order where it leaves the picture."""
+    """Draw the line of each order in the colour of its excitation, with the order where the line leaves the axes."""
     names = _names(found)
     labelled: list[tuple[float, float]] = []
-    speeds = np.linspace(0, end, ALONG)
+    speeds = np.linspace(0, end, SPEED_POINTS)
     for line in sorted(found.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
         frequencies = np.abs(line.frequency(speeds / RPM))
         seen = np.flatnonzero(frequencies <= top)

@@ -1,4 +1,4 @@
-"""Limits over speed: orders and their sum, the lines they have to stay below, barred ranges shaded."""
+"""Plot of a check of limits: orders and their sum over speed, with limits and barred ranges."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.limit_check import LimitCheck, LimitVerdict
 
 MOST_LINES = 4
+"""Orders drawn in a panel, the largest; more would not fit beside it in the legend."""
 LIMIT_COLOR = "#B00020"
+"""Red of limits; it is none of the colours of curves."""
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 
 
@@ -29,7 +31,7 @@ def limit_check(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Every value judged over speed: the sum of all orders in black, the largest orders below it, limits in red.
+    """Quantities judged by limits over speed, with the sum of all orders in black, the largest orders, limits in red.
 
     Ranges to be barred are shaded.
 
@@ -68,7 +70,7 @@ def limit_check(
 
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
-    """Verdicts of one limit on one quantity share a panel."""
+    """Verdicts by panel, those of one limit on one quantity together."""
     known = {one.limit for one in check.verdicts}
     for name in names or ():
         if name not in known:

@@ -1,4 +1,4 @@
-"""MAC matrix as a picture."""
+"""Plot of a MAC matrix."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 
 MOST_NUMBERS = 14
-DARK = 0.55
+"""Modes up to which the fields have numbers; in more, the fields are too small for them."""
+WHITE_TEXT_MAC = 0.55
+"""MAC above which a field is so dark that its number is white."""
 
 
 def mac_matrix(
@@ -24,7 +26,7 @@ def mac_matrix(
     column_label: str = "mode of the model",
     title: str = "",
 ) -> Figure:
-    """Modal assurance criteria as shades from 0 to 1, with their numbers as long as there are not too many.
+    """Matrix of modal assurance criteria (MAC) in shades from 0 to 1, with numbers if there are not too many modes.
 
     Parameters
     ----------
@@ -47,7 +49,7 @@ def mac_matrix(
     matrix = np.asarray(values, dtype=float)
     if matrix.ndim != 2 or not matrix.size:
         raise UsageError(
-            "a picture of MAC takes a matrix; a match has none where there are fewer than two common sensors"
+            "a MAC plot needs a matrix; a match has none if model and test have fewer than two sensors in common"
         )
     names = [
         [str(number + 1) for number in range(size)] if given is None else list(given)
@@ -66,7 +68,7 @@ def mac_matrix(
     axes.set_ylabel(row_label, fontsize=style.FONT)
     if max(matrix.shape) <= MOST_NUMBERS:
         for (row, column), value in np.ndenumerate(matrix):
-            color = style.PAPER if value > DARK else style.INK
+            color = style.PAPER if value > WHITE_TEXT_MAC else style.INK
             text = "-" if np.isnan(value) else f"{value:.2f}"
             axes.text(column, row, text, ha="center", va="center", fontsize=style.SMALL, color=color)
     bar = figure.colorbar(picture, ax=axes, shrink=0.9)

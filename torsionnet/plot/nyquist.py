@@ -1,4 +1,4 @@
-"""Nyquist plot of a loop opened at a controller, with the margins as they are read from it."""
+"""Nyquist plot of a loop opened at a controller, with its stability margins."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
     from torsionnet.response.loop_margins import LoopMargins
 
-FAINTEST = 0.01
-"""|L|, over the largest where that is below 1, from which on frequencies are shown; at its reciprocal they end."""
-WIDEST = 3.0
-"""Magnitude up to which L is drawn to scale; beyond it is drawn on the rim."""
+SMALLEST_LOOP = 0.01
+"""Loop gain |L| (over its maximum if below 1) at which the frequencies shown begin; they end at its reciprocal."""
+LARGEST_LOOP = 3.0
+"""Magnitude up to which L is drawn to scale; a larger L is drawn at this distance, so that -1 stays visible."""
 
 
 def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
-    """L(j omega) in the complex plane, and its magnitude and phase over frequency.
+    """Loop L(j omega) in the complex plane, and its magnitude and phase over frequency.
 
     Parameters
     ----------
     margins : LoopMargins
-        What :meth:`torsionnet.Drivetrain.loop_margins` gives.
+        Result of :meth:`torsionnet.Drivetrain.loop_margins`.
     title : str, optional
         By default the controller at which the loop is opened.
 
@@ -54,7 +54,7 @@ def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
 
 def _plane(axes: Axes, margins: LoopMargins) -> None:
     style.style_axes(axes)
-    loop = margins.loop * np.minimum(1, WIDEST / np.maximum(np.abs(margins.loop), 1e-300))
+    loop = margins.loop * np.minimum(1, LARGEST_LOOP / np.maximum(np.abs(margins.loop), 1e-300))
     axes.plot(loop.real, loop.imag, color=style.PALETTE[0], linewidth=1.4, label="L, frequency > 0")
     axes.plot(loop.real, -loop.imag, color=style.PALETTE[0], linewidth=0.7, linestyle="--")
     turn = np.linspace(0, 2 * np.pi, 361)
@@ -76,7 +76,7 @@ def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
     for axes in (size, phase):
         style.style_axes(axes)
         axes.set_xscale("log")
-    shown = _that_matter(margins)
+    shown = _shown_range(margins)
     f, loop = margins.frequencies[shown], margins.loop[shown]
     size.loglog(f, np.abs(loop), color=style.PALETTE[0], linewidth=1.2)
     size.axhline(1, color=style.INK, linewidth=0.6)
@@ -93,15 +93,15 @@ def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
                 axes.axvline(margin.frequency, color=color, linewidth=0.8)
 
 
-def _that_matter(margins: LoopMargins) -> slice:
-    """From the first to the last frequency at which the loop is neither almost open nor ruled by an integrator."""
+def _shown_range(margins: LoopMargins) -> slice:
+    """Slice of the frequencies between the first and the last at which the loop gain is within the limits shown."""
     sizes = np.abs(margins.loop)
-    low, high = FAINTEST * min(1.0, float(sizes.max(initial=0.0))), 1 / FAINTEST
+    low, high = SMALLEST_LOOP * min(1.0, float(sizes.max(initial=0.0))), 1 / SMALLEST_LOOP
     places = np.flatnonzero((sizes >= low) & (sizes <= high))
     return slice(int(places[0]), int(places[-1]) + 1) if len(places) > 1 else slice(None)
 
 
 def _broken(f: FloatArray, degrees: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A phase between -180 and 180 degrees, with a gap where it goes round."""
+    """Frequencies and phases within -180 to 180 degrees, with a gap (nan) at each jump of the phase."""
     jumps = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
     return np.insert(f, jumps, np.nan), np.insert(degrees, jumps, np.nan)

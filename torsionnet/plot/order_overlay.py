@@ -1,4 +1,4 @@
-"""Measured amplitudes of orders over the calculated ones."""
+"""Plot of measured amplitudes of orders over the calculated ones."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def order_overlay(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Every measured order as dots, over the line that was calculated for it.
+    """Amplitudes of measured orders as dots over speed, with the calculated order as a line.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def order_overlay(
     Raises
     ------
     UsageError
-        No such output, or nothing that was measured was calculated.
+        No such output, or none of the measured orders was calculated.
     """
     figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(measured))
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]

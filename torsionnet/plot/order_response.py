@@ -1,4 +1,4 @@
-"""Responses by order over speed, and the waveform they sum up to."""
+"""Plots of the response of running machinery: amplitudes of orders over speed, half ranges, waveform."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse
 
 MOST_LINES = 6
-HALF_WIDTH = 45
-"""Letters of a label that fit beside another one."""
+"""Orders drawn in a panel, the largest; more could not be told apart by colour and dashes."""
+HALF_WIDTH_LABEL = 45
+"""Letters of a label up to which two fit beside each other in the legend."""
 
 
 def order_response(
@@ -28,7 +29,7 @@ def order_response(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Amplitudes over speed: the synthesised half range in black, the largest orders below it.
+    """Amplitudes of the largest orders over speed, and the half range of all orders together in black.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def half_ranges(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """All orders of one output together, over speed, in several configurations.
+    """Half range of all orders of an output over speed, in several configurations.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def half_ranges(
         axes.set_xlim(responses[0].rpm[0], responses[0].rpm[-1])
     if len(responses) > 1 or labels:
         # Names of configurations are long: below, they leave the curves their width.
-        columns = 1 if max(len(str(line.get_label())) for line in axes.lines) > HALF_WIDTH else 2
+        columns = 1 if max(len(str(line.get_label())) for line in axes.lines) > HALF_WIDTH_LABEL else 2
         figure.legend(fontsize=style.SMALL, frameon=False, loc="outside lower center", ncols=columns)
     style.set_title(figure, channel.name if title is None else title)
     return figure
@@ -133,7 +134,7 @@ def waveform(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """The sum of all orders over the angle of the reference shaft at one speed, with their phases.
+    """Waveform of an output at one speed, the sum of all orders with their phases over the reference shaft's angle.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Mode shapes of several configurations: one row of small panels for each, one column for each vibration.
+"""Plot of the mode shapes of several configurations: a row of small panels for each, a column for each mode.
 
-All panels are drawn into one axes, in inches: a dozen axes with ticks of their own take a second, this a tenth of it.
+All panels are drawn into one axes, in inches, which is ten times as fast as a dozen axes with ticks of their own.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from torsionnet.plot.shapes import (
     MANY_NODES,
     OUT_OF_PHASE,
     REAL,
-    View,
-    scatter,
-    shown,
-    view_of,
+    ShapeView,
+    phase_scatter,
+    shape_view,
+    station_shape,
 )
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.modes import OSCILLATORY
@@ -34,17 +34,19 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 MOST_COLUMNS, WRAPPED = 4, 3
-"""Panels side by side at most, and where the modes of a single configuration fill several rows."""
+"""Panels side by side at most, and if the modes of a single configuration fill several rows."""
 TALL, LOW, TITLES, LABEL, LETTER, NAME = 0.5, 0.36, 0.42, 0.2, 0.062, 0.17
-MANY_ROWS = 3
-"""Rows of panels up to which they are tall."""
+"""Half heights of tall and low panels, title of a panel, label of a row, letter of a name, node's name, in inches."""
+MOST_TALL_ROWS = 3
+"""Rows of panels up to which panels are tall; more low ones still fit a page."""
 LEFT, RIGHT, BETWEEN, EDGE = 0.32, 0.1, 0.22, 0.2
-TINY = style.SMALL - 1
+"""Margins of the figure, gap between panels, and gap between a panel's edge and its first node, in inches."""
+TINY = style.SMALL - 1  # points
 
 
 @dataclass(frozen=True)
 class Panel:
-    """Where a mode is drawn: the left end and the zero line in inches, and the width."""
+    """Panel of a mode, with numbers of case and mode, row and column, and its place and size in inches."""
 
     case: int
     mode: int
@@ -57,7 +59,7 @@ class Panel:
 
 
 def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels: Sequence[str]) -> Figure:
-    """Relative angles of the nodes, referred to one shaft, in the vibrations of several configurations.
+    """Mode shapes of several configurations as relative angles of the nodes, referred to one shaft.
 
     Parameters
     ----------
@@ -83,7 +85,7 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
     """
     longest = max(len(node) for one in modes for node in one.nodes)
     below = 0.2 + LETTER * min(longest, 18)
-    views = [view_of(one, rig) for one, rig in zip(modes, drivetrains, strict=True)]
+    views = [shape_view(one, rig) for one, rig in zip(modes, drivetrains, strict=True)]
     panels, height = _panels(modes, below)
     figure = style.bare_figure(style.WIDTH, height)
     axes = figure.add_axes((0, 0, 1, 1), xlim=(0, style.WIDTH), ylim=(0, height))
@@ -102,7 +104,7 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
 
 
 def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
-    """The panels and the height of all."""
+    """Panels, and height of the figure in inches."""
     drawn = _drawn(modes)
     if len(modes) == 1:
         count = len(drawn[0])
@@ -116,7 +118,7 @@ def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
         ]
     rows, columns = 1 + max(place[2] for place in places), max(2, 1 + max(place[3] for place in places))
     step = (style.WIDTH - LEFT - RIGHT + BETWEEN) / columns
-    half = TALL if rows <= MANY_ROWS else LOW
+    half = TALL if rows <= MOST_TALL_ROWS else LOW
     rise = 2 * half + TITLES + (LABEL if len(modes) > 1 else 0)
     panels = [
         Panel(*place, LEFT + place[3] * step, below + half + (rows - 1 - place[2]) * rise, step - BETWEEN, half)
@@ -126,13 +128,13 @@ def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
 
 
 def _drawn(modes: Sequence[Modes]) -> list[list[int]]:
-    """The vibrations of each configuration; what only turns or creeps where nothing vibrates."""
+    """Indices of the oscillatory modes of each configuration; of all modes if none oscillates."""
     vibrations = [[index for index, kind in enumerate(one.kinds) if kind == OSCILLATORY] for one in modes]
     return vibrations if any(vibrations) else [list(range(len(one))) for one in modes]
 
 
 def _frame(axes: Axes, panel: Panel) -> None:
-    """Zero line, and a scale from -1 to 1 on the left."""
+    """Draw the zero line of a panel, and a scale from -1 to 1 on its left."""
     x, y, half = panel.x, panel.y, panel.half
     ticks = [[(x - 0.03, y + level), (x, y + level)] for level in (-half, 0.0, half)]
     lines = [[(x, y - half), (x, y + half)], [(x, y), (x + panel.width, y)], *ticks]
@@ -142,18 +144,18 @@ def _frame(axes: Axes, panel: Panel) -> None:
             axes.text(x - 0.06, y + level, text, fontsize=TINY, ha="right", va="center", color=style.INK)
 
 
-def _places(panel: Panel, view: View) -> FloatArray:
-    """Where the stations stand."""
+def _places(panel: Panel, view: ShapeView) -> FloatArray:
+    """Places of the stations in a panel, in inches, shape (n_stations,)."""
     edge = min(EDGE, panel.width / 4)
     x = np.array([station.x for station in view.axis.stations])
     return np.asarray(panel.x + edge + x * (panel.width - 2 * edge) / max(view.axis.end, 1.0))
 
 
-def _shape(axes: Axes, panel: Panel, modes: Modes, view: View) -> None:
-    shape, x = shown(modes, panel.mode, view), _places(panel, view)
+def _shape(axes: Axes, panel: Panel, modes: Modes, view: ShapeView) -> None:
+    shape, x = station_shape(modes, panel.mode, view), _places(panel, view)
     size = 3.5 if len(x) <= MANY_NODES else 1.8
     parts = [(shape.real, REAL, 1.3, REAL)]
-    if scatter(shape) > OUT_OF_PHASE:
+    if phase_scatter(shape) > OUT_OF_PHASE:
         parts.insert(0, (shape.imag, IMAGINARY, 0.9, style.PAPER))
     for part, color, width, face in parts:
         y = panel.y + panel.half * part
@@ -170,7 +172,7 @@ def _shape(axes: Axes, panel: Panel, modes: Modes, view: View) -> None:
         axes.plot(x[~again], y[~again], "o", color=color, markerfacecolor=face, markersize=size, zorder=3)
 
 
-def _names(axes: Axes, panel: Panel, view: View) -> None:
+def _names(axes: Axes, panel: Panel, view: ShapeView) -> None:
     x = _places(panel, view)
     y = panel.y - panel.half - 0.08
     look: dict[str, Any] = {"fontsize": TINY, "rotation": 45, "ha": "right", "va": "top", "rotation_mode": "anchor"}
@@ -183,7 +185,7 @@ def _names(axes: Axes, panel: Panel, view: View) -> None:
 
 
 def _label(axes: Axes, panel: Panel, text: str) -> None:
-    """Name of the configuration above its row."""
+    """Write the name of a configuration above its row of panels."""
     y = panel.y + panel.half + 0.1 + LABEL
     axes.text(panel.x, y, text, fontsize=style.SMALL, color=style.INK, fontweight="bold", parse_math=False)
 

@@ -1,4 +1,4 @@
-"""Mode shapes: one small panel for each mode, the nodes of the drivetrain along it, branch by branch."""
+"""Plot of mode shapes: a panel for each mode, with the nodes of the drivetrain along its axis, branch by branch."""
 
 from __future__ import annotations
 
@@ -17,44 +17,47 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.listing import comma_list
 from torsionnet.plot.schematic.stations import Axis, idle_nodes, node_axis, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
-from torsionnet.response.mode_numbers import place_of
+from torsionnet.response.mode_numbers import index_of_mode
 from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-MOST = 12
-"""Modes shown unless others are asked for."""
+MODES_SHOWN = 12
+"""Modes shown unless others are asked for: as many panels as fit a page."""
 
-COLUMNS, PAGE = 2, 10.0
-"""Panels beside each other, and the largest height in inches."""
+COLUMNS, PAGE_HEIGHT = 2, 10.0
+"""Panels beside each other, and the largest height of the figure in inches."""
 
 MOST_LETTERS, HANDLE = 105, 8
-"""Letters beside each other in a legend, and those that a line takes the room of."""
+"""Letters of a line of the legend, and letters whose room the sample of a line takes."""
 MANY_NODES, FEW_LETTERS, FEW_NAMES = 24, 22, 4
-STANDING = 1e-9
-LIMIT, CLOSE = 1.45, 2.2
+"""Nodes up to which all have names, letters of names up to which they stand level, names in a remark of the legend."""
+STANDING_AMPLITUDE = 1e-9
+"""Amplitude over the largest of the mode up to which a node stands still: rounding errors are smaller."""
+LIMIT, CLOSE_GEARS = 1.45, 2.2
+"""End of the axis of amplitudes, and distance of gears, over that of nodes, below which their labels alternate."""
 OUT_OF_PHASE = 10.0
-"""Degrees by which the nodes scatter around one phase, weighted by how far they move, before a panel says so."""
+"""Scatter of the phase of the nodes in degrees, weighted by amplitude, from which imaginary parts are shown."""
 
 REAL, IMAGINARY = style.PALETTE[0], style.PALETTE[5]
 JOINS: dict[str, Any] = {"shaft": "-", "gear": (0, (1, 1.2)), "box": (0, (4, 2))}
 
 
 @dataclass(frozen=True)
-class View:
-    """How shapes are shown: along which axis, and by which factor each node's own angle is multiplied."""
+class ShapeView:
+    """Axis of the nodes of a mode shape plot, and factors that refer the nodes' angles to one shaft."""
 
     axis: Axis
     factors: NDArray[np.float64]
-    """One for each node of the modes."""
+    """Factors on the angles of the nodes of the modes, shape (n_nodes,)."""
     label: str
     free: tuple[str, ...] = ()
-    """Moving nodes to which no fixed ratio leads."""
+    """Moving nodes without a fixed ratio to the reference."""
     standing: tuple[str, ...] = ()
-    """Moving nodes that stand still on average, whose own angle is shown."""
+    """Moving nodes of shafts that stand still on average, whose own angle is shown."""
     idle: tuple[str, ...] = ()
-    """Nodes left out because they only run along."""
+    """Nodes of idle gear wheels, which are left out."""
 
 
 def mode_shapes(
@@ -68,7 +71,7 @@ def mode_shapes(
     own_angles: bool = False,
     idle: bool = False,
 ) -> Figure:
-    """Relative angles of the nodes in each mode, referred to one shaft.
+    """Mode shapes as relative angles of the nodes, referred to one shaft, a panel for each mode.
 
     The nodes stand in the order of the schematic: the main line, then its branches, each beginning with the node it
     leaves (in brackets). Angles are multiplied by the ratio to one shaft, so that a rigid gear, marked by a dotted
@@ -110,33 +113,33 @@ def mode_shapes(
     ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1.39 %']
     """
     chosen = _chosen(modes, which)
-    view = view_of(modes, drivetrain, referred_to, own=own_angles, idle=idle)
+    view = shape_view(modes, drivetrain, referred_to, own=own_angles, idle=idle)
     figure = _panels(modes, chosen, view, conventions)
     style.set_title(figure, modes.title if title is None else title)
     return figure
 
 
-def view_of(
+def shape_view(
     modes: Modes,
     drivetrain: Drivetrain | None,
     referred_to: str | None = None,
     *,
     own: bool = False,
     idle: bool = False,
-) -> View:
-    """Axis and factors for shapes referred to one shaft, or for each node's own angle."""
+) -> ShapeView:
+    """Axis and factors for mode shapes referred to one shaft, or for each node's own angle."""
     if referred_to is not None and referred_to not in modes.nodes:
         raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}')
     ones = np.ones(len(modes.nodes))
     if drivetrain is None:
         if referred_to is not None:
             raise UsageError("angles can be referred to a node only where the drivetrain is given too")
-        return View(plain_axis(modes.nodes), ones, "angle of each node [-]")
+        return ShapeView(plain_axis(modes.nodes), ones, "angle of each node [-]")
     idlers = set() if idle else idle_nodes(drivetrain)
     left_out = tuple(node for node in drivetrain.nodes if node in idlers)
     axis = node_axis(drivetrain, left_out)
     if own or not axis.stations:
-        return View(axis, ones, "angle of each node [-]", idle=left_out)
+        return ShapeView(axis, ones, "angle of each node [-]", idle=left_out)
     reference = referred_to or axis.stations[0].node
     found = ratios(drivetrain, reference)
     factors = np.array([found.of[node] for node in modes.nodes])
@@ -145,16 +148,16 @@ def view_of(
     label = "angle [-]" if plain else f"angle referred to {reference} [-]"
     # What cannot turn stays at zero whatever its ratio.
     seen = {station.node for station in axis.stations}
-    seen = {node for node in seen if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING)}
+    seen = {node for node in seen if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING_AMPLITUDE)}
     free, standing = (tuple(node for node in some if node in seen) for some in (found.free, found.standing))
-    return View(axis, factors, label, free, standing, left_out)
+    return ShapeView(axis, factors, label, free, standing, left_out)
 
 
-def _panels(modes: Modes, chosen: Sequence[int], view: View, conventions: Conventions) -> Figure:
+def _panels(modes: Modes, chosen: Sequence[int], view: ShapeView, conventions: Conventions) -> Figure:
     columns = min(COLUMNS, max(1, len(chosen)))
     rows = -(-len(chosen) // columns)
     longest = max((len(node) for node in modes.nodes), default=1)
-    figure = style.new_figure(style.WIDTH, min(PAGE, 0.9 + rows * (1.5 + 0.05 * min(longest, 16))))
+    figure = style.new_figure(style.WIDTH, min(PAGE_HEIGHT, 0.9 + rows * (1.5 + 0.05 * min(longest, 16))))
     scattered = False
     if chosen:
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
@@ -172,12 +175,12 @@ def _panels(modes: Modes, chosen: Sequence[int], view: View, conventions: Conven
 def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
     if which is None:
         vibrations = [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
-        return (vibrations or list(range(len(modes))))[:MOST]
-    return [place_of(number, modes.kinds) for number in which]
+        return (vibrations or list(range(len(modes))))[:MODES_SHOWN]
+    return [index_of_mode(number, modes.kinds) for number in which]
 
 
-def shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
-    """The shape at the stations, turned and scaled so that its largest value is 1."""
+def station_shape(modes: Modes, index: int, view: ShapeView) -> NDArray[np.complex128]:
+    """Mode shape at the stations, shape (n_stations,), rotated and scaled so that its largest value is 1."""
     place = {node: index for index, node in enumerate(modes.nodes)}
     referred = modes.shapes[:, index] * view.factors
     shape = np.array([referred[place[station.node]] for station in view.axis.stations], dtype=complex)
@@ -185,8 +188,8 @@ def shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
     return np.asarray(shape / largest if largest else shape, dtype=complex)
 
 
-def scatter(shape: NDArray[np.complex128]) -> float:
-    """Mean angle in degrees between the nodes' phases and 0 or 180 degrees, weighted by amplitude.
+def phase_scatter(shape: NDArray[np.complex128]) -> float:
+    """Mean distance in degrees of the nodes' phases from 0 or 180, weighted by amplitude.
 
     Parameters
     ----------
@@ -195,7 +198,7 @@ def scatter(shape: NDArray[np.complex128]) -> float:
 
     Examples
     --------
-    >>> scatter(np.array([1, -1, 0.5j])), scatter(np.array([1, 1j]))
+    >>> phase_scatter(np.array([1, -1, 0.5j])), phase_scatter(np.array([1, 1j]))
     (18.0, 45.0)
     """
     size = np.abs(shape)
@@ -205,11 +208,11 @@ def scatter(shape: NDArray[np.complex128]) -> float:
     return float(np.average(off, weights=size))
 
 
-def _panel(axes: Axes, modes: Modes, index: int, view: View, conventions: Conventions) -> bool:
-    """One mode; gives whether its imaginary part is shown."""
-    shape = shown(modes, index, view)
+def _panel(axes: Axes, modes: Modes, index: int, view: ShapeView, conventions: Conventions) -> bool:
+    """Draw one mode, and return whether its imaginary part is shown."""
+    shape = station_shape(modes, index, view)
     x = np.array([station.x for station in view.axis.stations])
-    out = scatter(shape)
+    out = phase_scatter(shape)
     style.style_axes(axes)
     axes.axhline(0, color=style.MUTED, linewidth=0.8)
     _marks(axes, view.axis)
@@ -239,14 +242,14 @@ def _curve(
 
 
 def _marks(axes: Axes, axis: Axis) -> None:
-    """Borders between branches, and gears with their ratio."""
+    """Draw the borders between branches, and the gears with their ratios."""
     for border in axis.borders:
         axes.axvline(border, color=style.FAINT, linewidth=4.0, zorder=0.5)
-    before, low = -CLOSE, False
+    before, low = -CLOSE_GEARS, False
     for join in (join for join in axis.joins if join.kind == "gear"):
         middle = (axis.stations[join.first].x + axis.stations[join.second].x) / 2
         # Texts of gears beside each other stand at two heights.
-        low = middle - before < CLOSE and not low
+        low = middle - before < CLOSE_GEARS and not low
         before = middle
         axes.axvline(middle, color=style.MUTED, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.6)
         text = axes.text(middle, LIMIT - (0.22 if low else 0.02), f"$\\tau$ = {join.label}", ha="center", va="top")
@@ -272,7 +275,7 @@ def _title(modes: Modes, index: int, conventions: Conventions) -> str:
     return f"{modes.names[index]}: {frequency:.4g} {conventions.frequency}, zeta = {ratio:.3g} %"
 
 
-def _legend(figure: Figure, total: int, chosen: Sequence[int], view: View, *, scattered: bool) -> None:
+def _legend(figure: Figure, total: int, chosen: Sequence[int], view: ShapeView, *, scattered: bool) -> None:
     handles = [Line2D([], [], color=REAL, marker="o", markersize=4.5, linewidth=1.6)]
     names = ["real part" if scattered else "shape"]
     if scattered:

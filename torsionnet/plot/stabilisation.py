@@ -1,4 +1,4 @@
-"""Stabilisation diagram: poles over the order of the fit, above the responses they come from."""
+"""Stabilisation diagram: poles over the order of the fit, with the mode indicator of the responses."""
 
 from __future__ import annotations
 
@@ -20,9 +20,11 @@ MARKS = (
     ("stable", "P", style.PALETTE[2], "and in shape"),
 )
 MOST_CURVES = 3
+"""Singular values drawn of the mode indicator; further ones are mostly noise."""
 ROUND_OFF = 1e-12
-APART = 0.022
-"""Of the width: room for a line of text."""
+"""Relative margin of the band, so that rounding does not cut off its first or last line."""
+LABEL_DISTANCE = 0.022
+"""Least distance of the labels of modes over the width of the axes: a line of text."""
 
 
 def stabilisation(
@@ -32,7 +34,7 @@ def stabilisation(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Poles of every order over their natural frequency, with the mode indicator (CMIF) of the responses.
+    """Stabilisation diagram with the poles of every order over their natural frequency, and the mode indicator (CMIF).
 
     Parameters
     ----------
@@ -109,12 +111,12 @@ def _poles(axes: Axes, diagram: Stabilisation, scale: float) -> None:
 
 
 def _modes(axes: Axes, estimate: ModalEstimate, band: tuple[float, float], conventions: Conventions) -> None:
-    """A line at each mode within the band, with its numbers above the axes, side by side."""
+    """Draw a line at each mode within the band, with natural frequency and damping ratio above the axes."""
     scale = conventions.frequency_scale
     low, high = band
     shown = [mode for mode in range(len(estimate)) if estimate.natural_frequencies[mode] * scale <= high]
     places = estimate.natural_frequencies[shown] * scale
-    for place, mode, name in zip(places, shown, _apart(places, APART * (high - low), high), strict=True):
+    for place, mode, name in zip(places, shown, _apart(places, LABEL_DISTANCE * (high - low), high), strict=True):
         damping = f"{100 * estimate.damping_ratios[mode]:.3g} %" if estimate.poles[mode].imag else "real pole"
         axes.axvline(place, color=style.PALETTE[1], linewidth=1.0, zorder=0)
         axes.annotate(
@@ -133,7 +135,7 @@ def _modes(axes: Axes, estimate: ModalEstimate, band: tuple[float, float], conve
 
 
 def _apart(places: FloatArray, distance: float, end: float) -> list[float]:
-    """Ascending places, moved as little as needed to be that far apart and not beyond the end."""
+    """Places in ascending order, moved as little as needed to keep a distance and stay below the end."""
     moved: list[float] = []
     for place in places:
         moved.append(max(float(place), moved[-1] + distance) if moved else float(place))

@@ -1,4 +1,4 @@
-"""Phase-vector (star) diagrams of the orders that a mode meets."""
+"""Plot of phase-vector (star) diagrams of the orders that excite a mode."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.response.star_diagram import StarDiagram
 
-ACROSS = 4
+PANELS_PER_ROW = 4
+"""Star diagrams side by side; more would be too small for the numbers of the cylinders."""
 LEGEND = "numbers: cylinders; black: their sum; circle: one cylinder"
-WIDEST = 80
-"""Letters of a title."""
-ALONGSIDE = 0.95
-"""Cosine of the angle within which the sum would cover a label."""
+LONGEST_TITLE = 80
+"""Letters of a line of the title."""
+COVERING_COSINE = 0.95
+"""Cosine of the angle between vector and sum above which the sum would cover the label, which is then moved."""
 
 
 def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> Figure:
-    """The vectors of the cylinders in colour and their sum in black; orders with the same diagram share one.
+    """Star diagrams with the phase vectors of the cylinders in colour and their sum in black.
 
-    Angles are those of the torques, zero to the right, counted to the left; the circle is one cylinder at the largest
-    amplitude.
+    Orders with equal vectors share a diagram. Angles are those of the torques, zero to the right, counter-clockwise;
+    the circle is one cylinder at the largest amplitude.
 
     Parameters
     ----------
@@ -46,9 +47,9 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
     if not stars:
         raise UsageError("there is no star diagram to draw: no order meets this mode in or near the operating range")
     groups = _alike(stars)
-    across = min(ACROSS, len(groups))
+    across = min(PANELS_PER_ROW, len(groups))
     down = math.ceil(len(groups) / across)
-    figure = style.new_figure(style.WIDTH, 0.6 + down * style.WIDTH / ACROSS * 1.16)
+    figure = style.new_figure(style.WIDTH, 0.6 + down * style.WIDTH / PANELS_PER_ROW * 1.16)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     for panel, group in zip(panels, groups, strict=False):
         _draw(panel, group[0])
@@ -60,12 +61,12 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
     figure.supxlabel(
         "numbers: cylinders; black: their sum; circle: one cylinder", fontsize=style.SMALL, color=style.MUTED
     )
-    style.set_title(figure, textwrap.fill(stars[0].title if title is None else title, WIDEST))
+    style.set_title(figure, textwrap.fill(stars[0].title if title is None else title, LONGEST_TITLE))
     return figure
 
 
 def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:
-    """Orders with the same vectors together."""
+    """Groups of diagrams of one excitation with equal vectors."""
     groups: list[list[StarDiagram]] = []
     for star in stars:
         for group in groups:
@@ -79,8 +80,8 @@ def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:
 
 
 def _draw(axes: Axes, star: StarDiagram) -> None:
-    reach = 1.3 * max(1.0, abs(star.sum))
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
+    limit = 1.3 * max(1.0, abs(star.sum))
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_visible(False)
     turn = np.linspace(0, 2 * np.pi, 181)
@@ -92,7 +93,7 @@ def _draw(axes: Axes, star: StarDiagram) -> None:
             together.setdefault(round(float(np.angle(vector)), 4) % round(2 * math.pi, 4), []).append(label)
     for angle, labels in together.items():
         x, y = math.cos(angle), math.sin(angle)
-        covered = abs(star.sum) > 1 and math.cos(angle - float(np.angle(star.sum))) > ALONGSIDE
+        covered = abs(star.sum) > 1 and math.cos(angle - float(np.angle(star.sum))) > COVERING_COSINE
         beside = (-9 * y, -9 * abs(x)) if covered else (7 * x, 7 * y)
         axes.annotate(",".join(labels), (x, y), xytext=beside, textcoords="offset points", ha="left" if covered else
                       "center", va="center", fontsize=style.SMALL - 1)  # fmt: skip

@@ -1,4 +1,4 @@
-"""Spectrograms, order maps and harmonics of a sweep."""
+"""Plots of spectrograms, order maps and harmonics of a sweep."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from torsionnet.signals.order_tracking import OrderMap
 from torsionnet.signals.spectrogram import Spectrogram
 
 COLOURS = "viridis"
-ROOM = 1.1
-"""Times the highest frequency that carries something: the upper end of a picture."""
+HEADROOM = 1.1
+"""Upper end of the frequency axis over the highest frequency whose level the colours show."""
 
 
 def spectrogram(
@@ -30,7 +30,7 @@ def spectrogram(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Level over time and frequency.
+    """Spectrogram of a signal with the level in colours over time and frequency.
 
     Parameters
     ----------
@@ -71,14 +71,14 @@ def spectrogram(
 
 
 def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> float:
-    """Frequency in Hz above which nothing is as high as the colours begin."""
+    """Upper end of the frequency axis in Hz: a tenth above the last level that the colours show."""
     top = levels[np.isfinite(levels)].max(initial=-np.inf)
     carrying = np.flatnonzero((levels > top - span).any(axis=1))
-    return float(ROOM * frequencies[carrying[-1]]) if len(carrying) and frequencies[carrying[-1]] else np.inf
+    return float(HEADROOM * frequencies[carrying[-1]]) if len(carrying) and frequencies[carrying[-1]] else np.inf
 
 
 def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Level over speed and order; a line along every order of the excitation.
+    """Order map of a signal with the level in colours over speed and order.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = 
 
 
 def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Amplitude and phase of every order along the sweep.
+    """Amplitude and phase of every order over the frequency of the sweep.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tornado plot: what moves natural frequencies and damping ratios, the strongest on top."""
+"""Tornado plot: sensitivities of natural frequencies and damping ratios to parameters, the largest on top."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from torsionnet.solve.sensitivity import ModeSensitivities
 
 MOST_MODES, MOST_PARAMETERS = 4, 12
-FAINTEST = 5e-3
-NOTHING = 1e-9
-"""Percent per percent that rounding makes of none."""
+"""Modes drawn unless others are asked for, and bars in a panel: as many as fit a page."""
+SHORTEST_BAR = 5e-3
+"""Sensitivity over the largest one up to which a parameter is left out: its bar would not be seen."""
+ROUNDING = 1e-9
+"""Sensitivity in percent per percent up to which it is a rounding error of zero."""
 
 
 def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: str | None = None) -> Figure:
-    """Percent of natural frequency and of damping ratio per percent of each parameter.
+    """Bars with the percent of natural frequency and of damping ratio of modes per percent of each parameter.
 
     Parameters
     ----------
@@ -52,10 +54,12 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     chosen = [known.index(number) for number in modes] if modes else list(range(len(known)))
     chosen = [mode for mode in chosen if _moves(found, mode)][: len(chosen) if modes else MOST_MODES]
     if not chosen:
-        raise UsageError("none of the parameters moves these modes")
+        raise UsageError(
+            "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters"
+        )
     size = (np.abs(found.relative_frequencies) + np.abs(found.relative_dampings))[chosen].max(axis=0)
-    shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > FAINTEST * size.max()]
-    damped = any(np.abs(found.relative_dampings[mode]).max() > NOTHING for mode in chosen)
+    shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]
+    damped = any(np.abs(found.relative_dampings[mode]).max() > ROUNDING for mode in chosen)
     figure = style.new_figure(style.WIDTH, 1.2 + len(chosen) * (0.6 + 0.22 * len(shown)))
     panels = figure.subplots(len(chosen), 2 if damped else 1, squeeze=False)
     for row, mode in zip(panels, chosen, strict=True):
@@ -71,7 +75,7 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
 
 def _moves(found: ModeSensitivities, mode: int) -> bool:
     slopes = np.abs(np.concatenate([found.relative_frequencies[mode], found.relative_dampings[mode]]))
-    return bool(slopes.max(initial=0.0) > NOTHING)
+    return bool(slopes.max(initial=0.0) > ROUNDING)
 
 
 def _title(found: ModeSensitivities, mode: int) -> str:
@@ -79,9 +83,9 @@ def _title(found: ModeSensitivities, mode: int) -> str:
 
 
 def _damping(axes: Axes, found: ModeSensitivities, mode: int, shown: list[int]) -> None:
-    """The bars of the damping ratio; a real pole or a mode without damping has none, and no panel."""
+    """Draw the bars of the damping ratio; remove the panel of a real pole or a mode without damping."""
     slopes = found.relative_dampings[mode]
-    if np.abs(slopes[shown]).max(initial=0.0) <= NOTHING:
+    if np.abs(slopes[shown]).max(initial=0.0) <= ROUNDING:
         axes.remove()
         return
     _bars(axes, found, slopes, shown, style.PALETTE[1])
@@ -89,15 +93,15 @@ def _damping(axes: Axes, found: ModeSensitivities, mode: int, shown: list[int]) 
 
 
 def _lowest(panels: Any) -> list[Axes]:
-    """The lowest panel of each column that is there."""
+    """Lowest panel of each column that was not removed."""
     return [[axes for axes in column if axes.figure is not None][-1] for column in panels.T]
 
 
 def _bars(axes: Axes, found: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:
-    """Bars of those parameters that move this mode, the longest on top."""
+    """Draw the bars of the parameters that move a mode, the longest on top."""
     style.style_axes(axes)
     sizes = np.abs(slopes)
     falling = sorted(shown, key=lambda p: -float(f"{sizes[p]:.6g}"))  # equal ones in the order of the parameters
-    longest = [p for p in falling if sizes[p] > max(FAINTEST * sizes[falling[0]], NOTHING)]
+    longest = [p for p in falling if sizes[p] > max(SHORTEST_BAR * sizes[falling[0]], ROUNDING)]
     name_rows(axes, [found.parameters[p] for p in longest])
     draw_bars(axes, len(longest), [Bars(slopes[longest], colour)])

@@ -1,4 +1,4 @@
-"""The spectra of an output at many speeds, one behind the other."""
+"""Waterfall plot: spectra of an output at many speeds, one behind the other."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 
 MOST_SPECTRA = 30
-HEIGHT, WIDTH = 0.15, 0.004
-"""Of the highest line, as a share of the range of speeds; half of a line's foot, as a share of the frequencies."""
-LEAST = 0.02
-"""Share of the highest line that an order needs somewhere to be named and to widen the picture."""
-ROOM = 0.025
-"""Between names, as a share of the frequencies."""
+"""Spectra drawn of all speeds, evenly chosen; more would hide each other."""
+LINE_HEIGHT, LINE_HALF_WIDTH = 0.15, 0.004
+"""Height of the highest line over the range of speeds, and half the width of a line's foot over that of frequencies."""
+SMALLEST_ORDER = 0.02
+"""Amplitude over the largest one from which an order is named and the frequency axis has room for it."""
+NAME_DISTANCE = 0.025
+"""Least distance of the names of two orders over the range of frequencies."""
 
 
 def waterfall(
     response: OrderResponse, output: str | None = None, *, conventions: Conventions = SI, title: str | None = None
 ) -> Figure:
-    """Lines over frequency at every speed, each spectrum on the height of its speed: orders run up as rays.
+    """Waterfall of line spectra over frequency, each at the height of its speed, so that orders appear as rays.
 
     Parameters
     ----------
@@ -56,14 +57,14 @@ def waterfall(
     hertz, rpm = np.abs(response.frequencies[chosen]), response.rpm[chosen]
     span = float(np.ptp(rpm)) or float(rpm[0])
     largest = float(sizes.max()) or 1.0
-    tops = rpm[:, None] + sizes / largest * HEIGHT * span
-    shown = sizes.max(axis=0) >= LEAST * sizes.max()
+    tops = rpm[:, None] + sizes / largest * LINE_HEIGHT * span
+    shown = sizes.max(axis=0) >= SMALLEST_ORDER * sizes.max()
     right = 1.05 * float(hertz[:, shown].max())
     figure = style.new_figure(style.WIDTH, 4.6)
     axes = figure.subplots()
     style.style_axes(axes)
     for number in range(len(chosen))[::-1]:  # those in front are drawn last and hide what is behind
-        f, heights = _spectrum(hertz[number], sizes[number] / largest * HEIGHT * span, right)
+        f, heights = _spectrum(hertz[number], sizes[number] / largest * LINE_HEIGHT * span, right)
         axes.fill_between(
             f, rpm[number], rpm[number] + heights, color=style.PAPER, linewidth=0, zorder=3 - number / 1e3
         )
@@ -77,7 +78,7 @@ def waterfall(
     foot = float(rpm.min())
     edge = 0.99 * right
     axes.plot(
-        [edge, edge], [foot, foot + bar / largest * HEIGHT * span], color=style.PALETTE[1], linewidth=2.5, zorder=4
+        [edge, edge], [foot, foot + bar / largest * LINE_HEIGHT * span], color=style.PALETTE[1], linewidth=2.5, zorder=4
     )
     axes.annotate(f"{bar:g} {unit}", (edge, foot), xytext=(-6, 4), textcoords="offset points", ha="right",
                   fontsize=style.SMALL, color=style.PALETTE[1], zorder=5,
@@ -89,8 +90,8 @@ def waterfall(
 
 
 def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[FloatArray, FloatArray]:
-    """A line with a narrow triangle at each frequency."""
-    half = WIDTH * right
+    """Frequencies and heights of a curve with a narrow triangle at each frequency of the spectrum."""
+    half = LINE_HALF_WIDTH * right
     order = np.argsort(hertz, kind="stable")
     f = (hertz[order, None] + np.array([-half, 0.0, half])).ravel()
     heights = np.zeros_like(f)
@@ -100,10 +101,10 @@ def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[Float
 
 
 def _name_orders(axes: Axes, ends: list[tuple[float, float, str]], right: float) -> None:
-    """Names above the rays, as many as have room."""
+    """Write the names of orders above their rays, as many as have room."""
     last = -np.inf
     for f, top, name in sorted(ends):
-        if f - last >= ROOM * right:
+        if f - last >= NAME_DISTANCE * right:
             last = f
             axes.annotate(name, (f, top), xytext=(0, 3), textcoords="offset points", rotation=60, ha="left",
                           rotation_mode="anchor", fontsize=style.SMALL, color=style.PALETTE[0])  # fmt: skip

@@ -1,4 +1,4 @@
-"""The report on a model: what it says as a tree, and the writers that make HTML, LaTeX, Markdown or PDF of it.
+"""Report on a model: its content as a tree, and writers that turn the tree into HTML, LaTeX, Markdown or PDF.
 
 >>> from torsionnet.report import make_report
 >>> report = make_report("dmf_rig", sections=["modes", "validity"], date=None)
@@ -6,7 +6,7 @@
 ['modes', 'validity']
 """
 
-from torsionnet.core.lazy import lazy_exports
+from torsionnet.core.lazy_imports import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

@@ -1,4 +1,4 @@
-"""The tree of a report from its subject: title block, then section after section."""
+"""Building of a report's tree from its data: title block, then section after section."""
 
 from __future__ import annotations
 
@@ -54,6 +54,7 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "checks": checks_section,
     "validity": validity_section,
 }
+"""Function that builds each section, by its name; None is a section with nothing to say on this model."""
 
 
 DRIVETRAIN_SECTIONS = (
@@ -66,11 +67,11 @@ DRIVETRAIN_SECTIONS = (
     "simplified",
     "responses",
 )
-"""Sections that have nothing to say about what runs."""
+"""Sections that do not depend on excitations, so that configurations with equal drivetrains are one case."""
 
 
 def build(subject: ReportData, version: str) -> Report:
-    """The report on a subject; ``version`` is that of the program."""
+    """Report on a model as a tree; ``version`` is that of the program."""
     plan = subject.request.plan
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", TorsionnetWarning)
@@ -110,7 +111,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
 
 
 def _others(subject: ReportData) -> str:
-    """Of how many configurations these are shown, and whether verdicts are on more."""
+    """Words for how many configurations are shown of all, and whether limits are examined in more of them."""
     if not subject.left_out:
         return ""
     shown, judged, count = len(subject.cases), len(subject.judged_cases), len(subject.model.configurations)

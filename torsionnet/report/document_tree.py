@@ -1,4 +1,4 @@
-"""What a report says, without a word about how it is written: the tree that HTML, LaTeX and Markdown are made of."""
+"""Content of a report as a tree of sections, texts, tables and figures, from which all file formats are written."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Math:
-    """A formula inside a line, in LaTeX."""
+    """Formula inside a line, in LaTeX."""
 
     latex: str
 
 
 @dataclass(frozen=True)
 class BreakableMath:
-    """A long formula inside a line; the line may break between its terms."""
+    """Long formula inside a line, which may break between its terms."""
 
     parts: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Strong:
-    """Text that stands out."""
+    """Text in bold."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Code:
-    """Text to be typed as it is."""
+    """Text to be typed as it stands, such as a command."""
 
     text: str
 
@@ -49,32 +49,34 @@ Cell: TypeAlias = Inline | Text
 
 
 def inlines(cell: Cell) -> Text:
-    """A cell as a sequence of inline parts."""
+    """Parts of a line that a cell consists of, as a tuple."""
     return cell if isinstance(cell, tuple) else (cell,)
 
 
 @dataclass(frozen=True)
 class Paragraph:
+    """Paragraph of text."""
+
     text: Text
 
 
 @dataclass(frozen=True)
 class Listing:
-    """Points one below the other."""
+    """List of points one below the other."""
 
     items: tuple[Text, ...]
 
 
 @dataclass(frozen=True)
 class Facts:
-    """A word and what is to be said to it."""
+    """List of terms with what is to be said on each, such as author and date."""
 
     rows: tuple[tuple[str, Text], ...]
 
 
 @dataclass(frozen=True)
 class Remark:
-    """Something the reader must not miss: ``kind`` is error, warning or note."""
+    """Remark that the reader must not miss: ``kind`` is error, warning or note."""
 
     kind: str
     text: Text
@@ -82,21 +84,21 @@ class Remark:
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula on a line of its own, numbered."""
+    """Numbered formula on a line of its own."""
 
     latex: str
 
 
 @dataclass(frozen=True)
 class Equations:
-    """Long equations, one below the other, that may break between terms."""
+    """Long equations one below the other, which may break between terms."""
 
     rows: tuple[BreakableMath, ...]
 
 
 @dataclass(frozen=True)
 class Heading:
-    """Head of a column: its text, its unit, whether numbers stand under it, whether it takes what room is left."""
+    """Heading of a column: text, unit, whether its cells are numbers, whether it takes the room that is left."""
 
     text: Cell
     unit: str = ""
@@ -105,13 +107,13 @@ class Heading:
 
     @property
     def bracket(self) -> str:
-        """The unit as it stands behind the text, empty if there is none."""
+        """Unit in brackets as it stands behind the text, empty if there is none."""
         return number_text.unit_in_brackets(self.unit)
 
 
 @dataclass(frozen=True)
 class TableGroup:
-    """Rows under a heading of their own, which may be empty."""
+    """Rows of a table under a heading of their own, which may be empty."""
 
     rows: tuple[tuple[Cell, ...], ...]
     title: Cell = ""
@@ -119,7 +121,7 @@ class TableGroup:
 
 @dataclass(frozen=True)
 class TableBlock:
-    """A table with its caption; ``more`` counts the rows left out."""
+    """Table with its caption; ``more`` counts the rows left out."""
 
     caption: Text
     columns: tuple[Heading, ...]
@@ -128,26 +130,26 @@ class TableBlock:
     more: int = 0
 
     def column(self, index: int) -> list[Cell]:
-        """The cells below a heading, of all groups."""
+        """Cells below a heading, of all groups."""
         return [row[index] for group in self.groups for row in group.rows]
 
     def numbers(self, index: int) -> list[NumberText]:
-        """The numbers among them."""
+        """Cells of a column that are numbers."""
         return [cell for cell in self.column(index) if isinstance(cell, NumberText)]
 
     def decimals(self, index: int) -> int:
-        """Digits behind the point that the numbers of a column need to stand below each other."""
+        """Decimals that the numbers of a column need for their points to stand below each other."""
         return max((number.decimals_shown for number in self.numbers(index)), default=0)
 
     @property
     def foot_notes(self) -> tuple[Text, ...]:
-        """What stands below the table: its notes, and how many rows are left out."""
+        """Texts below the table: its notes, and how many rows are left out."""
         return (*self.notes, *([(f"… and {self.more} more",)] if self.more else []))
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure: name of its file, the drawing, the caption, and the caption for those who cannot see it."""
+    """Figure of a report: name of its file, drawing, caption, and a text for readers who cannot see it."""
 
     name: str
     figure: Figure
@@ -157,7 +159,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Details:
-    """Something long that a page folds away behind its title; paper has a sentence ``instead``."""
+    """Long part that a page folds away behind its title; on paper the sentence ``instead`` takes its place."""
 
     title: Text
     blocks: tuple[Block, ...]
@@ -166,7 +168,7 @@ class Details:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and what stands below it, further sections included."""
+    """Section of a report: its heading and the blocks below it, further sections included."""
 
     name: str
     title: Text
@@ -178,7 +180,7 @@ Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | 
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report; ``template`` is the folder that says how it looks."""
+    """Whole report; ``template`` is the folder with a company's page and style."""
 
     title: str
     subtitle: str
@@ -191,7 +193,7 @@ class Report:
 
     @property
     def pictures(self) -> Iterator[Picture]:
-        """Every figure in the order of the text."""
+        """Figures of a report in the order of the text."""
         stack: list[Block] = list(reversed(self.sections))
         while stack:
             block = stack.pop()

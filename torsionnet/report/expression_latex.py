@@ -1,4 +1,4 @@
-"""Expressions of a model file in LaTeX, in the order they were written in."""
+"""LaTeX of a model file's expressions, in the order in which they were written."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from torsionnet.symbolic.symbol_names import symbol_latex
 
 SUM, PRODUCT, QUOTIENT, ATOM = 1, 2, 3, 4
 PRECEDENCE = {"+": SUM, "-": SUM, "negative": SUM, "*": PRODUCT, "/": QUOTIENT, "**": QUOTIENT}
-"""How strongly the parts of an expression hold together; those of all others as atoms."""
+"""Precedence of an operation, by its sign; operations not listed bind like names and numbers."""
 
 
 def expression_latex(tree: Expression) -> str:

@@ -1,4 +1,4 @@
-"""How wide a formula will be, in formula_letters, so that none runs off the page."""
+"""Width of formulas, counted in letters, so that none runs off the page."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ WIDEST_FORMULA, WIDEST_MATRIX = 72, 60
 
 
 def formula_letters(expression: Any) -> int:
-    """Letters side by side: a fraction is as wide as the wider of its halves.
+    """Number of letters side by side in a formula: a fraction is as wide as the wider of its halves.
 
     >>> import sympy
     >>> a, b, c = sympy.symbols("a b c")
@@ -45,6 +45,6 @@ def _product(factors: list[Any]) -> int:
 
 
 def matrix_letters(matrix: Any) -> int:
-    """Letters of a symbolic matrix from left to right."""
+    """Number of letters of a symbolic matrix from left to right."""
     rows = [[formula_letters(cell) for cell in row] for row in matrix.tolist()]
     return sum(max(column) + 2 for column in zip(*rows, strict=True)) if rows else 0

@@ -1,4 +1,4 @@
-"""From a model to the files of its report."""
+"""Making a report on a model from the options of a call, and writing its files."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
 
 
 def writer_for(path: str | os.PathLike[str]) -> Callable[[Report, Path], tuple[Path, ...]]:
-    """The function that writes a file with this ending.
+    """Function that writes a report into a file with this ending.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def make_report(
     studies: Iterable[StudyResult] = (),
     template: str | os.PathLike[str] | None = None,
 ) -> Report:
-    """The report on a model as a tree; what is not given is what the ``report:`` section of its file says.
+    """Report on a model as a tree; options that are left out are those of the ``report:`` section of its file.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def make_report(
 
 
 def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:
-    """The drivetrain, its file if it has one, and the bytes that describe it."""
+    """Drivetrain of a model, the file it was read from if any, and the bytes that describe it."""
     if isinstance(model, (str, os.PathLike)):
         path = find_model(model)
         return load(model), path, path.read_bytes()

@@ -1,4 +1,4 @@
-"""What a report is about: a drivetrain in its configurations, and what is calculated from it once for all sections."""
+"""Data of a report: a drivetrain in its configurations, and results that all sections share."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.model.report import Pair
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.report_text import shared_choices
 from torsionnet.response import Conventions, FrequencyResponse, Modes
-from torsionnet.solve.dynamic_stiffness.transfer_request import usable
+from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 if TYPE_CHECKING:
@@ -27,13 +27,15 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
-"""Configurations in a report unless more are asked for by name, and those whose limits are judged."""
+"""Configurations in a report unless more are asked for by name, and those whose limits are checked."""
 MOST_MODES = 10
+"""Modes that a report shows of each configuration."""
 LARGE_MODEL = 40
 """Coordinates from which on only the lowest modes are calculated."""
 MOST_SYMBOLIC = 12
-"""Coordinates of a system whose equations are written out."""
+"""Coordinates up to which equations are written in symbols; those of larger systems could not be read."""
 DEFAULT_PAIRS = 3
+"""Sensors whose transfer functions are shown unless others are asked for."""
 MOST_OUTPUTS = 6
 """Outputs shown over speed unless others are asked for."""
 FEW_CASES = 3
@@ -42,7 +44,7 @@ FEW_CASES = 3
 
 @dataclass(frozen=True)
 class Case:
-    """A drivetrain and the name of its configuration, empty for the model as written."""
+    """Drivetrain in one configuration, with the name of the latter; the name is empty for the model as written."""
 
     configuration: str
     drivetrain: Drivetrain
@@ -50,7 +52,7 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicEquations:
-    """Equations in symbols, and the cases they hold for."""
+    """Equations of motion in symbols, and the configurations that have them in common."""
 
     cases: tuple[Case, ...]
     system: SymbolicSystem
@@ -58,7 +60,7 @@ class SymbolicEquations:
 
 @dataclass(frozen=True, eq=False)
 class ReportData:
-    """A drivetrain as the sections of a report see it.
+    """Drivetrain, configurations and shared results from which the sections of a report are made.
 
     Attributes
     ----------
@@ -85,7 +87,7 @@ class ReportData:
 
     @property
     def n_coordinates(self) -> int:
-        """Coordinates."""
+        """Largest number of coordinates of any case."""
         return max(case.drivetrain.assembly.system.n_coordinates for case in self.cases)
 
     @property
@@ -94,7 +96,7 @@ class ReportData:
 
     @cached_property
     def modes(self) -> tuple[Modes, ...]:
-        """The modes shown of every case."""
+        """Modes of every case, as far as they are shown."""
         return tuple(self._modes(case, None) for case in self.cases)
 
     def _modes(self, case: Case, measured: str | None, excitation: str | None = None) -> Modes:
@@ -103,7 +105,7 @@ class ReportData:
         return found.first(MOST_MODES) if len(found) > MOST_MODES else found
 
     def cut_modes(self, pair: Pair) -> tuple[Modes, ...] | None:
-        """Poles of a transfer function against a measured input, None if the input is none or they are too many."""
+        """Poles of a transfer function over a measured input, of every case; None for other inputs and large models."""
         sensors = self.cases[0].drivetrain.sensors
         if pair.input not in sensors or self.is_large:
             return None
@@ -111,7 +113,7 @@ class ReportData:
 
     @cached_property
     def symbolic_equations(self) -> tuple[SymbolicEquations, ...]:
-        """The equations in symbols: cases with the same ones together."""
+        """Equations of motion in symbols; cases with the same equations are put together."""
         found: list[tuple[list[Case], SymbolicSystem]] = []
         for case in self.cases:
             alike = next((cases for cases, _ in found if _same_structure(case.drivetrain, cases[0].drivetrain)), None)
@@ -128,33 +130,33 @@ class ReportData:
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
-        """The transfer functions asked for; else the first sensors over the first input."""
+        """Transfer functions of the report: those asked for, else the first sensors over the first input."""
         if self.request.pairs:
             return self.request.pairs
-        inputs, sensors = usable(self.cases[0].drivetrain)
+        inputs, sensors = usable_channels(self.cases[0].drivetrain)
         return tuple(Pair(sensor, driven) for driven in inputs[:1] for sensor in sensors[:DEFAULT_PAIRS])
 
     @cached_property
     def has_excitations(self) -> bool:
-        """Whether machinery runs in the model, over speeds that it names."""
+        """Whether the model has excitations and a range of speeds."""
         definition = self.model.definition
         return definition.speeds is not None and bool(definition.excitations)
 
     @cached_property
     def order_outputs(self) -> tuple[str, ...]:
-        """What is shown over speed: as asked for, else the sensors of torque."""
+        """Names of the outputs shown over speed: those asked for, else the sensors of torque."""
         sensors = self.model.sensors
         torques = [name for name, sensor in sensors.items() if sensor.quantity == "torque"]
         return self.request.plan.orders or tuple(torques or sensors)[:MOST_OUTPUTS]
 
     @cached_property
     def order_responses(self) -> tuple[OrderResponse, ...]:
-        """Of every case."""
+        """Response by order of every case, over its speeds."""
         return tuple(case.drivetrain.order_response(list(self.order_outputs), refine=True) for case in self.cases)
 
     @cached_property
     def judged_cases(self) -> tuple[Case, ...]:
-        """What verdicts are drawn from: all configurations, also those not shown; those asked for where some were."""
+        """Cases whose limits are checked: all configurations, also those not shown, unless some were asked for."""
         if self.request.plan.configurations or not self.left_out:
             return self.cases
         known = {case.configuration: case for case in self.cases}
@@ -163,13 +165,13 @@ class ReportData:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """Configurations of the model that are no case of this report."""
+        """Names of the model's configurations that are no case of this report."""
         others = [set(case.drivetrain.other_configurations) for case in self.cases]
         return tuple(name for name in self.model.configurations if all(name in missing for missing in others))
 
     @property
     def coverage_note(self) -> tuple[str, ...]:
-        """A sentence on how many configurations a section is about, where those are not all."""
+        """Sentence on how many of the configurations a section is about; empty where it is about all."""
         if not self.left_out:
             return ()
         return (f" Of {len(self.model.configurations)} configurations {len(self.cases)} are examined here.",)
@@ -185,7 +187,7 @@ class ReportData:
 
     @cached_property
     def by_drivetrain(self) -> ReportData:
-        """The same with one case for all that differ by nothing but what runs: they have the same modes."""
+        """Copy in which all cases that differ in excitations alone are one: they have the same modes."""
         if len(self.distinct_drivetrains) == len(self.cases):
             return self
         cases = (
@@ -196,7 +198,7 @@ class ReportData:
 
     @cached_property
     def distinct_drivetrains(self) -> tuple[tuple[Case, ...], ...]:
-        """Cases by what vibrates: those that differ by nothing but what runs are one."""
+        """Cases grouped by drivetrain: those of a group differ in excitations alone."""
         found: list[list[Case]] = []
         for case in self.cases:
             alike = next((cases for cases in found if _vibrate_alike(case.drivetrain, cases[0].drivetrain)), None)
@@ -208,7 +210,7 @@ class ReportData:
 
     @cached_property
     def band(self) -> tuple[float, float]:
-        """Hz."""
+        """Lowest and highest frequency of the report's responses in Hz."""
         return self.request.plan.band or vibration_range(*self.modes)
 
     @cached_property
@@ -216,14 +218,14 @@ class ReportData:
         return {}
 
     def responses(self, pair: Pair) -> tuple[FrequencyResponse, ...]:
-        """Of every case, with as many frequencies as its peaks need."""
+        """Frequency response of every case, at as many frequencies as its peaks need."""
         if pair not in self._known:
             trios = zip(self.cases, self.modes, strict=True)
             self._known[pair] = tuple(self._response(case, pair, modes) for case, modes in trios)
         return self._known[pair]
 
     def for_pair(self, pair: Pair) -> ReportData:
-        """The same, for the configurations that have what the transfer function is about."""
+        """Copy with only the cases that have the output and input of a transfer function."""
         kept = tuple(case for case in self.cases if self.refusal(case, pair) is None)
         if len(kept) in (0, len(self.cases)):
             return self
@@ -235,7 +237,7 @@ class ReportData:
         return {}
 
     def refusal(self, case: Case, pair: Pair) -> UsageError | None:
-        """Why a case has no such transfer function: a name nobody has, or one that is switched off."""
+        """Error that says why a case has no such transfer function; None where it has."""
         try:
             self.solver(case, pair)(Adaptive(1, 2, 2, 1).frequencies())
         except UsageError as error:
@@ -243,12 +245,12 @@ class ReportData:
         return None
 
     def _response(self, case: Case, pair: Pair, modes: Modes) -> FrequencyResponse:
-        """Undamped peaks are unbounded: nothing is gained by going near them."""
+        """Frequency response of a case; of an undamped one on a plain grid, as its peaks have no height."""
         grid = Adaptive(*self.band, points=160, per_peak=21) if is_damped(case) else Adaptive(*self.band, 600, 1)
         return self.solver(case, pair)(grid.frequencies(*([modes] if is_damped(case) else [])))
 
     def solver(self, case: Case, pair: Pair) -> Callable[[FloatArray], FrequencyResponse]:
-        """The response of a case at frequencies in Hz."""
+        """Function that gives the response of a case at frequencies in Hz."""
 
         def solve(frequencies: FloatArray) -> FrequencyResponse:
             return case.drivetrain.frequency_response(
@@ -259,7 +261,7 @@ class ReportData:
 
 
 def is_damped(case: Case) -> bool:
-    """Whether anything takes energy out."""
+    """Whether a drivetrain has any damping."""
     system = case.drivetrain.assembly.system
     return bool(system.dynamic) or bool((system.damping > 0).any())
 
@@ -270,7 +272,7 @@ def _alike(system: SymbolicSystem, other: SymbolicSystem) -> bool:
 
 
 def _same_structure(rig: Drivetrain, other: Drivetrain) -> bool:
-    """Whether two configurations differ by values only, and by none that makes a term vanish: one formula does."""
+    """Whether two configurations differ in values only, none of which makes a term vanish: one formula serves both."""
     if rig.definition.active != other.definition.active or _derived(rig) != _derived(other):
         return False
     pairs = ((rig.assembly.T, other.assembly.T), (rig.assembly.system.rows, other.assembly.system.rows))
@@ -278,7 +280,7 @@ def _same_structure(rig: Drivetrain, other: Drivetrain) -> bool:
 
 
 def _vibrate_alike(rig: Drivetrain, other: Drivetrain) -> bool:
-    """Whether two configurations have the same laws and ratios, so that they differ by what runs alone."""
+    """Whether two configurations have the same laws and ratios, so that they differ in excitations alone."""
     one, two = rig.assembly, other.assembly
     if (one.nodes, one.laws, one.exact_rows) != (two.nodes, two.laws, two.exact_rows):
         return False
@@ -288,12 +290,12 @@ def _vibrate_alike(rig: Drivetrain, other: Drivetrain) -> bool:
 
 
 def _derived(rig: Drivetrain) -> dict[str, str]:
-    """Parameters that are expressions of others."""
+    """Expressions of parameters that depend on other parameters, by name."""
     return {name: str(entry.value) for name, entry in rig.parameter_definitions.items() if entry.value.names}
 
 
 def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:
-    """The model in these configurations, else in all it has, else as it is."""
+    """Cases of a report: the model in these configurations, else in all it has, else as it is."""
     if model.configuration and not names:
         return (Case(model.configuration, model),)
     chosen = names or model.configurations[:MOST_CASES]
@@ -305,12 +307,12 @@ def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:
 
 
 def digest_of(data: bytes) -> str:
-    """SHA-256 in hexadecimal digits."""
+    """SHA-256 of data in hexadecimal digits."""
     return hashlib.sha256(data).hexdigest()
 
 
 def require_answers(subject: ReportData) -> None:
-    """Ask every transfer function once, so that a wrong name is told before anything is written.
+    """Refuse transfer functions that no case has, before anything is written.
 
     Raises
     ------

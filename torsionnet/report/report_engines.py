@@ -1,4 +1,4 @@
-"""What a report says of several engines: angles between them that nothing gives, and running on one of them."""
+"""Texts and tables of a report on several engines: unknown angles between them, and running on one of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.response.worst_response import WorstResponse
 
 
 def engine_remarks(subject: ReportData) -> list[Block]:
-    """Sentences on angles and on conditions with one engine; nothing of a model with one engine."""
+    """List of sentences on angles between engines and on running on one engine; empty for a model with one engine."""
     notes = dict.fromkeys(note for run in subject.order_responses for note in run.engine_notes)
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.cases]
     found = [
@@ -29,7 +29,7 @@ def engine_remarks(subject: ReportData) -> list[Block]:
 
 
 def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
-    """The largest and the smallest half range of an output by the angles of engines, at the worst speed of each."""
+    """Table of the largest and smallest half range of an output by the angles between engines."""
     found = [
         (case.configuration, run, run.output(name), run.half_range[:, run.output(name)])
         for case, run in zip(subject.cases, subject.order_responses, strict=True)

@@ -1,4 +1,4 @@
-"""What a report is asked for: what the model's file says, and what is said against it."""
+"""Request for a report: the plan in the model's file, and the options of the call that replace it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """A measured response, and the configuration it was measured in; empty: that of the report."""
+    """Measured response and the configuration it was measured in; an empty name is the one of the report."""
 
     response: FrequencyResponse
     configuration: str = ""
@@ -25,7 +25,7 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class ReportRequest:
-    """Everything that shapes a report.
+    """Plan, settings, date, tests, fits and studies of a report.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class ReportRequest:
 
 
 def read_date(raw: str | dt.date | None) -> dt.date | None:
-    """A date from ``2025-03-31``; None for none.
+    """Date from a text such as ``2025-03-31``; None for ``none``.
 
     Raises
     ------

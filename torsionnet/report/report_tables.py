@@ -1,4 +1,4 @@
-"""Tables of a report from rows of cells: what is equal stands once, columns in which nothing stands are left out."""
+"""Tables of a report from rows of cells: equal rows are merged, empty columns left out."""
 
 from __future__ import annotations
 
@@ -13,12 +13,8 @@ from torsionnet.response.table import Table
 
 MOST_DIGITS = 4
 """Significant digits of the smallest number of a column."""
-
-
-MOST_DIGITS = 4
-"""Significant digits of the smallest number of a column."""
-LARGEST_WITHOUT_PREFIX = 100
-"""Numbers of the next prefix from which on it is used."""
+PREFIX_FROM = 100
+"""A prefix is used from so many of its unit on: k from 100 kN*m, M from 100 MN*m."""
 HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
@@ -31,7 +27,7 @@ HEADING_SYMBOLS: dict[str, Cell] = {
     "|lambda| /2pi": ("Of ", Math(r"\left|\lambda\right|/2\pi")),
     "damped Im lambda/2pi": Math(r"\mathrm{Im}\,\lambda/2\pi"),
 }
-"""Headings of results that are symbols."""
+"""Headings of columns that are shown as symbols, by their text on the screen."""
 
 
 def table(
@@ -41,7 +37,7 @@ def table(
     notes: Sequence[Cell] = (),
     most: int | None = None,
 ) -> TableBlock:
-    """A table without groups, cut after ``most`` rows; columns in which nothing stands are left out."""
+    """Table without groups, cut after ``most`` rows; equal rows are merged, empty columns left out."""
     merged = merge_equal_rows(rows)
     kept = merged[:most] if most else merged
     used = [index for index, _ in enumerate(columns) if any(row[index] not in ("", ()) for row in kept)]
@@ -63,7 +59,7 @@ def results_table(
     words: Callable[[str], Cell] = as_words,
     heads: Callable[[str], Cell] = capital,
 ) -> TableBlock:
-    """A table of results as it stands on the screen, in the form of a report; empty columns are left out.
+    """Table of a report from a table of results, with headings, units and numbers as a reader sees them.
 
     ``words`` and ``heads`` make of texts and of headings what a reader sees.
     """
@@ -85,16 +81,16 @@ def results_table(
 
 
 def _prefix(values: Sequence[Any]) -> tuple[str, float]:
-    """What makes torques and stiffnesses of large machines short enough for a column."""
+    """Prefix of units and its factor that make torques and stiffnesses of large machines short enough for a column."""
     largest = max((abs(value) for value in values if value is not None), default=0.0)
     return next(
-        ((prefix, size) for prefix, size in (("M", 1e6), ("k", 1e3)) if largest >= LARGEST_WITHOUT_PREFIX * size),
+        ((prefix, size) for prefix, size in (("M", 1e6), ("k", 1e3)) if largest >= PREFIX_FROM * size),
         ("", 1.0),
     )
 
 
 def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
-    """Numbers of a column over a factor; nothing at all where none stands."""
+    """Numbers of a column divided by a factor, as cells; empty texts where the column has no number."""
     if all(isinstance(value, int) for value in values):
         return [str(value) for value in values]
     known = [None if value is None or math.isnan(value) else float(value) / factor for value in values]
@@ -110,7 +106,7 @@ def _text(value: Any, words: Callable[[str], Cell]) -> Cell:
 
 
 def merge_equal_rows(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
-    """Rows that follow each other and differ in their first cell only as one row that names them all.
+    """Rows of a table, of which neighbours that differ in their first cell only are one that names them all.
 
     Examples
     --------
@@ -129,7 +125,7 @@ def merge_equal_rows(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...]
 
 
 def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
-    """The cells as a reader sees them: numbers by their digits."""
+    """Content of cells as a reader sees it, numbers by their digits, for comparison of rows."""
     return [
         tuple((part.mantissa, str(part.exponent)) if isinstance(part, NumberText) else part for part in inlines(cell))
         for cell in row
@@ -137,7 +133,7 @@ def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
 
 
 def join_texts(cell: Cell) -> Cell:
-    """A cell whose neighbouring texts are one."""
+    """Cell whose neighbouring texts are put together."""
     parts: list[Inline] = []
     for part in inlines(cell):
         if parts and isinstance(part, str) and isinstance(parts[-1], str):

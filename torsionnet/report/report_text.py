@@ -1,4 +1,4 @@
-"""Names, units and numbers as a reader of a report sees them."""
+"""Names, units and sentences as a reader of a report sees them."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 
 def as_words(name: str) -> str:
-    """A name from the model as words: ``input_shaft`` is the input shaft."""
+    """Name from the model as words: ``input_shaft`` is the input shaft."""
     return name.replace("_", " ")
 
 
 def is_symbol(name: str) -> bool:
-    """Whether a name is one letter or a Greek one, perhaps with an index.
+    """Whether a name is one letter or a Greek letter, perhaps with an index.
 
     >>> is_symbol("theta_1"), is_symbol("T_T"), is_symbol("k1"), is_symbol("rotor_speed")
     (True, True, True, False)
@@ -33,7 +33,7 @@ def is_symbol(name: str) -> bool:
 
 
 def channel_latex(name: str) -> str:
-    """A sensor, input or node in a formula."""
+    """LaTeX of a sensor, input or node."""
     sensor = None if is_symbol(name) else parse_sensor(name)
     if sensor is not None:
         second = sensor.at or sensor.against
@@ -43,22 +43,22 @@ def channel_latex(name: str) -> str:
 
 
 def pair_latex(pair: Pair) -> str:
-    """A transfer function as a slanted fraction."""
+    """LaTeX of a transfer function as a slanted fraction."""
     return f"{channel_latex(pair.output)} / {channel_latex(pair.input)}"
 
 
 def quotient_latex(pair: Pair) -> str:
-    """A transfer function as an upright fraction, in front of its formula."""
+    """LaTeX of a transfer function as an upright fraction, in front of its formula."""
     return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
 
 
 def symbol_or_words(name: str) -> Inline:
-    """A sensor, input or parameter as symbol or words."""
+    """Name of a sensor, input or parameter as a symbol where it looks like one, else as words."""
     return Math(symbol_latex(name)) if is_symbol(name) else as_words(name)
 
 
 def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
-    """A sentence in which names from the model become words, and those of quantities symbols, ``further`` ones too.
+    """Sentence in which names of nodes and elements are words and names of quantities symbols.
 
     >>> import torsionnet as tn
     >>> sentence("cut at T_T, without half_shaft", tn.load("amt_rig"))
@@ -92,12 +92,12 @@ def _is_quantity_name(name: str) -> bool:
 
 
 def unit(text: str) -> str:
-    """An SI unit as it is printed: ``rad/(N·m)``, a dash for none."""
+    """SI unit as it is printed: ``rad/(N·m)``, a dash for none."""
     return MISSING_TYPESET if text in ("", "1") else typeset_unit(text)
 
 
 def capital(text: str) -> str:
-    """The text as a sentence begins; names from the model stay as they are.
+    """Text with a capital first letter; names from the model stay as they are.
 
     >>> capital("measured input"), capital("theta_1 moves")
     ('Measured input', 'theta_1 moves')
@@ -106,12 +106,12 @@ def capital(text: str) -> str:
 
 
 def first_names(names: Sequence[str], most: int = 12) -> str:
-    """Names with commas; of many the first."""
+    """Names with commas; of many the first ``most`` and how many more there are."""
     return comma_list(names, most, ", … and {} more")
 
 
 def shared_choices(names: Sequence[str]) -> str:
-    """What configurations have in common by their names; all names where that is nothing.
+    """Choices that all these configurations share in their names; all names where they share none.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def shared_choices(names: Sequence[str]) -> str:
 
 
 def distinct_choices(name: str, names: Sequence[str]) -> str:
-    """What a configuration has by its name that not all of them have.
+    """Choices in the name of a configuration that not all of ``names`` have.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A report in other words: its own texts are replaced, names and texts of the model's author are not."""
+"""Rewording of a finished report: its own texts are replaced, names and texts of the model's author are not."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ TEXT_FIELDS: dict[type, tuple[str, ...]] = {
     Heading: ("text",),
     Strong: ("text",),
 }
-"""Where the report's own texts stand, by class; formulas, numbers and what is to be typed have none."""
+"""Fields that hold the report's own texts, by class of the tree; formulas, numbers and code have none."""
 REWORDED_COLUMNS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
-"""Columns in which the report's own words stand, not those of the model."""
+"""Headings of columns whose cells hold words of the report, not of the model."""
 
 
 @dataclass(frozen=True)
 class Rewording:
-    """Replaces texts; ``names`` are those of the model that stand in headings."""
+    """Replacement of the texts of a report; ``names`` are those of the model that stand in headings."""
 
     wording: Wording
     names: AbstractSet[str] = frozenset()
 
     def reworded(self, part: Any) -> Any:
-        """A report or a part of it in these words."""
+        """Report, or a part of it, in the words of the wording."""
         match part:
             case str():
                 return self.wording(part)

@@ -1,4 +1,4 @@
-"""Numbers of studies in the units in which their author wrote them, and names as symbols, in tables of results."""
+"""Tables of a study's results in the units in which its author wrote the numbers."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from torsionnet.response.table import Column, Table
 from torsionnet.study.shown_units import ShownUnits
 
 UNIT = "unit"
-"""Heading of a column of units, which are those of the numbers beside it."""
+"""Heading of a column of units, which belong to the numbers beside it."""
 
 
 def in_shown_units(found: Table, units: ShownUnits) -> Table:
-    """A table of a study's results in other units than SI, by the names in its headings or in its rows.
+    """Table of a study's results in the units of its author, by the names in its headings or in its rows.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def in_shown_units(found: Table, units: ShownUnits) -> Table:
 
 
 def _units_in_headings(found: Table, places: Sequence[int]) -> Table:
-    """A unit that is the same in all rows stands in the headings of its numbers instead."""
+    """Table in which a unit that is the same in all rows stands in the headings of its numbers instead."""
     same = {place: found.rows[0][place] for place in places if len({row[place] for row in found.rows}) == 1}
     columns = list(found.columns)
     for place, one in enumerate(columns):
@@ -47,12 +47,12 @@ def _units_in_headings(found: Table, places: Sequence[int]) -> Table:
 
 
 def _unit_of(place: int, places: Sequence[int]) -> int:
-    """The column of units that numbers go with: the next, behind all of them the last."""
+    """Column of units that belongs to a column of numbers: the next one, behind all of them the last."""
     return next((one for one in places if one >= place), places[-1]) if places else -1
 
 
 def _column_scales(columns: Sequence[Column], units: ShownUnits) -> list[tuple[float, str]]:
-    """Factor and unit of every column; one without a name of its own goes with the one whose unit it has."""
+    """Factor and unit of every column; a column without a unit of its own name takes the one of equal SI unit."""
     named = {one.unit: one.name for one in columns if one.unit and units.si.get(one.name) == one.unit}
     found = []
     for one in columns:
@@ -63,7 +63,7 @@ def _column_scales(columns: Sequence[Column], units: ShownUnits) -> list[tuple[f
 
 
 def _row(row: tuple[Any, ...], places: Sequence[int], units: ShownUnits) -> tuple[Any, ...]:
-    """A row with units in it."""
+    """Row of a table with units in it, converted to the units of the study."""
     names = [value for value in row if isinstance(value, str) and value in units.si]
     shown = list(row)
     for place, value in enumerate(row):

@@ -1,4 +1,4 @@
-"""Whether studies that a report is to show are of the model that it is about."""
+"""Check that the studies shown in a report are of the model that the report is on."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 IGNORED_ENTRIES = ("report", "description", "source")
 """Entries of a model that no result depends on."""
 MOST_DIFFERENCES = 6
-"""Names of what differs."""
+"""Differing entries that an error message names."""
 
 
 def check_study_models(model: Drivetrain, studies: Iterable[Study]) -> None:
-    """Refuse studies of other models, or of the same with other values, before anything is calculated.
+    """Refuse studies of other models, or of this one with other values, before anything is calculated.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def _refusal(model: Drivetrain, study: Study) -> str:
 
 
 def _differing(one: Drivetrain, other: Drivetrain) -> list[str]:
-    """Entries that are not the same, with their values where these are short."""
+    """Names of entries that differ between two models, with their values where these are short."""
     mine, others = _data(one), _data(other)
     found = []
     for key in dict.fromkeys((*mine, *others)):
@@ -65,7 +65,7 @@ def _data(model: Drivetrain) -> dict[str, Any]:
 
 
 def _values(study: Any, report: Any) -> str:
-    """Both values of a parameter that has one."""
+    """Words for the two values of a parameter; empty where it has no single value."""
     shown = [one.get("value") if isinstance(one, dict) else one for one in (study, report)]
     told = ["missing" if one is None else one for one in shown]
     return "" if any(isinstance(one, dict | list) or one == "" for one in told) or told == ["missing"] * 2 else (

@@ -1,4 +1,4 @@
-"""A folder with a company's letterhead, style and wording, as it was read."""
+"""Content of a template folder: a company's letterhead, style and wording."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from torsionnet.core.errors import ModelError, Position
 from torsionnet.report.wording import Wording
 
 STYLE = "style.css"
+"""Name of the style sheet in a template folder."""
 
 
 class TemplateFolderError(ModelError):
-    """A template folder is wrong."""
+    """Error in a template folder."""
 
     outcome = "Nothing was written."
 
 
 @dataclass(frozen=True)
 class TemplateFolder:
-    """What was read of a folder.
+    """Texts, images, wording and language of a template folder.
 
     Attributes
     ----------
@@ -40,11 +41,11 @@ class TemplateFolder:
     language: str = "en"
 
     def file(self, name: str) -> str:
-        """A file of the folder as messages name it."""
+        """Path of a file of the folder as messages name it."""
         return str(self.path / name)
 
     def position(self, name: str, line: int, column: int = 1) -> Position:
-        """A place in one of its texts."""
+        """Position in one of the folder's texts."""
         lines = self.texts[name].splitlines()
         source = lines[line - 1] if 0 < line <= len(lines) else ""
         first = column if column > 1 else len(source) - len(source.lstrip()) + 1

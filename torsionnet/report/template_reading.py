@@ -1,4 +1,4 @@
-"""Template folders: what one may hold, and everything that is wrong with it.
+"""Reading of template folders, with a check of everything that one may hold.
 
 Nothing leads out of a folder: templates name its files by their names alone, and links to other places are refused.
 """
@@ -12,8 +12,8 @@ from pathlib import Path
 
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
 from torsionnet.model.files.decoding import MOST_BYTES, decode
-from torsionnet.model.files.located import compose
-from torsionnet.model.files.placing import located_faults, presentable_faults
+from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.wording import Wording, Words
 from torsionnet.report.writers.page_checks import page_faults
@@ -23,17 +23,18 @@ WORDS = "words.yaml"
 IMAGES = (".svg", ".png", ".jpg", ".jpeg", ".pdf")
 _IMAGE_NAME = re.compile(r"[A-Za-z0-9_-]+\.\w+")
 _PUT_IN = "write {{{{ image('{0}') }}}} for a file of the folder"
+"""Advice of error messages on how a page refers to an image of the template folder."""
 _FROM_ELSEWHERE = {
     r"<(script|link|iframe|object|embed|base|form)\b": "a report runs nothing and takes in nothing; delete <{0}",
     r"@import\b": "a report takes in nothing from elsewhere; write the rules into style.css",
     r"\bsrc\s*=\s*[\"']?(?!data:|\{\{|[\"'])([^\"'\s>]+)": "a report holds its images; " + _PUT_IN,
     r"\burl\(\s*[\"']?(?!data:|#|\{\{|[\"'])([^\"')\s]+)": "a report holds its images; in page.html " + _PUT_IN,
 }
-"""What a page that needs nothing else may not hold, and what to do instead."""
+"""Patterns that would make a page load or run something, and what to write instead."""
 
 
 def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
-    """Everything in a template folder.
+    """Content of a template folder.
 
     Raises
     ------
@@ -70,7 +71,7 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
 
 
 def _names(folder: Path) -> list[str]:
-    """Files of the folder but for notes to its reader and what an editor hides there."""
+    """Names of the folder's files; notes to its reader and hidden files are left out."""
     try:
         found = sorted(entry.name for entry in folder.iterdir())
     except NotADirectoryError:
@@ -83,7 +84,7 @@ def _names(folder: Path) -> list[str]:
 
 
 def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
-    """Why a file cannot be part of a template."""
+    """Fault of a file that cannot be part of a template; None where it can."""
     path, known = folder / name, (*PAGES, STYLE, WORDS)
 
     def fault(text: str) -> Fault:
@@ -116,7 +117,7 @@ def _words(text: str, file: str) -> tuple[Words, list[Fault]]:
 
 
 def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:
-    """What would make a page need something else, or run something."""
+    """Faults of a page that would load something from elsewhere, or run something."""
     text = template.texts.get(name, "")
     for pattern, advice in _FROM_ELSEWHERE.items():
         for found in re.finditer(pattern, text, re.IGNORECASE):

@@ -1,4 +1,4 @@
-"""Other words for the texts of a report: a company's own, or another language.
+"""Replacement of a report's texts by other words: a company's own, or another language.
 
 The words that may be replaced are listed once, in ``texts.yaml`` beside this module, those of elements by their types;
 the sections know nothing of it.
@@ -27,19 +27,20 @@ from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import ELEMENT_TYPES
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.given_values import has_own_column
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
-"""Where something is inserted."""
+"""Place in a text at which something is inserted, such as ``{name}``."""
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
-"""Kinds of entries that a report on a model has a row for; one of several values has a row for each."""
+"""Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
+"""Words of error messages for where all replaceable texts are listed."""
 
 
 @cache
 def replaceable_texts() -> Mapping[str, tuple[str, ...]]:
-    """The texts of a report that may be replaced, by section."""
+    """Texts of a report that may be replaced, by section."""
     listed = files("torsionnet.report").joinpath("texts.yaml").read_text(encoding="utf-8")
     texts = {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
     own = {name for cls in ELEMENT_TYPES.values() for one in cls.specs() for name in _properties(*one)}
@@ -51,7 +52,7 @@ def replaceable_texts() -> Mapping[str, tuple[str, ...]]:
 
 
 def _properties(name: str, spec: Spec[object]) -> Iterator[str]:
-    """What a report calls the values of an entry."""
+    """Names under which a report shows the values of an entry."""
     if has_own_column(name, spec):
         return
     if isinstance(spec, Nested):
@@ -77,7 +78,7 @@ def _words(names: Iterable[str]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Wording:
-    """What is said instead of a text.
+    """Mapping from texts of a report to the words that replace them.
 
     Examples
     --------
@@ -89,7 +90,7 @@ class Wording:
     texts: Mapping[str, str] = field(default_factory=dict)
 
     def __call__(self, text: str) -> str:
-        """The text in these words, or as it is if nothing is said instead of it."""
+        """Text in the words of the mapping, or as it is if the mapping has no other words."""
         if text in self.texts:
             return self.texts[text]
         for pattern, said in self._patterns:
@@ -102,13 +103,13 @@ class Wording:
 
     @cached_property
     def _patterns(self) -> list[tuple[re.Pattern[str], str]]:
-        """Texts into which something is inserted, those of many words first."""
+        """Texts into which something is inserted as patterns, those of many words first, with their other words."""
         found = [text for text in self.texts if PLACEHOLDER.search(text)]
         found.sort(key=lambda text: -len(PLACEHOLDER.sub("", text)))
         return [(_pattern(text), self.texts[text]) for text in found]
 
     def _inserted(self, text: str) -> str:
-        """What goes on with a sentence is one of the texts too; a name from the model stays as it is."""
+        """Inserted text in other words where it continues the sentence; a name from the model stays as it is."""
         return self(text) if text[:1] in (" ", ",", ";") else text
 
 
@@ -126,7 +127,7 @@ def _unknown(text: str) -> str | None:
 
 
 class Language(Text):
-    """A language by its code."""
+    """Language of a page by its code."""
 
     def coerce(self, raw: object) -> str:
         text = super().coerce(raw)
@@ -137,7 +138,7 @@ class Language(Text):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Words(Declared):
-    """The words of a template folder."""
+    """Language and texts that ``words.yaml`` of a template folder gives."""
 
     kind: ClassVar[str] = "words"
     form: ClassVar[str] = "the entries language, texts"
@@ -157,7 +158,7 @@ class Words(Declared):
 
 
 def _places_fault(needed: set[str], given: set[str]) -> str:
-    """What is inserted into the English text has to stand in the other."""
+    """Fault where the placeholders of the English text and of the other differ; empty where they agree."""
     if more := sorted(given - needed):
         rest = f"this text has {_braced(needed)}" if needed else "nothing is inserted into this text"
         return f"nothing is inserted at {{{more[0]}}}{suggestion_or(more[0], needed, rest)}"

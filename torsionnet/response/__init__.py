@@ -1,6 +1,6 @@
 """Results of calculations and tests: frequency responses, modes, order responses, limits and tables of them."""
 
-from torsionnet.core.lazy import lazy_exports
+from torsionnet.core.lazy_imports import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
@@ -9,7 +9,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Column": "torsionnet.response.table",
         "Conventions": "torsionnet.response.conventions",
         "FrequencyResponse": "torsionnet.response.frequency_response",
-        "FrequencyResponses": "torsionnet.response.family",
+        "FrequencyResponses": "torsionnet.response.variant_responses",
         "Modes": "torsionnet.response.modes",
         "SI": "torsionnet.response.conventions",
         "Table": "torsionnet.response.table",

@@ -1,7 +1,7 @@
 # Written by `make generate`.
 from torsionnet.response.conventions import Conventions as Conventions
 from torsionnet.response.conventions import SI as SI
-from torsionnet.response.family import FrequencyResponses as FrequencyResponses
+from torsionnet.response.variant_responses import FrequencyResponses as FrequencyResponses
 from torsionnet.response.frequency_response import Channel as Channel
 from torsionnet.response.frequency_response import FrequencyResponse as FrequencyResponse
 from torsionnet.response.modes import Modes as Modes

@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.engine_blocks import BlockGrid, EngineBlock, common_factor, engine_blocks, equally_fast
+from torsionnet.response.engine_blocks import (
+    BlockGrid,
+    EngineBlock,
+    blocks_by_speed,
+    engine_blocks,
+    greatest_common_divisor,
+)
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.worst_angle import Shares, worst_angles
@@ -65,7 +71,7 @@ class EngineAngle:
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class AmplitudesAtAngles:
     """Order amplitudes with all engine angles decided, by speed and output.
 
     Attributes
@@ -84,11 +90,11 @@ class Settled:
     signs: tuple[NDArray[np.int8], ...]
 
 
-def settled(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = ()) -> Settled:
+def at_worst_angles(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = ()) -> AmplitudesAtAngles:
     """Order amplitudes with the engine angles, and signs of scattered shares, that give the largest half range."""
     signs = [np.ones((len(values), values.shape[2], len(own)), dtype=np.int8) for _, own in shares]
     delays: dict[EngineBlock, FloatArray] = {}
-    for blocks in equally_fast(lines):
+    for blocks in blocks_by_speed(lines):
         grid = BlockGrid.of(lines, blocks)
         searched = [at for at, (own, _) in enumerate(shares) if any(own.start in places for places in grid.places)]
         if len(blocks) == 1 and not searched:
@@ -105,25 +111,25 @@ def settled(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = (
     together = values.copy()
     for (own_lines, contributions), own in zip(shares, signs, strict=True):
         together[:, own_lines] += np.einsum("kslo,sok->slo", contributions, own)
-    return standing(together, lines, delays, tuple(signs))
+    return at_engine_angles(together, lines, delays, tuple(signs))
 
 
-def standing(
+def at_engine_angles(
     values: ComplexArray,
     lines: Sequence[OrderLine],
     delays: Mapping[EngineBlock, FloatArray],
     signs: tuple[NDArray[np.int8], ...] = (),
-) -> Settled:
+) -> AmplitudesAtAngles:
     """Order amplitudes with engines delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
     angles = []
-    for blocks in equally_fast(lines):
+    for blocks in blocks_by_speed(lines):
         for block in blocks[1:]:
             period = _period(values, lines, [blocks[0], block] if len(blocks) == 2 else [block])
             delay = delays[block] % period
             delay[np.isclose(delay, period, rtol=EQUAL_ANGLE, atol=EQUAL_ANGLE)] = 0.0
             ratio = _ratio(lines, block)
             angles.append(EngineAngle(block.engine, blocks[0].engine, delay * ratio, period * ratio))
-    return Settled(turned(values, lines, angles), as_one(lines), tuple(angles), signs)
+    return AmplitudesAtAngles(with_engines_delayed(values, lines, angles), engines_as_one(lines), tuple(angles), signs)
 
 
 def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> FloatArray:
@@ -132,7 +138,7 @@ def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[E
     It is the largest angle of which the periods of both are multiples; orders of negligible amplitude are ignored.
     """
     moving = [[at for at in block.places if lines[at].relative] for block in blocks]
-    whole = common_factor(lines[at].relative for places in moving for at in places)
+    whole = greatest_common_divisor(lines[at].relative for places in moving for at in places)
     repeats = np.ones((len(values), values.shape[2]), dtype=np.int64)
     for places in moving:
         counts = np.array([int(lines[at].relative / whole) for at in places])
@@ -147,7 +153,7 @@ def _ratio(lines: Sequence[OrderLine], block: EngineBlock) -> float:
     return next(float(lines[at].ratio) for at in block.places if lines[at].engine == block.engine)
 
 
-def turned(
+def with_engines_delayed(
     values: ComplexArray, lines: Sequence[OrderLine], angles: Sequence[EngineAngle], sense: float = 1.0
 ) -> ComplexArray:
     """Order amplitudes with some engines delayed by their angles, or advanced with ``sense=-1``."""
@@ -160,7 +166,7 @@ def turned(
     return found
 
 
-def as_one(lines: Sequence[OrderLine]) -> tuple[OrderLine, ...]:
+def engines_as_one(lines: Sequence[OrderLine]) -> tuple[OrderLine, ...]:
     """Order lines in which engines of one speed are marked as one engine."""
-    first = {block.engine: blocks[0].engine for blocks in equally_fast(lines) for block in blocks}
+    first = {block.engine: blocks[0].engine for blocks in blocks_by_speed(lines) for block in blocks}
     return tuple(replace(line, engine=first[line.engine]) if line.engine else line for line in lines)

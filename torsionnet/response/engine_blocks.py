@@ -38,7 +38,7 @@ def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
     return [EngineBlock(one, tuple(at for at, home in enumerate(homes) if home == one)) for one in engines]
 
 
-def equally_fast(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
+def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
     """Blocks grouped by the speed of their engines: within a group an angle changes the sum of the orders."""
     found: list[tuple[set[Fraction], list[EngineBlock]]] = []
     for block in engine_blocks(lines):
@@ -51,9 +51,9 @@ def equally_fast(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
     return [blocks for _, blocks in found]
 
 
-def is_unsettled(lines: Sequence[OrderLine]) -> bool:
+def has_unknown_angles(lines: Sequence[OrderLine]) -> bool:
     """Whether engines of one speed are at an unknown angle, so that the worst one has to be searched."""
-    return any(len(blocks) > 1 for blocks in equally_fast(lines))
+    return any(len(blocks) > 1 for blocks in blocks_by_speed(lines))
 
 
 @dataclass(frozen=True)
@@ -90,8 +90,8 @@ class BlockGrid:
 
     @classmethod
     def _through(cls, lines: Sequence[OrderLine], moving: Sequence[tuple[int, ...]]) -> BlockGrid:
-        slowest = [common_factor(lines[at].relative for at in places) for places in moving]
-        whole = common_factor(slowest)
+        slowest = [greatest_common_divisor(lines[at].relative for at in places) for places in moving]
+        whole = greatest_common_divisor(slowest)
         repeats = [max(1, int(one / whole)) for one in slowest]
         step = math.lcm(*repeats)
         highest = max(lines[at].relative for places in moving for at in places)
@@ -99,7 +99,7 @@ class BlockGrid:
         return cls(tuple(moving), tuple(points // count for count in repeats), points, 1 / whole)
 
 
-def common_factor(relatives: Iterable[Fraction]) -> Fraction:
+def greatest_common_divisor(relatives: Iterable[Fraction]) -> Fraction:
     """Greatest common divisor of fractions; 0 if there are none."""
     found = Fraction(0)
     for one in relatives:

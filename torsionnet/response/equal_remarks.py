@@ -8,7 +8,7 @@ MOST_LISTED_CONFIGURATIONS = 3
 """Most configurations that a remark names one by one; beyond, it may name those left out ('all but ...')."""
 
 
-def gathered(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], list[str], str]]:
+def grouped_remarks(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], list[str], str]]:
     """Groups of equal remarks, from triples (subject, configuration, text): subjects, configurations and text of each.
 
     A text occurs once for all subjects that it concerns in the same configurations.
@@ -16,7 +16,7 @@ def gathered(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], 
     Examples
     --------
     >>> said = [("tail", "wet", "weak"), ("tail", "dry", "weak"), ("film", "wet", "weak"), ("hub", "wet", "weak")]
-    >>> list(gathered([*said, ("tail", "wet", "worn")]))
+    >>> list(grouped_remarks([*said, ("tail", "wet", "worn")]))
     [(['tail'], ['wet', 'dry'], 'weak'), (['film', 'hub'], ['wet'], 'weak'), (['tail'], ['wet'], 'worn')]
     """
     places: dict[str, dict[str, dict[str, None]]] = {}
@@ -30,21 +30,23 @@ def gathered(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], 
             yield abouts, list(where[abouts[0]]), text
 
 
-def concerned(names: Sequence[str], known: Sequence[str]) -> str:
+def configurations_in_words(names: Sequence[str], known: Sequence[str]) -> str:
     """Configurations in words, by their common alternatives on the axes where these identify them.
 
     Examples
     --------
     >>> known = [f"water={water},firing={fires}" for water in ("wet", "dry") for fires in ("normal", "misfire", "off")]
-    >>> concerned([name for name in known if "normal" not in name], known)
+    >>> configurations_in_words([name for name in known if "normal" not in name], known)
     'firing=misfire or off'
-    >>> concerned(known[1:], known), concerned(["misfire", "off"], ["normal", "misfire", "off"])
-    ('all but water=wet,firing=normal', 'misfire, off')
+    >>> configurations_in_words(known[1:], known)
+    'all but water=wet,firing=normal'
+    >>> configurations_in_words(["misfire", "off"], ["normal", "misfire", "off"])
+    'misfire, off'
     """
     rest = [name for name in known if name not in names]
     by_axes = _by_axes(names, known)
     if not by_axes and len(names) > MOST_LISTED_CONFIGURATIONS and 0 < len(rest) < len(names):
-        return f"all but {concerned(rest, known)}"
+        return f"all but {configurations_in_words(rest, known)}"
     return by_axes or ", ".join(names)
 
 

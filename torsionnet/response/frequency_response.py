@@ -267,7 +267,9 @@ class FrequencyResponse:
                     columns.append(Column(f"coherence {label}", "1"))
                     data.append(self.coherence[:, o, i])
         rows = tuple(tuple(float(cell) for cell in row) for row in zip(*data, strict=True))
-        return Table(self.title, tuple(columns), rows, (*self.notes, *filter(None, [limit_line(self)]), SIGN_NOTE))
+        return Table(
+            self.title, tuple(columns), rows, (*self.notes, *filter(None, [usable_limit_text(self)]), SIGN_NOTE)
+        )
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """Table as CSV text, also written to ``path``."""
@@ -310,10 +312,11 @@ def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[A
     raise UsageError(f"{name} have the shape {array.shape}; expected {wanted} = {shape}")
 
 
-def limit_line(response: FrequencyResponse) -> str:
+def usable_limit_text(response: FrequencyResponse) -> str:
     """Text on the highest usable frequency of a response, for files and tables; empty without a limit.
 
-    >>> limit_line(FrequencyResponse([1.0], [[[1j]]], [Channel("y", "rad")], [Channel("u", "N*m")], usable_up_to=16.8))
+    >>> y, u = Channel("y", "rad"), Channel("u", "N*m")
+    >>> usable_limit_text(FrequencyResponse([1.0], [[[1j]]], [y], [u], usable_up_to=16.8))
     'usable up to 16.8 Hz'
     """
     return "" if response.usable_up_to is None else f"usable up to {response.usable_up_to:.6g} Hz"

@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from torsionnet.response.engine_angles import Settled, as_one, standing
-from torsionnet.response.engine_blocks import BlockGrid, EngineBlock, equally_fast
+from torsionnet.response.engine_angles import AmplitudesAtAngles, at_engine_angles, engines_as_one
+from torsionnet.response.engine_blocks import BlockGrid, EngineBlock, blocks_by_speed
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.synthesis import extremes
@@ -23,18 +23,18 @@ STEP_REFINEMENTS, STEP_DIVISOR = 4, 4
 """Refinements of the angle step, and the factor by which each divides the step."""
 
 
-def at_least(case: OrderResponse) -> Settled:
+def at_least_range_angles(case: OrderResponse) -> AmplitudesAtAngles:
     """Order amplitudes of one case at the engine angles with the smallest half range, by speed and output.
 
     For two engines it is the global minimum; for more the smallest that the search finds.
     """
     delays: dict[EngineBlock, FloatArray] = {}
-    for blocks in equally_fast(case.lines):
+    for blocks in blocks_by_speed(case.lines):
         if len(blocks) == 2:
             delays |= _swept(case, blocks, {}, 1)
         elif len(blocks) > 2:
             delays |= _from_several(case, blocks)
-    return standing(case.values, case.lines, delays)
+    return at_engine_angles(case.values, case.lines, delays)
 
 
 Delays: TypeAlias = dict[EngineBlock, FloatArray]
@@ -68,7 +68,7 @@ def _swept(case: OrderResponse, blocks: Sequence[EngineBlock], start: Delays, sw
 
 
 def _half_range(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> FloatArray:
-    return replace(case, values=_later(case, delays), lines=as_one(case.lines)).half_range
+    return replace(case, values=_later(case, delays), lines=engines_as_one(case.lines)).half_range
 
 
 def _least(

@@ -14,7 +14,7 @@ from torsionnet.core.listing import comma_list
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.equal_remarks import gathered
+from torsionnet.response.equal_remarks import grouped_remarks
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
 from torsionnet.response.table import Column, Table, result_table
@@ -40,12 +40,12 @@ def gravest(verdicts: Iterable[str]) -> str:
     return max(verdicts, key=(PASS, BARRED, INCOMPLETE, OPEN, FAIL).index, default=PASS)
 
 
-def unexamined(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
+def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
     """Sentence on the configurations that were not examined, as a list of one; empty if none is missing.
 
     Examples
     --------
-    >>> unexamined(["wet", "dry"], ["wet", "dry", "warm"], ["warm"])
+    >>> unexamined_sentence(["wet", "dry"], ["wet", "dry", "warm"], ["warm"])
     ['2 of 3 configurations not examined: all but warm']
     """
     if not missing:
@@ -228,7 +228,7 @@ class LimitCheck:
     @property
     def conclusion(self) -> str:
         """Conclusion from all verdicts in a sentence, with what was not examined."""
-        missing = [*unexamined(self.others, self.configurations, [self.configuration]), *self.left_out]
+        missing = [*unexamined_sentence(self.others, self.configurations, [self.configuration]), *self.left_out]
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
         return "; ".join([*missing, self.finding(where)])
 
@@ -283,7 +283,7 @@ class LimitCheck:
         rows = tuple(self._row(one, conventions) for one in self.verdicts)
         notes = [f"speeds of {self.reference}, {self.rpm[0]:g} to {self.rpm[-1]:g} rpm", *self.notes]
         said = ((f"{one.limit}, {one.criterion}", "", text) for one in self.verdicts for text in one.remarks)
-        notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in gathered(said)]
+        notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in grouped_remarks(said)]
         for text, names in self.texts().items():
             notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}", f"  not covered: {text.not_covered}"]
         return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))

@@ -19,7 +19,7 @@ from torsionnet.response.limit_check import (
     LimitVerdict,
     gravest,
     listed_names,
-    unexamined,
+    unexamined_sentence,
 )
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
 
@@ -121,7 +121,7 @@ class LimitConclusion:
             return self.checks[0].conclusion
         examined = [one.configuration for one in self.checks]
         return "; ".join(
-            [*unexamined(self.not_examined, self.configurations, examined), *self.left_out, *self._found()]
+            [*unexamined_sentence(self.not_examined, self.configurations, examined), *self.left_out, *self._found()]
         )
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:

@@ -108,4 +108,4 @@ class LoopMargins:
         columns = (Column(what), Column("value"), Column("unit"), Column("at", "Hz"))
         shown = tuple(tuple(None if cell != cell else cell for cell in row) for row in rows)
         title = f"{self.title}: loop opened at {self.controller}"
-        return Table(title if self.stable else f"{title}, UNSTABLE_NOTE when closed", columns, shown, (note,))
+        return Table(title if self.stable else f"{title}, UNSTABLE when closed", columns, shown, (note,))

@@ -56,7 +56,7 @@ def _letters(number: int) -> str:
     return (_letters(whole) if whole else "") + chr(ord("a") + rest)
 
 
-def place_of(number: int, kinds: Sequence[str]) -> int:
+def index_of_mode(number: int, kinds: Sequence[str]) -> int:
     """Index of the mode with a number among all modes.
 
     Raises

@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.crests import COARSE_POINTS_PER_PERIOD, LONG_CYCLE_PERIODS, crests
-from torsionnet.response.engine_angles import settled
-from torsionnet.response.engine_blocks import engine_blocks, is_unsettled
+from torsionnet.response.cycle_extremes import COARSE_POINTS_PER_PERIOD, LONG_CYCLE_PERIODS, refined_extremes
+from torsionnet.response.engine_angles import at_worst_angles
+from torsionnet.response.engine_blocks import engine_blocks, has_unknown_angles
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
 from torsionnet.response.order_sums import lines_of_one_frequency, sum_name, summed_sizes, sums_of_lines
-from torsionnet.response.synthesis import POINTS_PER_PERIOD, common_cycle, extremes, synthesised
+from torsionnet.response.synthesis import POINTS_PER_PERIOD, common_cycle, extremes, waveforms
 from torsionnet.response.table import Column, Table
 
 MOST_WAVEFORM_POINTS = 4_000_000
@@ -193,7 +193,7 @@ class OrderResponse:
         cycle = self._cycle()
         place = self.output(output)
         counts = [int(line.relative * cycle) for line in self.lines]
-        waves = synthesised(self._spectrum(range(len(self.lines)), counts)[:, :, place : place + 1], points)[:, 0]
+        waves = waveforms(self._spectrum(range(len(self.lines)), counts)[:, :, place : place + 1], points)[:, 0]
         return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
 
     @cached_property
@@ -204,8 +204,8 @@ class OrderResponse:
         later: their extremes add up. Lines without a cycle of their own add their magnitudes. Engines of one speed with
         an unknown angle between them are at the angle of largest (max - min)/2; extremes of other engines add up.
         """
-        if is_unsettled(self.lines):
-            worst = settled(self.values, self.lines)
+        if has_unknown_angles(self.lines):
+            worst = at_worst_angles(self.values, self.lines)
             return replace(self, values=worst.values, lines=worst.lines).bounds
         found = np.zeros((2, len(self.speeds), len(self.outputs)))
         for places, counts in self._families():
@@ -258,7 +258,7 @@ class OrderResponse:
         found = []
         for start in range(0, len(spectrum), together):
             part = slice(start, start + together)
-            bounds = np.array(crests(self.values[part, places], counts, spectrum[part])) if is_long else None
+            bounds = np.array(refined_extremes(self.values[part, places], counts, spectrum[part])) if is_long else None
             found.append(_on_a_fine_grid(spectrum[part]) if bounds is None or np.isnan(bounds).any() else bounds)
         return np.concatenate(found, axis=1)
 
@@ -424,6 +424,6 @@ def _on_a_fine_grid(spectrum: ComplexArray) -> FloatArray:
     together = max(1, MOST_WAVEFORM_POINTS // (POINTS_PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
     found = []
     for start in range(0, len(spectrum), together):
-        waves = synthesised(spectrum[start : start + together])
+        waves = waveforms(spectrum[start : start + together])
         found.append(extremes(waves))
     return np.concatenate(found, axis=1)

@@ -15,10 +15,10 @@ NEGLIGIBLE_IMAGINARY_PART = 1e-12
 """Share of the real part below which an imaginary part is rounding."""
 
 
-def phase_at_rest(value: complex) -> float:
+def phase_at_zero_frequency(value: complex) -> float:
     """Phase in degrees of a response at 0 Hz, without imaginary parts by rounding; nan if it is not finite.
 
-    >>> phase_at_rest(2 + 1e-66j), phase_at_rest(-2 - 1e-66j), phase_at_rest(1j)
+    >>> phase_at_zero_frequency(2 + 1e-66j), phase_at_zero_frequency(-2 - 1e-66j), phase_at_zero_frequency(1j)
     (0.0, 180.0, 90.0)
     """
     if not math.isfinite(abs(value)):
@@ -27,10 +27,10 @@ def phase_at_rest(value: complex) -> float:
     return math.degrees(math.atan2(imaginary, value.real))
 
 
-def unwrapped(values: NDArray[np.complex128]) -> FloatArray:
+def unwrapped_phase(values: NDArray[np.complex128]) -> FloatArray:
     """Continuous (unwrapped) phase in degrees, -180 rather than +180; nan for zero and infinite values.
 
-    >>> unwrapped(np.array([1, -1j, -1, 1j, 1])).tolist()
+    >>> unwrapped_phase(np.array([1, -1j, -1, 1j, 1])).tolist()
     [0.0, -90.0, -180.0, -270.0, -360.0]
     """
     phase = np.full(len(values), np.nan)

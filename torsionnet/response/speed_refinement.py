@@ -35,7 +35,7 @@ T = TypeVar("T")
 S = TypeVar("S", bound=Sized)
 
 
-def refined(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
+def refine(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
     """Result refined until ``wanted`` gives no more speeds for it; ``looked`` adds the values at wanted speeds."""
     found = first
     for _ in range(MOST_REFINEMENTS):
@@ -46,12 +46,12 @@ def refined(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> 
     return found
 
 
-def filled(speeds: FloatArray) -> FloatArray:
+def fill_speed_gaps(speeds: FloatArray) -> FloatArray:
     """Rising speeds with more of them in gaps of more than 2 %.
 
     Examples
     --------
-    >>> filled(np.array([100.0, 101.0, 105.0])).round(2).tolist()
+    >>> fill_speed_gaps(np.array([100.0, 101.0, 105.0])).round(2).tolist()
     [100.0, 101.0, 103.0, 105.0]
     """
     rising = np.unique(speeds)
@@ -62,7 +62,7 @@ def filled(speeds: FloatArray) -> FloatArray:
     return np.concatenate([*parts, rising[-1:]])
 
 
-def added(speeds: FloatArray, more: FloatArray) -> FloatArray:
+def new_speeds(speeds: FloatArray, more: FloatArray) -> FloatArray:
     """Speeds of ``more``, rising, that lie inside the range of ``speeds`` and differ from all of them."""
     inside = np.unique(more[(more > speeds[0]) & (more < speeds[-1])])
     if not len(inside):
@@ -73,7 +73,7 @@ def added(speeds: FloatArray, more: FloatArray) -> FloatArray:
     return np.asarray(inside[apart > SAME_SPEED_DISTANCE * inside])
 
 
-def speeds_wanted(speeds: FloatArray, curves: FloatArray, level: float | None = None) -> FloatArray:
+def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None = None) -> FloatArray:
     """Speeds, rising, at which curves have to be calculated next; empty once maxima and crossings are known.
 
     Parameters
@@ -89,15 +89,15 @@ def speeds_wanted(speeds: FloatArray, curves: FloatArray, level: float | None = 
     --------
     >>> speeds = np.arange(10.0, 15.0)
     >>> curve = lambda n: 1 / np.hypot(1, 5 * (n - 12.3))[:, None]
-    >>> more = speeds_wanted(speeds, curve(speeds))
+    >>> more = speeds_to_refine(speeds, curve(speeds))
     >>> bool(curve(more).max() > 0.999)
     True
     """
     found = [speed for curve in curves.T for speed in _of_curve(speeds, curve, level)]
-    return added(speeds, np.array(found))
+    return new_speeds(speeds, np.array(found))
 
 
-def vertex(speeds: FloatArray, values: FloatArray, at: int) -> float:
+def vertex_speed(speeds: FloatArray, values: FloatArray, at: int) -> float:
     """Speed of the maximum near the highest value, by a parabola through its neighbours."""
     if not 0 < at < len(speeds) - 1:
         return float(speeds[at])

@@ -79,12 +79,12 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
     return tuple(found)
 
 
-def cut_off(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple[str, ...]:
+def range_end_remarks(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple[str, ...]:
     """Remarks on a speed range that reaches an end of the examined speeds, with the texts for either end.
 
     Examples
     --------
-    >>> cut_off(SpeedSpan(43.0, 47.0), SpeedSpan(30.0, 45.0), "no lower speed was examined", "no higher one")
+    >>> range_end_remarks(SpeedSpan(43.0, 47.0), SpeedSpan(30.0, 45.0), "no lower speed was examined", "no higher one")
     ('the range ends at 429.7 rpm: no higher one',)
     """
     slack = 1e-9 * limits.high

@@ -28,7 +28,7 @@ def common_cycle(relatives: Sequence[Fraction]) -> int | None:
     return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= MOST_PERIODS else None
 
 
-def synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
+def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
     """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi, shape (n_speeds, n_out, n)."""
     highest = spectrum.shape[1] - 1
     n = points or _even_steps(POINTS_PER_PERIOD * max(highest, 1))

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.engine_angles import EngineAngle, turned
+from torsionnet.response.engine_angles import EngineAngle, with_engines_delayed
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
-from torsionnet.response.least_angle import at_least
+from torsionnet.response.least_angle import at_least_range_angles
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.table import Column, Table
 
@@ -78,8 +78,10 @@ class WorstResponse(OrderResponse):
         if not self.angles:
             return self
         lines = next(iter(self.alternatives.values())).lines
-        values = turned(self.values, lines, self.angles, sense=-1)
-        found = at_least(OrderResponse(self.speeds, self.reference, lines, values, self.outputs, self.title))
+        values = with_engines_delayed(self.values, lines, self.angles, sense=-1)
+        found = at_least_range_angles(
+            OrderResponse(self.speeds, self.reference, lines, values, self.outputs, self.title)
+        )
         return replace(self, values=found.values, angles=found.angles)
 
     def least_at(self, speed: int, output: str | None = None) -> WorstResponse:
@@ -159,7 +161,9 @@ class WorstResponse(OrderResponse):
         return replace(found, columns=columns, rows=rows)
 
 
-def joined(parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str) -> OrderResponse:
+def join_responses(
+    parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str
+) -> OrderResponse:
     """Response at all speeds, joined from responses at parts of the speeds with the indices of these."""
     order = np.argsort(np.concatenate([places for _, places in parts]))
     found = [part for part, _ in parts]
@@ -172,13 +176,15 @@ def joined(parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: Floa
         whole,
         chosen=np.concatenate([part.chosen for part in worst])[order],
         alternatives={
-            label: joined(
+            label: join_responses(
                 [(part.alternatives[label], those) for part, those in zip(worst, places, strict=True)], speeds, title
             )
             for label in whole.alternatives
         },
         each=tuple(
-            joined([(part.each[number], those) for part, those in zip(worst, places, strict=True)], speeds, title)
+            join_responses(
+                [(part.each[number], those) for part, those in zip(worst, places, strict=True)], speeds, title
+            )
             for number in range(len(whole.each))
         ),
         signs=np.concatenate([part.signs for part in worst])[order],

@@ -1,6 +1,6 @@
-"""Recorded and simulated signals: records, processing, and the frequency responses estimated from them."""
+"""Recorded and simulated signals, their processing, and the frequency responses estimated from them."""
 
-from torsionnet.core.lazy import lazy_exports
+from torsionnet.core.lazy_imports import lazy_exports
 
 # Files are read in a layer above this one, which knows no files; the names have their place here all the same.
 __all__, __getattr__, __dir__ = lazy_exports(
@@ -22,7 +22,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Resolution": "torsionnet.signals.resolution",
         "Signal": "torsionnet.response.recording",
         "Spectrogram": "torsionnet.signals.spectrogram",
-        "Step": "torsionnet.signals.single_tests",
+        "Step": "torsionnet.signals.unaveraged_estimates",
         "SteppedSine": "torsionnet.signals.excitation",
         "Welch": "torsionnet.signals.welch",
         "angle_from_counts": "torsionnet.signals.encoder",
@@ -35,7 +35,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "differentiate": "torsionnet.signals.calculus",
         "estimate": "torsionnet.signals.estimators",
         "frac": "torsionnet.signals.comparison",
-        "full_record": "torsionnet.signals.single_tests",
+        "full_record": "torsionnet.signals.unaveraged_estimates",
         "integrate": "torsionnet.signals.calculus",
         "iter_blocks": "torsionnet.io.recording_files",
         "missing_pulses": "torsionnet.signals.pulses",
@@ -49,7 +49,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "resolution": "torsionnet.signals.resolution",
         "resolution_limit": "torsionnet.signals.advice",
         "spectrogram": "torsionnet.signals.spectrogram",
-        "stepped_sine": "torsionnet.signals.single_tests",
+        "stepped_sine": "torsionnet.signals.unaveraged_estimates",
         "sweep_harmonics": "torsionnet.signals.harmonics",
         "unwrapped": "torsionnet.signals.encoder",
         "write_recording": "torsionnet.io.recording_files",

@@ -34,9 +34,9 @@ from torsionnet.signals.recording_checks import check_recording as check_recordi
 from torsionnet.signals.resampling import resampled as resampled
 from torsionnet.signals.resolution import Resolution as Resolution
 from torsionnet.signals.resolution import resolution as resolution
-from torsionnet.signals.single_tests import Step as Step
-from torsionnet.signals.single_tests import full_record as full_record
-from torsionnet.signals.single_tests import stepped_sine as stepped_sine
+from torsionnet.signals.unaveraged_estimates import Step as Step
+from torsionnet.signals.unaveraged_estimates import full_record as full_record
+from torsionnet.signals.unaveraged_estimates import stepped_sine as stepped_sine
 from torsionnet.signals.spectra import cross_spectra as cross_spectra
 from torsionnet.signals.spectral_matrix import CrossSpectra as CrossSpectra
 from torsionnet.signals.spectrogram import Spectrogram as Spectrogram

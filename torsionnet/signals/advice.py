@@ -1,4 +1,4 @@
-"""What a reader of an estimated response should be told: doubtful peaks, and where a sensor stops resolving."""
+"""Warnings about an estimated response: unreliable peaks, and the frequency where a sensor stops resolving motion."""
 
 from __future__ import annotations
 
@@ -13,16 +13,21 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray
 
 LEAST_BINS = 3
+"""Bins of the estimate that the half-power bandwidth of a peak must span; a narrower peak is widened by the window."""
 LEAST_COHERENCE = 0.8
-COHERENT = 0.5
-"""Share of an output's power that comes from the inputs, below which its phase is any."""
-PROMINENCE = 3.0
-RANGE = 20.0
-MOST_LISTED = 5
+"""Coherence at a peak below which it is warned of, and below which test and model are not compared."""
+COHERENT_SHARE = 0.5
+"""Share of an output's power due to the inputs below which the output is taken for noise."""
+PEAK_PROMINENCE = 3.0
+"""Height in dB by which a peak stands out from its surroundings."""
+PEAK_RANGE = 20.0
+"""Range in dB below the highest peak in which peaks are examined."""
+MOST_LISTED_PEAKS = 5
+"""Peaks that a warning lists at most."""
 
 
-def peaks(magnitude: FloatArray) -> list[int]:
-    """Places of the peaks that stand out by 3 dB and are at most 20 dB below the highest."""
+def significant_peaks(magnitude: FloatArray) -> list[int]:
+    """Indices of the peaks that stand out by 3 dB and are at most 20 dB below the highest."""
     from scipy.signal import find_peaks
 
     if not magnitude.size:
@@ -30,25 +35,25 @@ def peaks(magnitude: FloatArray) -> list[int]:
     with np.errstate(divide="ignore", invalid="ignore"):
         level = 20 * np.log10(np.nan_to_num(magnitude))
     level = np.maximum(level, level.max() - 200)
-    found, _ = find_peaks(level, height=level.max() - RANGE, prominence=PROMINENCE)
+    found, _ = find_peaks(level, height=level.max() - PEAK_RANGE, prominence=PEAK_PROMINENCE)
     return [int(place) for place in found]
 
 
 def is_coherent(response: FrequencyResponse, output: int, least: float = LEAST_COHERENCE) -> NDArray[np.bool_]:
-    """Whether so much of an output's power comes from the inputs, each of which has its share, (n_f,)."""
+    """Mask (n_f,) of the lines where the coherences of an output with all inputs add up to at least ``least``."""
     if response.coherence is None:
         return np.zeros(len(response.frequencies), dtype=bool)
     return np.asarray(response.coherence[:, output].sum(axis=1) >= least)
 
 
-def meant_up_to(response: FrequencyResponse, output: int) -> float:
-    """Frequency in Hz up to which an output is more than noise: as the response says, or the last coherent line.
+def above_noise_up_to(response: FrequencyResponse, output: int) -> float:
+    """Frequency in Hz up to which an output is more than noise, as the response states or by the last coherent line.
 
-    Infinite where neither is known: for one that is coherent nowhere, too.
+    Infinite if neither is known, or no line is coherent.
     """
     if response.usable_up_to is not None:
         return response.usable_up_to
-    lines = response.frequencies[is_coherent(response, output, COHERENT)]
+    lines = response.frequencies[is_coherent(response, output, COHERENT_SHARE)]
     return float(lines.max()) if lines.size else np.inf
 
 
@@ -72,16 +77,16 @@ def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: i
     return float(edges[1] - edges[0])
 
 
-def remarks(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
+def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
     """Warnings about the peaks of an estimate whose bins are ``bin_width`` Hz wide.
 
-    A peak narrower than three bins is widened by the window, which reads as too much damping. Ordinary coherence is
-    low for reasons other than noise where there are several inputs: then it is not to be judged. Nothing is said of
-    peaks above the frequency up to which the response can be used or is more than noise.
+    A peak narrower than three bins is widened by the window, which reads as too much damping. With several
+    inputs, ordinary coherence is low for reasons other than noise: set ``judge_coherence`` to False. Peaks above the
+    frequency up to which the response can be used or is more than noise are ignored.
     """
     found: list[str] = []
     for o, output in enumerate(response.outputs):
-        meant = response.between(0, meant_up_to(response, o))
+        meant = response.between(0, above_noise_up_to(response, o))
         for i, into in enumerate(response.inputs):
             coherence = meant.coherence[:, o, i] if meant.coherence is not None and judge_coherence else None
             about = f"warning: {output.name}/{into.name}"
@@ -94,7 +99,7 @@ def _peak_remarks(
     frequencies: FloatArray, magnitude: FloatArray, coherence: FloatArray | None, bin_width: float
 ) -> Iterator[str]:
     narrow, doubtful = [], []
-    for peak in peaks(magnitude):
+    for peak in significant_peaks(magnitude):
         width = half_power_bandwidth(frequencies, magnitude, peak)
         if coherence is not None and coherence[peak] < LEAST_COHERENCE:
             doubtful.append(f"{frequencies[peak]:g} Hz ({coherence[peak]:.2f})")
@@ -102,15 +107,15 @@ def _peak_remarks(
             narrow.append(f"{frequencies[peak]:g} Hz ({width:.3g} Hz)")
     if narrow:
         yield (
-            f"half-power bandwidth under {LEAST_BINS} bins of {bin_width:g} Hz at {comma_list(narrow, MOST_LISTED)}: "
-            "the height reads low and the damping high; use longer segments"
+            f"half-power bandwidth under {LEAST_BINS} bins of {bin_width:g} Hz at "
+            f"{comma_list(narrow, MOST_LISTED_PEAKS)}: the height reads low and the damping high; use longer segments"
         )
     if doubtful:
-        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {comma_list(doubtful, MOST_LISTED)}"
+        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {comma_list(doubtful, MOST_LISTED_PEAKS)}"
 
 
 def resolution_limit(frequencies: FloatArray, amplitude: FloatArray, step: float, steps: float = 4.0) -> float:
-    """Frequency up to which an angle's amplitude is at least so many steps of the encoder, Hz.
+    """Frequency in Hz up to which an angle's amplitude is at least ``steps`` steps of the encoder.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The angle between the pulses of an encoder, from all of them around it.
+"""Band-limited interpolation of the angle between the pulses of an encoder.
 
 A pulse says exactly where the shaft is, at a time that the motion decides: the samples of the motion are not evenly
 spaced in time. Over the mean rotation u, a smooth course through every few pulses, they nearly are. What the shaft does
@@ -22,26 +22,30 @@ from torsionnet.core.errors import SolveError
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.sample_counts import check_count
 
-HALF_LENGTH = 40
-"""Pulses on either side that a value between pulses rests on."""
-SPREAD = HALF_LENGTH / (np.pi * (1 - 5 / 6))
+KERNEL_HALF_LENGTH = 40
+"""Pulses on either side from which a value between pulses is interpolated."""
+KERNEL_VARIANCE = KERNEL_HALF_LENGTH / (np.pi * (1 - 5 / 6))
 """Square of the width of the Gaussian: orders up to 5/6 of half the pulses are kept, their images are not."""
-COURSE = 8
-"""Points in a turn through which the mean rotation runs; orders up to half of that are in it."""
-DEGREE = 7
-SETTLED, SHRINKS = 1e-10, 0.97
-CHUNK = 2**15
+POINTS_PER_TURN = 8
+"""Points per turn of the mean rotation; it contains orders up to half of that."""
+SPLINE_DEGREE = 7
+"""Degree of the splines of the mean rotation: smooth enough that nothing is left for high orders by its knots."""
+CONVERGED_STEPS, LEAST_REDUCTION = 1e-10, 0.97
+"""Steps of the encoder below which the iteration has converged, and the factor by which each iteration must reduce
+the error; otherwise it would not converge."""
+VALUES_PER_CHUNK = 2**15
+"""Values that are interpolated together, which limits the memory."""
 
 
 class Rotation:
-    """Rotation in steps of the encoder over time, through all its pulses.
+    """Rotation over time in steps of the encoder, interpolated through all its pulses.
 
     Parameters
     ----------
     times : (n,) array
         Time of every pulse kept, s.
     numbers : (n,) int array
-        Steps since the first one; where some are left out, they are filled in first.
+        Steps since the first pulse; missing pulses are filled in first.
     steps_per_revolution : float
     """
 
@@ -55,14 +59,14 @@ class Rotation:
         whole = np.arange(numbers[-1] + 1, dtype=float)
         stamps = times if len(times) == len(whole) else _spline(numbers.astype(float), times)(whole)
         stamps[numbers] = times
-        every = max(2, round(steps_per_revolution / COURSE))
+        every = max(2, round(steps_per_revolution / POINTS_PER_TURN))
         points = np.unique(np.concatenate([np.arange(0, len(whole), every), [len(whole) - 1]]))
         self.course = _spline(stamps[points], whole[points])
         places = self.course(stamps)
         self.beyond: FloatArray = _solved(places, whole - places, stamps)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """Steps since the first pulse, at times between the first and the last one."""
+        """Encoder steps since the first pulse at some times, (n,), between the first and the last pulse."""
         places = np.asarray(self.course(times), dtype=float)
         return places + _between(self.beyond, places)
 
@@ -70,30 +74,31 @@ class Rotation:
 def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # noqa: ANN202
     from scipy.interpolate import make_interp_spline
 
-    degree = min(DEGREE, len(x) - 1)
+    degree = min(SPLINE_DEGREE, len(x) - 1)
     return make_interp_spline(x, y, k=degree - (degree % 2 == 0 and degree > 1))
 
 
 def _solved(places: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
-    """What a motion is at whole numbers, of which values at places beside them are known."""
+    """Values of a motion at whole numbers, by iteration from its values at positions next to them."""
     found, before = values.copy(), np.inf
     while True:
         left = values - _between(found, places)
         found += left
         worst = int(np.abs(left).argmax())
         size = float(np.abs(left[worst]))
-        if size < SETTLED:
+        if size < CONVERGED_STEPS:
             return found
-        if size > SHRINKS * before:
+        if size > LEAST_REDUCTION * before:
             raise SolveError(
-                f"the speed changes too fast around {times[worst]:.6g} s for the angle between pulses to be found"
+                f"the speed changes too fast around {times[worst]:.6g} s to interpolate the angle between pulses; "
+                "cut the record there"
             )
         before = size
 
 
 def _between(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Values at places between whole numbers; beyond its ends a motion is turned about them."""
-    wide = np.pad(values, HALF_LENGTH, mode="reflect", reflect_type="odd")
+    """Values interpolated between whole numbers; beyond its ends the motion is reflected about them."""
+    wide = np.pad(values, KERNEL_HALF_LENGTH, mode="reflect", reflect_type="odd")
     result = np.empty(len(places))
     for part in _chunks(len(places)):
         result[part] = _sum(wide, places[part])
@@ -101,17 +106,17 @@ def _between(values: FloatArray, places: FloatArray) -> FloatArray:
 
 
 def _sum(wide: FloatArray, places: FloatArray) -> FloatArray:
-    whole = np.clip(np.rint(places).astype(np.intp), 0, len(wide) - 2 * HALF_LENGTH - 1)
+    whole = np.clip(np.rint(places).astype(np.intp), 0, len(wide) - 2 * KERNEL_HALF_LENGTH - 1)
     rest = places - whole
-    on = np.abs(rest) < SETTLED
+    on = np.abs(rest) < CONVERGED_STEPS
     rest = np.where(on, 0.5, rest)
     total = np.zeros(len(places))
-    for shift in range(-HALF_LENGTH, HALF_LENGTH + 1):
+    for shift in range(-KERNEL_HALF_LENGTH, KERNEL_HALF_LENGTH + 1):
         apart = rest - shift
-        term = wide[whole + (HALF_LENGTH + shift)] * np.exp(-(apart**2) / (2 * SPREAD)) / apart
+        term = wide[whole + (KERNEL_HALF_LENGTH + shift)] * np.exp(-(apart**2) / (2 * KERNEL_VARIANCE)) / apart
         total += term if shift % 2 == 0 else -term
-    return np.where(on, wide[whole + HALF_LENGTH], np.sin(np.pi * rest) / np.pi * total)
+    return np.where(on, wide[whole + KERNEL_HALF_LENGTH], np.sin(np.pi * rest) / np.pi * total)
 
 
 def _chunks(count: int) -> Iterator[slice]:
-    yield from (slice(begin, begin + CHUNK) for begin in range(0, count, CHUNK))
+    yield from (slice(begin, begin + VALUES_PER_CHUNK) for begin in range(0, count, VALUES_PER_CHUNK))

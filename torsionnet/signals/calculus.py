@@ -11,14 +11,14 @@ from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.record_blocks import check_processable
 
 Ends: TypeAlias = Literal["mirror", "periodic"]
-MOTION = ("angle", "velocity", "acceleration")
-"""Each the derivative of the one before it."""
+MOTION_QUANTITIES = ("angle", "velocity", "acceleration")
+"""Quantities of motion, each the time derivative of the one before."""
 
 
 def convert(
     recording: Recording, name: str, quantity: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
 ) -> Recording:
-    """With one signal of motion turned into another quantity.
+    """Recording with one signal of motion converted to another quantity by integration or differentiation.
 
     Parameters
     ----------
@@ -27,13 +27,13 @@ def convert(
         A signal that is an angle, a velocity or an acceleration.
     quantity : {"angle", "velocity", "acceleration"}
     ends : {"mirror", "periodic"}, optional
-        What the transform sees beyond the ends. ``periodic``: the same record again; exact if it holds whole periods.
-        ``mirror``: the straight line from first to last value goes apart, the rest turned about its end points,
-        which makes no step; the derivative is then rough only in a few samples at the ends.
+        Continuation beyond the ends of the record. ``periodic``: repeated; exact if it holds whole periods.
+        ``mirror``: the straight line from first to last value is treated separately, the rest reflected about its end
+        points, which makes no step; the derivative is then inexact only in a few samples at the ends.
     lowest : float, optional
-        Integration magnifies drift by 1/f; what is below this frequency in Hz is set to zero.
+        Frequency in Hz below which the result is set to zero, as integration amplifies drift by 1/f.
     new_name : str, optional
-        Keeps the signal and adds the result under this name.
+        Name under which the result is added; by default it replaces the signal.
 
     Notes
     -----
@@ -63,34 +63,36 @@ def convert(
 def integrate(
     recording: Recording, name: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
 ) -> Recording:
-    """Velocity from acceleration, or angle from velocity: :func:`convert` by one."""
+    """Recording with an acceleration integrated to a velocity, or a velocity to an angle."""
     return convert(recording, name, _neighbour(recording[name], -1), ends=ends, lowest=lowest, new_name=new_name)
 
 
 def differentiate(recording: Recording, name: str, *, ends: Ends = "mirror", new_name: str = "") -> Recording:
-    """Velocity from angle, or acceleration from velocity: :func:`convert` by one."""
+    """Recording with an angle differentiated to a velocity, or a velocity to an acceleration."""
     return convert(recording, name, _neighbour(recording[name], 1), ends=ends, new_name=new_name)
 
 
 def _neighbour(signal: Signal, order: int) -> str:
     place = _place(signal.quantity, signal.name) + order
-    if not 0 <= place < len(MOTION):
+    if not 0 <= place < len(MOTION_QUANTITIES):
         raise UsageError(
-            f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of {', '.join(MOTION)}"
+            f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of "
+            f"{', '.join(MOTION_QUANTITIES)}"
         )
-    return MOTION[place]
+    return MOTION_QUANTITIES[place]
 
 
 def _order(signal: Signal, quantity: str) -> int:
-    if quantity not in MOTION:
-        raise UsageError(f'"{quantity}" is none of {", ".join(MOTION)}{did_you_mean(quantity, MOTION)}')
-    return MOTION.index(quantity) - _place(signal.quantity, signal.name)
+    if quantity not in MOTION_QUANTITIES:
+        known = ", ".join(MOTION_QUANTITIES)
+        raise UsageError(f'"{quantity}" is not a motion{did_you_mean(quantity, MOTION_QUANTITIES)}; there is {known}')
+    return MOTION_QUANTITIES.index(quantity) - _place(signal.quantity, signal.name)
 
 
 def _place(quantity: str, name: str) -> int:
-    if quantity not in MOTION:
-        raise UsageError(f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION)}")
-    return MOTION.index(quantity)
+    if quantity not in MOTION_QUANTITIES:
+        raise UsageError(f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION_QUANTITIES)}")
+    return MOTION_QUANTITIES.index(quantity)
 
 
 def _check_ends(ends: str) -> None:
@@ -99,7 +101,7 @@ def _check_ends(ends: str) -> None:
 
 
 def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: float) -> FloatArray:
-    """Derivative for sign 1, integral without mean for -1."""
+    """Derivative of a signal for sign 1, integral without mean for sign -1."""
     if ends == "periodic":
         return _spectrally(values, sign, rate, lowest)
     slope = (values[-1] - values[0]) / (len(values) - 1)

@@ -1,4 +1,4 @@
-"""Test against model: how far two frequency responses are from each other."""
+"""Difference between two frequency responses in dB and degrees, and their assurance criterion (FRAC)."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from torsionnet.response.recording import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """One response over another.
+    """Difference of two frequency responses in dB and degrees.
 
     Attributes
     ----------
     frequencies : (n_f,) array
-        Hz.
+        Frequencies, Hz.
     decibels : (n_f, n_out, n_in) array
-        Positive where the first is larger.
+        Ratio of the magnitudes in dB, positive where the first is larger.
     degrees : (n_f, n_out, n_in) array
-        -180 to 180; positive where the first leads; NaN where one has no phase.
+        Phase difference, -180 to 180, positive where the first leads; NaN where one has no phase.
     """
 
     frequencies: FloatArray
@@ -31,12 +31,12 @@ class Difference:
 
 
 def difference(first: FrequencyResponse, second: FrequencyResponse) -> Difference:
-    """Difference in dB and in degrees at every frequency.
+    """Difference of two frequency responses in dB and in degrees at every frequency.
 
     Raises
     ------
     UsageError
-        The two are not of the same frequencies or not of the same kind.
+        The responses differ in frequencies or units.
 
     Examples
     --------
@@ -55,10 +55,10 @@ def difference(first: FrequencyResponse, second: FrequencyResponse) -> Differenc
 
 
 def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
-    """Frequency response assurance criterion of every pair, (n_out, n_in).
+    """Frequency response assurance criterion (FRAC) of each output and input, (n_out, n_in).
 
-    1 where the two are proportional over frequency, 0 where they have nothing in common. A common factor does not
-    lower it: look at the difference in dB too.
+    1 where the two are proportional over frequency, 0 where they are orthogonal. A constant factor does not lower it:
+    look at the difference in dB too.
     """
     _check_comparable(first, second)
     if not (first.has_phase and second.has_phase):
@@ -77,8 +77,8 @@ def _check_comparable(first: FrequencyResponse, second: FrequencyResponse) -> No
         first.frequencies, second.frequencies, rtol=1e-9, atol=0
     ):
         raise UsageError(
-            "the two are not of the same frequencies, and interpolating a resonance falsifies it; ask the model at "
-            "the frequencies of the test"
+            "the two responses have different frequencies, and interpolating would falsify resonances; calculate the "
+            "model at the frequencies of the test"
         )
 
 

@@ -1,4 +1,4 @@
-"""Fewer samples per second: an anti-alias filter, then every n-th sample."""
+"""Decimation of recordings: an anti-alias filter, then every n-th sample."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray, Recording
-from torsionnet.signals.record_blocks import Recordings, in_order, stacked
+from torsionnet.signals.record_blocks import Recordings, blocks_in_order, stacked
 
-HALF_LENGTH = 10
-"""Samples *after* decimation on either side of the filter's centre."""
-USABLE = 0.8
-"""Share of the new half rate up to which the result holds: what folds onto it comes from the filter's stop band."""
-FAST, ENOUGH = 1000.0, 200.0
-"""Hz; records up to the first are taken as they are, faster ones keep at least the second."""
+FILTER_HALF_LENGTH = 10
+"""Half length of the anti-alias filter in samples after decimation; a longer one has a steeper edge."""
+VALID_SHARE = 0.8
+"""Share of the new half rate up to which the result is valid: aliases below it come from the filter's stop band."""
+UNDECIMATED_RATE, LEAST_DECIMATED_RATE = 1000.0, 200.0
+"""Sampling rate in Hz up to which records are not decimated, and the least rate after decimation of faster ones."""
 
 
 def decimate(recording: Recording, factor: int) -> Recording:
-    """Every ``factor``-th sample behind a linear-phase anti-alias filter without delay.
+    """Recording decimated by a whole factor behind a linear-phase anti-alias filter without delay.
 
-    The filter is a windowed sinc (Hamming) of ``20 factor + 1`` taps, 6 dB down at the new half rate. Beyond the
-    ends of the record it sees the record turned about its end points, so a mean or a slope makes no step there.
-    The notes say up to which frequency the result holds.
+    The filter is a windowed sinc (Hamming) of ``20 factor + 1`` taps, 6 dB down at the new half rate. Beyond its
+    ends the record is reflected about its end points, so a mean or a slope makes no step there. The notes say up to
+    which frequency the result is valid.
 
     Examples
     --------
@@ -40,14 +40,14 @@ def decimate(recording: Recording, factor: int) -> Recording:
 
 
 def decimated(recordings: Recordings, factor: int) -> Iterator[Recording]:
-    """Decimate block by block in bounded memory; blocks that follow on each other give one seamless result."""
+    """Blocks of recordings decimated one by one in bounded memory; adjoining blocks give one seamless result."""
     if factor < 1 or int(factor) != factor:
         raise UsageError(f"the decimation factor must be a whole number from 1, got {factor}")
     if factor == 1:
         yield from [recordings] if isinstance(recordings, Recording) else recordings
         return
     stream: _Stream | None = None
-    for block, follows in in_order(recordings):
+    for block, follows in blocks_in_order(recordings):
         if stream is None or not follows:
             yield from stream.rest() if stream else ()
             stream = _Stream(block, factor)
@@ -56,39 +56,39 @@ def decimated(recordings: Recordings, factor: int) -> Iterator[Recording]:
 
 
 def usable_up_to(sampling_rate: float, factor: int) -> float:
-    """Highest frequency in Hz at which a signal decimated from ``sampling_rate`` can be trusted.
+    """Highest frequency in Hz at which a signal decimated from ``sampling_rate`` is valid.
 
     >>> usable_up_to(10e3, 50)
     80.0
     """
-    return USABLE * sampling_rate / factor / 2
+    return VALID_SHARE * sampling_rate / factor / 2
 
 
 def factor_for(sampling_rate: float, highest: float = 0.0) -> int:
-    """Factor by which a record is decimated that is to hold up to a frequency in Hz, and nothing says how.
+    """Default decimation factor of a record that has to be valid up to ``highest`` Hz.
 
     Records up to 1 kHz stay as they are; faster ones keep 200 Hz or more, and what ``highest`` needs.
 
     >>> factor_for(10e3), factor_for(5e3, highest=40), factor_for(5e3, highest=150), factor_for(500, highest=10)
     (50, 25, 13, 1)
     """
-    if sampling_rate <= FAST:
+    if sampling_rate <= UNDECIMATED_RATE:
         return 1
-    return max(1, int(sampling_rate / max(ENOUGH, 2 * highest / USABLE) + 1e-9))
+    return max(1, int(sampling_rate / max(LEAST_DECIMATED_RATE, 2 * highest / VALID_SHARE) + 1e-9))
 
 
 def anti_alias_taps(factor: int) -> FloatArray:
-    """Coefficients of the filter, at the rate before decimation."""
+    """Coefficients of the anti-alias filter, at the rate before decimation."""
     from scipy.signal import firwin
 
-    return np.asarray(firwin(2 * HALF_LENGTH * factor + 1, 1 / factor, window="hamming"), dtype=np.float64)
+    return np.asarray(firwin(2 * FILTER_HALF_LENGTH * factor + 1, 1 / factor, window="hamming"), dtype=np.float64)
 
 
 class _Stream:
-    """State of the filter between the blocks of one test."""
+    """Decimation filter with its state between the blocks of one test."""
 
     def __init__(self, first: Recording, factor: int) -> None:
-        self.first, self.factor, self.half = first, factor, HALF_LENGTH * factor
+        self.first, self.factor, self.half = first, factor, FILTER_HALF_LENGTH * factor
         self.taps: FloatArray | None = None
         self.pending = np.empty((len(first.signals), 0))
         self.primed = False
@@ -123,7 +123,7 @@ class _Stream:
         if self.taps is None:  # not before there are samples for as many
             self.taps = anti_alias_taps(self.factor)
         filtered = np.asarray(upfirdn(self.taps, self.pending, 1, self.factor, axis=1), dtype=np.float64)
-        values = filtered[:, 2 * HALF_LENGTH : 2 * HALF_LENGTH + count]
+        values = filtered[:, 2 * FILTER_HALF_LENGTH : 2 * FILTER_HALF_LENGTH + count]
         self.pending = self.pending[:, count * self.factor :]
         start = self.first.start + self.done * self.factor / self.first.sampling_rate
         self.done += count

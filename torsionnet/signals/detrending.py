@@ -1,4 +1,4 @@
-"""Take a mean or a straight line out of signals, where the user says so."""
+"""Removal of a mean or a straight line from signals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Trend: TypeAlias = Literal["none", "mean", "linear"]
 
 
 def detrend(recording: Recording, trend: Trend = "mean", names: Iterable[str] | None = None) -> Recording:
-    """Without mean, or without the straight line of least squares.
+    """Recording with the mean, or the straight line of least squares, removed from signals.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def detrend(recording: Recording, trend: Trend = "mean", names: Iterable[str] | 
 
 
 def without_trend(values: FloatArray, trend: Trend) -> FloatArray:
-    """The values without their trend along the last axis."""
+    """Values with their trend along the last axis removed."""
     if check_trend(trend) == "none":
         return values
     centred = values - values.mean(axis=-1, keepdims=True)
@@ -54,7 +54,7 @@ def without_trend(values: FloatArray, trend: Trend) -> FloatArray:
 
 
 def check_trend(trend: Trend) -> Trend:
-    """The trend, if it is one."""
+    """Return a trend if it is a known one, else refuse it."""
     known = get_args(Trend)
     if trend not in known:
         raise UsageError(f'no trend is named "{trend}"{did_you_mean(trend, known)}; there is {", ".join(known)}')

@@ -1,4 +1,4 @@
-"""Double pulses of an encoder: a contact that bounces, or a disturbance between two pulses."""
+"""Removal of double pulses of an encoder, as by a bouncing contact or a disturbance."""
 
 from __future__ import annotations
 
@@ -7,22 +7,25 @@ from numpy.typing import NDArray
 
 from torsionnet.response.recording import FloatArray
 
-NEIGHBOURS = 5
-WIDE = 9
-SHORT, SAME = 0.6, 1.25
-"""A pulse is double where an interval is shorter than this share of those around it, and with the next one the same."""
-CLEARLY = 0.1
-"""Difference of a logarithm by which one explanation must be better than the usual one."""
+MEDIAN_INTERVALS = 5
+"""Intervals in a median that gives the usual interval where lost pulses are counted."""
+WIDE_MEDIAN_INTERVALS = 9
+"""Intervals in a median that gives the usual interval where double pulses, which spoil two each, are searched."""
+SHORT_INTERVAL_SHARE, SAME_INTERVAL_RATIO = 0.6, 1.25
+"""Interval over the usual one below which a pulse may be double, and the factor within which the joined interval is
+usual again."""
+CLEAR_MISFIT_DIFFERENCE = 0.1
+"""Difference of the logarithmic misfit by which the less usual explanation must be better."""
 
 
-def without_double(times: FloatArray) -> NDArray[np.intp]:
-    """Places of the pulses that stay."""
+def indices_without_double(times: FloatArray) -> NDArray[np.intp]:
+    """Indices of the pulses that remain without double ones."""
     intervals = np.diff(times)
-    if len(intervals) < NEIGHBOURS:
+    if len(intervals) < MEDIAN_INTERVALS:
         return np.arange(len(times))
-    level = around(intervals, WIDE)
+    level = running_median(intervals, WIDE_MEDIAN_INTERVALS)
     stay, done = np.ones(len(times), dtype=bool), 0
-    for place in np.flatnonzero(intervals < SHORT * level):
+    for place in np.flatnonzero(intervals < SHORT_INTERVAL_SHARE * level):
         if place >= done:
             first, last = _false(times, int(place), float(level[place]))
             stay[first:last] = False
@@ -31,23 +34,23 @@ def without_double(times: FloatArray) -> NDArray[np.intp]:
 
 
 def _false(times: FloatArray, place: int, level: float) -> tuple[int, int]:
-    """Range of the pulses that are too many where a short interval begins; empty where nothing fits.
+    """Range of the superfluous pulses at a short interval; empty where no choice gives regular intervals.
 
-    Either those after this pulse up to the next good one, as a contact that bounces makes them, or this one and those
-    after it: whichever leaves the more regular intervals.
+    Either those after this pulse up to the next good one, as by a bouncing contact, or this pulse and those after it:
+    whichever leaves the more regular intervals.
     """
     after, misfit = _next(times, place, level)
     if place:
         misfit = max(misfit, _misfit(times[place] - times[place - 1], level))
         good, other = _next(times, place - 1, level)
         other = max(other, _next(times, good, level)[1])
-        if other < misfit - CLEARLY and other < np.log(SAME):
+        if other < misfit - CLEAR_MISFIT_DIFFERENCE and other < np.log(SAME_INTERVAL_RATIO):
             return place, good
-    return (place + 1, after) if misfit < np.log(SAME) else (place, place)
+    return (place + 1, after) if misfit < np.log(SAME_INTERVAL_RATIO) else (place, place)
 
 
 def _next(times: FloatArray, place: int, level: float) -> tuple[int, float]:
-    """The pulse nearest to one interval later, and how far it is off."""
+    """Index of the pulse nearest to one usual interval later, and the logarithmic misfit of its interval."""
     due = times[place] + level
     near = int(np.searchsorted(times, due))
     found = min((one for one in (near - 1, near) if place < one < len(times)), key=lambda one: abs(times[one] - due))
@@ -58,8 +61,8 @@ def _misfit(interval: float, level: float) -> float:
     return abs(float(np.log(interval / level)))
 
 
-def around(values: FloatArray, count: int) -> FloatArray:
-    """Median of every value and its neighbours."""
+def running_median(values: FloatArray, count: int) -> FloatArray:
+    """Running median over ``count`` values, (n,)."""
     count = min(count, (len(values) - 1) // 2 * 2 + 1)
     wide = np.pad(values, count // 2, mode="reflect")
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(wide, count), axis=-1))

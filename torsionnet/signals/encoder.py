@@ -1,4 +1,4 @@
-"""Incremental encoders: from counts or the times of pulses to an angle, wrap-around."""
+"""Angle of incremental encoders from counts or times of pulses, and removal of wrap-around."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from torsionnet.signals.bandlimited import Rotation
 
 REVOLUTION = 2 * np.pi
+"""Angle of a revolution in rad."""
 
 
 def angle_from_counts(counts: ArrayLike, steps_per_revolution: float, bits: int | None = None) -> FloatArray:
-    """Angle in rad from the counts of an encoder, without the wrap-around of a counter of so many bits.
+    """Angle in rad from the counts of an encoder, with the wrap-around of a counter of ``bits`` bits removed.
 
     >>> angle_from_counts([254, 255, 0, 1], 4, bits=8).round(3).tolist()
     [398.982, 400.553, 402.124, 403.695]
@@ -34,7 +35,7 @@ def angle_from_counts(counts: ArrayLike, steps_per_revolution: float, bits: int 
 
 
 def unwrapped(signal: Signal, period: float = REVOLUTION) -> Signal:
-    """An angle without the jumps of an encoder that begins anew after ``period`` rad.
+    """Angle signal with the wrap-around of an encoder after ``period`` rad removed.
 
     >>> unwrapped(Signal("phi", "angle", np.array([6.0, 6.2, 0.1]))).values.round(3).tolist()
     [6.0, 6.2, 6.383]
@@ -61,9 +62,9 @@ def angle_from_pulses(
     times : (n,) array
         Time of every pulse, s; the shaft turns in one direction.
     steps_per_revolution : float
-        With the teeth that a wheel with a gap does not have.
+        Steps per revolution, missing teeth of a wheel with a gap included.
     sampling_rate : float
-        Hz.
+        Sampling rate of the angle, Hz.
     fill : bool
         Count missing pulses and leave out double ones as :func:`repaired_pulses` does, with a warning.
 
@@ -88,7 +89,7 @@ def angle_from_pulses(
 def rotation_of(
     times: ArrayLike, steps_per_revolution: float, *, fill: bool = True
 ) -> tuple[FloatArray, Rotation, tuple[str, ...]]:
-    """Times of the pulses that are kept, the steps between them at any time, and what was repaired."""
+    """Times of the pulses kept, the rotation interpolated through them, and remarks on repairs."""
     from torsionnet.signals.bandlimited import Rotation
 
     stamps = check_pulses(times)

@@ -1,4 +1,4 @@
-"""Frequency responses estimated from recordings."""
+"""Estimation of frequency responses from recordings (H1, H2, Hv, Hs, Hr)."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.recording import FloatArray, Recording
-from torsionnet.signals.advice import remarks
+from torsionnet.signals.advice import peak_warnings
+from torsionnet.signals.averaging_data import averaging_data, with_record
 from torsionnet.signals.decimation import decimate
-from torsionnet.signals.origin import averaging, remembering
 from torsionnet.signals.record_blocks import Recordings
-from torsionnet.signals.resolution import Watch, limited
+from torsionnet.signals.resolution import ResolutionWatch, with_resolution_limit
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch
 
 Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs", "Hr"]
 Names: TypeAlias = str | Sequence[str]
-INSEPARABLE = 0.01
+INSEPARABLE_EIGENVALUE = 0.01
+"""Smallest eigenvalue of the normalised input spectra below which the effects of inputs cannot be separated."""
 LEAST_DRIVEN = 0.2
-"""Share of an input's power that a reference explains, below which it can hardly be one."""
+"""Least share of an input's power that a signal must explain to be a reference for it."""
 
 
 def estimate(
@@ -40,7 +41,7 @@ def estimate(
     reference: Names = (),
     band: tuple[float, float] | None = None,
 ) -> FrequencyResponse:
-    """Transfer functions with coherence, from averaged spectra.
+    """Estimate transfer functions with coherence from a recording or averaged spectra.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def estimate(
     ('rad/(N*m)', 0.01, 1.0)
     """
     outputs, inputs, references = _listed(output), _listed(input), _listed(reference)
-    watch = Watch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
+    watch = ResolutionWatch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
     spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
     asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
     chosen = _check(asked, outputs, inputs, references, noise_ratio)
@@ -100,16 +101,16 @@ def estimate(
         estimation=replace(_origin(chosen, spectra, outputs, inputs, records), references=references),
     )
     low, high = band or (0.0, np.inf)
-    response = limited(response, watch, spectra.settings.decimation, high) if watch else response
+    response = with_resolution_limit(response, watch, spectra.settings.decimation, high) if watch else response
     response = response.between(low, high)
-    found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
+    found = peak_warnings(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
     inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
-    doubts = (*_doubts(spectra, s_xx, inside), *_strangers(spectra, inputs, references))
+    doubts = (*_spectra_warnings(spectra, s_xx, inside), *_reference_warnings(spectra, inputs, references))
     return replace(response, notes=(*response.notes, *doubts, *found))
 
 
 def multiple_coherence(spectra: CrossSpectra, output: Names, input: Names) -> FloatArray:
-    """Share of each output's power that is linear in all the inputs together, (n_f, n_out)."""
+    """Multiple coherence, the share of each output's power that is linear in all inputs together, (n_f, n_out)."""
     outputs, inputs = _listed(output), _listed(input)
     return transfer_matrices.multiple_coherence(
         spectra.between(inputs, inputs), spectra.between(inputs, outputs), spectra.between(outputs, outputs)
@@ -121,9 +122,9 @@ def _listed(names: Names) -> tuple[str, ...]:
 
 
 def _spectra(
-    measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: Watch | None
+    measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: ResolutionWatch | None
 ) -> tuple[CrossSpectra, tuple[Recording, Recording] | None]:
-    """Spectra, and of a record that is in memory as a whole what they were made of, before and after decimation."""
+    """Averaged spectra, and for a record in memory its signals before and after decimation."""
     wanted, used = dict.fromkeys(names), settings or Welch()
     if isinstance(measured, Recording):
         fine = measured.select(wanted)
@@ -146,8 +147,8 @@ def _origin(
     inputs: tuple[str, ...],
     records: tuple[Recording, Recording] | None,
 ) -> Estimation:
-    found = averaging(estimator, spectra)
-    return remembering(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
+    found = averaging_data(estimator, spectra)
+    return with_record(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
 
 
 def _check(
@@ -200,11 +201,11 @@ def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None
     return f"{estimator}{ratio}, {spectra.settings}, {count}"
 
 
-def _doubts(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[str]:
+def _spectra_warnings(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[str]:
     found = []
     if spectra.averages == 1:
         found.append("warning: of one segment the coherence is 1 whatever the signals; use a longer record")
-    inseparable = spectra.frequencies[asked & (transfer_matrices.independence(s_xx) < INSEPARABLE)]
+    inseparable = spectra.frequencies[asked & (transfer_matrices.independence(s_xx) < INSEPARABLE_EIGENVALUE)]
     if s_xx.shape[1] > 1 and len(inseparable):
         span = f"{len(inseparable)} frequencies from {inseparable[0]:g} to {inseparable[-1]:g} Hz"
         found.append(
@@ -213,7 +214,7 @@ def _doubts(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_])
     return found
 
 
-def _strangers(spectra: CrossSpectra, inputs: Sequence[str], references: Sequence[str]) -> list[str]:
+def _reference_warnings(spectra: CrossSpectra, inputs: Sequence[str], references: Sequence[str]) -> list[str]:
     if not references:
         return []
     shares = np.nanmedian(multiple_coherence(spectra, inputs, references), axis=0)

@@ -1,4 +1,4 @@
-"""Harmonics of a sweep: amplitude and phase of 1x, 2x, 3x as the frequency moves."""
+"""Harmonics of a sweep, amplitude and phase of multiples of its frequency along the sweep."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from torsionnet.signals.record_blocks import check_processable
 
 @dataclass(frozen=True, eq=False)
 class Harmonics:
-    """Sines at multiples of the sweep's frequency that make up a signal.
+    """Harmonics of a signal at multiples of the sweep's frequency: amplitude and phase along the sweep.
 
     Attributes
     ----------
     times, frequencies : (n,) array
-        Of the points along the sweep, in s and in Hz of the fundamental.
+        Times in s of the points along the sweep, and frequencies of the fundamental in Hz.
     orders : tuple of float
     amplitude : (n, n_orders) array
-        Peak, in the unit of the signal.
+        Peak amplitudes, in the unit of the signal.
     phase : (n, n_orders) array
-        Degrees, of ``amplitude sin(order * sweep phase + phase)``; negative where the signal lags.
+        Phases in degrees, of ``amplitude sin(order * sweep phase + phase)``; negative where the signal lags.
     name, unit : str
     """
 
@@ -39,7 +39,7 @@ class Harmonics:
 
     @property
     def distortion(self) -> FloatArray:
-        """Every amplitude over that of the first order listed, (n, n_orders)."""
+        """Amplitudes over that of the first order listed, (n, n_orders)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(self.amplitude / self.amplitude[:, :1])
 
@@ -53,7 +53,7 @@ def sweep_harmonics(
     periods: float = 6,
     points: int = 200,
 ) -> Harmonics:
-    """Fit all orders together, by weighted least squares over a few periods around each point of the sweep.
+    """Fit the harmonics of a sweep together, by weighted least squares over a few periods around each point.
 
     Fitting them together, with a mean and a slope, keeps a strong order from leaking into a weak one.
 
@@ -120,7 +120,7 @@ def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
 def _fit(
     values: FloatArray, cycles: FloatArray, centre: int, orders: Sequence[float], periods: float
 ) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
-    """Complex amplitude of every order: of ``Im(c exp(j order phase))``."""
+    """Complex amplitude c of every order, as in ``Im(c exp(j order phase))``."""
     begin, end = np.searchsorted(cycles, cycles[centre] + np.array([-0.5, 0.5]) * periods)
     place = (cycles[begin:end] - cycles[centre]) / periods
     weight = np.cos(np.pi * place)

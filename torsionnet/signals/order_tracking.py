@@ -1,4 +1,4 @@
-"""Order map: amplitudes at multiples of the rotation, against speed."""
+"""Order maps by order tracking: amplitudes at multiples of the rotation over speed."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.harmonics import sweep_cycles
 from torsionnet.signals.record_blocks import check_processable
 
-LARGEST_SIZE = 20_000_000
+MOST_ANGLE_SAMPLES = 20_000_000
+"""Most samples at equal steps of angle; more would take too much memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class OrderMap:
-    """Amplitude over order and time, each time with its speed.
+    """Order map of a signal: amplitude over order and time, with the speed at each time.
 
     Attributes
     ----------
@@ -26,7 +27,7 @@ class OrderMap:
     times : (n_t,) array
         Middle of each window, s.
     speeds : (n_t,) array
-        Mean over each window, rad/s.
+        Mean speed of each window, rad/s.
     amplitude : (n_o, n_t) array
         Peak amplitude of a sine that would give this line, in the unit of the signal.
     name, unit : str
@@ -53,16 +54,16 @@ def order_map(
     revolutions: int = 8,
     overlap: float = 0.75,
 ) -> OrderMap:
-    """Sample the signal anew at equal steps of angle, then take its spectrum over whole revolutions.
+    """Order map of a signal, resampled at equal steps of angle, from spectra over whole revolutions.
 
-    The steps are as fine as the time samples are at the lowest speed, so that nothing folds; the windows are Hann's.
+    The steps are as fine as the time samples at the lowest speed, so that nothing aliases; windows are Hann's.
 
     Parameters
     ----------
     recording : Recording
     name : str
     speed : (n,) array
-        Speed of the shaft that counts as one, at every sample, rad/s, positive.
+        Speed of the shaft whose orders are wanted, at every sample, rad/s, positive.
     highest : float, optional
         Highest order kept.
     revolutions : int, optional
@@ -116,9 +117,10 @@ def _rotation(speed: ArrayLike, count: int) -> FloatArray:
 
 def _samples_per_turn(rotation: FloatArray, turns: FloatArray, sampling_rate: float, highest: float) -> int:
     per_turn = int(np.ceil(max(sampling_rate / rotation.min(), 2.5 * highest)))
-    if per_turn * turns[-1] > LARGEST_SIZE:
+    if per_turn * turns[-1] > MOST_ANGLE_SAMPLES:
         raise UsageError(
-            f"the lowest speed, {rotation.min() * 60:.3g} rpm, makes the steps of angle too fine; leave it out"
+            f"the lowest speed, {rotation.min() * 60:.3g} rpm, makes the steps of angle too fine; cut the record "
+            "where the speed is higher"
         )
     return per_turn
 

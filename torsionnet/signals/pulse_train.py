@@ -1,4 +1,4 @@
-"""Times of the pulses in a channel that an encoder's output was recorded on."""
+"""Times of pulses from a recorded channel with the output of an encoder."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray
 
-LOW, HIGH = 1.0, 99.0
-"""Percentiles that are taken for the two levels."""
+LOW_PERCENTILE, HIGH_PERCENTILE = 1.0, 99.0
+"""Percentiles of the values that are taken as the two levels of the signal."""
 HYSTERESIS = 0.2
-"""Share of the height by which the signal must pass the middle on either side."""
-LEAST_SAMPLES = 4.0
-"""Samples from pulse to pulse."""
+"""Share of the pulse height by which the signal must pass the middle on either side, so that noise makes no pulse."""
+LEAST_SAMPLES_PER_PULSE = 4.0
+"""Least samples from pulse to pulse; with fewer, the times of rises are not reliable."""
 
 
-def is_stamped(values: FloatArray) -> bool:
+def holds_pulse_times(values: FloatArray) -> bool:
     """Whether a channel holds the times of pulses rather than their shape: its values only increase."""
     return len(values) > 2 and bool(np.all(np.diff(values) > 0))
 
 
 def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
-    """Times at which a signal rises through the middle between its two levels, straight between samples.
+    """Times in s at which a signal rises through the middle between its two levels, linear between samples.
 
     Noise of less than a fifth of the height makes no pulse.
 
@@ -30,7 +30,7 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
     values : (n,) array
         Voltage, or whatever was recorded.
     times : (n,) array
-        s.
+        Times of the samples, s.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
     >>> pulse_times(np.where(np.sin(2 * np.pi * 10 * time) > 0, 5.0, 0.0), time)[:3].round(4)
     array([0.0005, 0.1005, 0.2005])
     """
-    low, high = np.percentile(values, [LOW, HIGH])
+    low, high = np.percentile(values, [LOW_PERCENTILE, HIGH_PERCENTILE])
     middle, reach = (low + high) / 2, HYSTERESIS * (high - low)
     state = np.where(values > middle + reach, 1, np.where(values < middle - reach, -1, 0))
     sure = np.flatnonzero(state)
@@ -58,9 +58,10 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
         ]
     )
     apart = float(np.median(np.diff(after)))
-    if apart < LEAST_SAMPLES:
+    if apart < LEAST_SAMPLES_PER_PULSE:
         raise UsageError(
-            f"there are only {apart:g} samples from pulse to pulse, {LEAST_SAMPLES:g} are needed; sample faster"
+            f"there are only {apart:g} samples from pulse to pulse, {LEAST_SAMPLES_PER_PULSE:g} are needed; "
+            "sample faster"
         )
     share = (middle - values[after - 1]) / (values[after] - values[after - 1])
     return np.asarray(times[after - 1] + share * (times[after] - times[after - 1]))

@@ -1,4 +1,4 @@
-"""Pulses of an incremental encoder: lost ones counted, double ones left out, or refused where neither explains them."""
+"""Repair of encoder pulses: lost ones are counted, double ones left out, others refused."""
 
 from __future__ import annotations
 
@@ -10,46 +10,50 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.double_pulses import NEIGHBOURS, around, without_double
+from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
 
-MOST_CHANGE = 1.5
-"""Ratio of neighbouring intervals that a change of speed may explain."""
-SIDE, UNCLEAR = 3, 0.2
-"""Intervals on either side that say how many pulses a gap has lost, and how far from a whole number that may be."""
-FEWEST_GAPS, REGULAR = 4, 0.8
-SHOWN = 3
+MOST_INTERVAL_RATIO = 1.5
+"""Largest ratio of neighbouring intervals that a change of speed may explain."""
+SIDE_INTERVALS, UNCLEAR_COUNT = 3, 0.2
+"""Intervals on either side from which the pulses lost in a gap are counted, and the largest distance of the count from
+a whole number."""
+FEWEST_GAPS, REGULAR_SHARE = 4, 0.8
+"""Fewest gaps of a wheel with missing teeth, and the least share of them at equal distances."""
+MOST_LISTED_PULSES = 3
+"""Pulses that a remark lists at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class MissingPulses:
-    """Where an encoder lost pulses: after pulse ``after`` (counted from 0) so many as ``counts`` says."""
+    """Missing pulses of an encoder: ``counts`` pulses lost after each pulse ``after``, counted from 0."""
 
     after: NDArray[np.intp]
     counts: NDArray[np.intp]
 
     @property
     def total(self) -> int:
+        """Number of missing pulses."""
         return int(self.counts.sum())
 
 
 @dataclass(frozen=True, eq=False)
 class Pulses:
-    """Pulses that were kept, with their numbers.
+    """Repaired pulses of an encoder: times and numbers of those kept, and what was missing or left out.
 
     Attributes
     ----------
     times : (n,) array
-        s.
+        Times of the pulses kept, s.
     numbers : (n,) int array
-        Steps of the encoder since the first pulse, with those that were lost.
+        Encoder steps since the first pulse, lost ones included.
     spurious : (m,) int array
-        Places of the pulses left out among those given, counted from 0.
+        Indices of the pulses left out, among those given.
     missing : MissingPulses
-        Places among those kept.
+        Missing pulses, by indices among those kept.
     left_out : (m,) array
-        Times of the spurious ones, s.
+        Times of the spurious pulses, s.
     period : int
-        Pulses from gap to gap of a wheel with missing teeth; 0 if it has none.
+        Steps from gap to gap of a wheel with missing teeth; 0 if it has none.
     """
 
     times: FloatArray
@@ -61,25 +65,26 @@ class Pulses:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was repaired, with time and number."""
+        """Remarks on repairs, with time and number of the pulses."""
         found = []
         if len(self.spurious):
             where = comma_list(
-                [f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)], SHOWN
+                [f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)],
+                MOST_LISTED_PULSES,
             )
             found.append(f"{_count(len(self.spurious))} too many left out: {where}")
         lost = self.irregular
         if lost.total:
             where = comma_list(
                 [f"{c} after pulse {n} at {self.times[n]:.6g} s" for n, c in zip(lost.after, lost.counts, strict=True)],
-                SHOWN,
+                MOST_LISTED_PULSES,
             )
             found.append(f"{_count(lost.total)} missing and counted: {where}")
         return tuple(found)
 
     @property
     def irregular(self) -> MissingPulses:
-        """Those missing but for the teeth that the wheel does not have."""
+        """Missing pulses without those of the missing teeth of the wheel."""
         if not self.period:
             return self.missing
         phase = self.numbers[self.missing.after] % self.period
@@ -89,7 +94,7 @@ class Pulses:
 
 
 def missing_pulses(times: ArrayLike) -> MissingPulses:
-    """Find lost pulses: intervals that are a whole multiple of those around them.
+    """Find lost pulses of an encoder from intervals that are whole multiples of those around them.
 
     Parameters
     ----------
@@ -102,33 +107,33 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
     array([2])
     """
     intervals = np.diff(np.asarray(times, dtype=float))
-    if len(intervals) < NEIGHBOURS:
+    if len(intervals) < MEDIAN_INTERVALS:
         return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
     if not np.all(intervals > 0):
         raise UsageError("the times of pulses must be finite and increase")
-    missing = np.rint(intervals / around(intervals, NEIGHBOURS)).astype(np.intp) - 1
+    missing = np.rint(intervals / running_median(intervals, MEDIAN_INTERVALS)).astype(np.intp) - 1
     after = np.flatnonzero(missing > 0)
     return MissingPulses(after, missing[after])
 
 
 def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Pulses:
-    """Pulses without the double ones, numbered with those that are missing.
+    """Repair encoder pulses: leave out double ones, and count missing ones in the numbers of the others.
 
-    Found from the ratio of neighbouring intervals: a double pulse splits one in two, a lost one joins two. Gaps that
-    come back once a turn are teeth that the wheel does not have.
+    Both show in the ratio of neighbouring intervals: a double pulse splits one in two, a lost one joins two. Gaps that
+    return once per turn are missing teeth of the wheel.
 
     Parameters
     ----------
     times : (n,) array
         Time of every pulse, s.
     steps_per_revolution : float, optional
-        With the teeth that are missing; against it the distance of regular gaps is checked.
+        Steps per revolution, missing teeth included; the distance of regular gaps is compared with it.
 
     Raises
     ------
     UsageError
         Intervals that neither explains, a gap whose pulses cannot be counted, or regular gaps at another distance
-        than a turn; with time and number of the pulse.
+        than a turn; the message has time and number of the pulse.
 
     Examples
     --------
@@ -139,7 +144,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     ('1 pulse too many left out: pulse 3 at 2.1 s', '1 pulse missing and counted: 1 after pulse 4 at 4 s')
     """
     stamps = check_pulses(times)
-    kept = without_double(stamps)
+    kept = indices_without_double(stamps)
     clean = stamps[kept]
     missing = missing_pulses(clean)
     steps = np.ones(len(clean) - 1, dtype=np.intp)
@@ -152,24 +157,28 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
 
 
 def check_pulses(times: ArrayLike) -> FloatArray:
-    """The times, if they are those of pulses."""
+    """Times of pulses as an array; refused unless there are two or more that increase."""
     stamps = np.asarray(times, dtype=float)
     if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):
         raise UsageError("an angle needs at least two pulses, at finite times that increase")
     return stamps
 
 
-@np.errstate(over="ignore", invalid="ignore")  # an interval that is next to nothing
+@np.errstate(over="ignore", invalid="ignore")  # intervals near 0
 def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
-    """Refuse intervals that do not go on from those around them."""
+    """Refuse intervals that neither lost nor double pulses nor a change of speed explain."""
     intervals = np.diff(times)
     each = intervals / steps
-    if len(each) <= NEIGHBOURS:
+    if len(each) <= MEDIAN_INTERVALS:
         return
     for gap in np.flatnonzero(steps > 1):
-        sides = [side for side in (each[max(gap - SIDE, 0) : gap], each[gap + 1 : gap + 1 + SIDE]) if len(side)]
+        sides = [
+            side
+            for side in (each[max(gap - SIDE_INTERVALS, 0) : gap], each[gap + 1 : gap + 1 + SIDE_INTERVALS])
+            if len(side)
+        ]
         counts = intervals[gap] / np.array([np.median(side) for side in sides])
-        if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR:
+        if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR_COUNT:
             where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
             raise UsageError(
                 f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
@@ -177,7 +186,7 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
             )
     change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])
     at = int(change.argmax())
-    if change[at] > MOST_CHANGE:
+    if change[at] > MOST_INTERVAL_RATIO:
         raise UsageError(
             f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
             f"{change[at]:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
@@ -185,13 +194,13 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
 
 
 def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
-    """Distance in pulses of gaps that come back regularly; 0 if they do not."""
+    """Distance in pulses of gaps that return regularly; 0 if they do not."""
     if len(numbers) < FEWEST_GAPS:
         return 0
     distances, counts = np.unique(np.diff(numbers), return_counts=True)
     most = int(counts.argmax())
     period = int(distances[most])
-    if counts[most] < REGULAR * (len(numbers) - 1):
+    if counts[most] < REGULAR_SHARE * (len(numbers) - 1):
         return 0
     if steps and period != steps:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Recordings that come in blocks: parts of a long one, or repeated tests."""
+"""Recordings in blocks: parts of a long record, or repeated tests."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from torsionnet.response.recording import FloatArray, Recording
 Recordings: TypeAlias = Recording | Iterable[Recording]
 
 
-def in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
-    """Each block, and whether it begins where the one before it ended.
+def blocks_in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
+    """Blocks in order, each with a flag whether it begins where the one before ended.
 
-    A block that does not is a test of its own: nothing is averaged or filtered across the gap.
+    A block that does not is a separate test: nothing is averaged or filtered across the gap.
 
     Raises
     ------
     UsageError
-        The blocks are not alike, or one cannot be processed: its sampling is not uniform, or values are not finite.
+        The blocks differ in signals or sampling rate, or one cannot be processed: its sampling is not uniform, or
+        values are not finite.
     """
     end: float | None = None
     first: Recording | None = None

@@ -1,4 +1,4 @@
-"""What is wrong with a recording, in sentences an engineer can act on."""
+"""Checks of a recording for faults: gaps, clipping, spikes, standstill, repetition, encoder errors."""
 
 from __future__ import annotations
 
@@ -10,31 +10,34 @@ import numpy as np
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
-from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.repeated_blocks import repeated_blocks
 from torsionnet.signals.resolution import step_of
 from torsionnet.signals.spikes import spikes
-from torsionnet.signals.standstill import frozen
+from torsionnet.signals.standstill import frozen_stretches
 from torsionnet.signals.timing import gaps, jitter
+from torsionnet.signals.value_faults import Stretches, encoder_leaps, flat_tops, true_stretches, wrap_jumps
 
-SHOWN = 3
+MOST_LISTED = 3
+"""Places that a fault lists at most."""
 MOST_JITTER = 0.01
-FEW_WINDOWS = 4
+"""Standard deviation of the sampling intervals over their mean above which sampling is not uniform."""
+FEWEST_WINDOWS = 4
+"""Number of windows below which a record is warned of as too short for averages."""
 
 
 def check_recording(
     recording: Recording, window: float = 2.0, ranges: Mapping[str, float] | None = None
 ) -> tuple[Fault, ...]:
-    """Everything that makes a recording unfit for estimating frequency responses, or doubtful.
+    """Faults that make a recording unfit, or questionable, for estimating frequency responses.
 
     Parameters
     ----------
     recording : Recording
     window : float
-        Length of the windows it is to be cut into, s.
+        Length of the windows of the estimate, s.
     ranges : mapping, optional
-        Largest value that a channel can measure, in SI; a value that reaches it is clipped.
+        By channel, the largest value it can measure, in SI; values that reach it are clipped.
 
     Returns
     -------
@@ -67,7 +70,7 @@ def _length(recording: Recording, window: float) -> Iterator[Fault]:
     if len(recording) < round(window * recording.sampling_rate):
         text = f"the record lasts {recording.duration:.6g} s, less than one window of {window:g} s"
         yield Fault(f"{text}; record longer or take a shorter window", ("channels",))
-    elif windows < FEW_WINDOWS:
+    elif windows < FEWEST_WINDOWS:
         text = f"the record has only {windows:.2g} windows of {window:g} s: few averages, large random errors"
         yield Fault(text, ("channels",), "warning")
 
@@ -85,7 +88,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
         return
     found = gaps(times)
     if len(found):
-        where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], SHOWN)
+        where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], MOST_LISTED)
         yield Fault(f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}", ("time",))
     spread = jitter(times)
     if spread > MOST_JITTER:
@@ -94,7 +97,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
 
 
 def _counts_steps(signal: Signal) -> bool:
-    """Whether every sample is one step of an encoder further: stamped pulses."""
+    """Whether every sample of an angle is one encoder step further, so that time stamps are pulses."""
     if signal.quantity != "angle" or len(signal.values) < 3:
         return False
     steps = np.diff(signal.values)
@@ -110,11 +113,11 @@ def _pulses(times: FloatArray) -> Iterator[Fault]:
     lost = found.irregular
     if lost.total:
         after = zip(found.times[lost.after], lost.counts, strict=True)
-        where = comma_list([f"{count} after {time:.6g} s" for time, count in after], SHOWN)
+        where = comma_list([f"{count} after {time:.6g} s" for time, count in after], MOST_LISTED)
         text = f"{lost.total} encoder pulses are missing: {where}; angle_from_pulses() counts them"
         yield Fault(text, ("time",))
     if len(found.left_out):
-        where = comma_list([f"{time:.6g} s" for time in found.left_out], SHOWN)
+        where = comma_list([f"{time:.6g} s" for time in found.left_out], MOST_LISTED)
         text = f"{len(found.left_out)} encoder pulses too many: at {where}; angle_from_pulses() leaves them out"
         yield Fault(text, ("time",))
 
@@ -127,7 +130,7 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
         return
     finite = np.isfinite(signal.values)
     if not finite.all():
-        yield _not_finite(stretches(~finite), recording)
+        yield _not_finite(true_stretches(~finite), recording)
         if not finite.any():
             return
     values = signal.values[finite]
@@ -143,63 +146,63 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
 
 def _not_finite(found: Stretches, recording: Recording) -> Fault:
     count = sum(last - first + 1 for first, last in found)
-    where = comma_list([_stretch(first, last, recording) for first, last in found], SHOWN)
+    where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
     return Fault(f"{count} value{'s' * (count > 1)} NaN or infinite: {where}; cut them out or mend the record")
 
 
 def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterator[Fault]:
     values = signal.values
-    found = stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
+    found = true_stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
     if found:
         count = sum(last - first + 1 for first, last in found)
-        where = comma_list([_stretch(first, last, recording) for first, last in found], SHOWN)
+        where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
         at = float(np.abs(values[found[0][0]]))
         yield Fault(f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range")
 
 
 def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
-    """Spikes, stretches that stand still, and blocks that come twice."""
+    """Faults by spikes, stretches that stand still, and repeated blocks."""
     step = step_of(signal.values)
     found = spikes(signal.values, step)
     if len(found):
         where = comma_list(
-            [f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found], SHOWN
+            [f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found], MOST_LISTED
         )
         text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
         yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning")
-    still = frozen(signal.values, recording.sampling_rate, step)
+    still = frozen_stretches(signal.values, recording.sampling_rate, step)
     if still:
-        where = comma_list([_stretch(first, last, recording) for first, last in still], SHOWN)
+        where = comma_list([_time_span(first, last, recording) for first, last in still], MOST_LISTED)
         text = f"stands still where it moves before and after: {where}"
         yield Fault(f"{text}; samples may have been lost: cut it out, or record again", (), "warning")
     again = repeated_blocks(signal.values, recording.sampling_rate, step)
     if again:
         where = comma_list(
             (
-                f"{_stretch(block.first, block.first + block.count - 1, recording)} as "
-                f"{_stretch(block.source, block.source + block.count - 1, recording)}"
+                f"{_time_span(block.first, block.first + block.count - 1, recording)} as "
+                f"{_time_span(block.source, block.source + block.count - 1, recording)}"
                 for block in again
             ),
-            SHOWN,
+            MOST_LISTED,
         )
         text = f"repeats itself exactly: {where}"
         yield Fault(f"{text}; a buffer was recorded twice: cut it out, or record again", (), "warning")
 
 
 def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
-    jumps, size = wraps(signal.values)
+    jumps, size = wrap_jumps(signal.values)
     if len(jumps):
         text = (
             f"the encoder wraps around: {len(jumps)} jumps of {size:.4g} rad, first at {recording.time[jumps[0]]:.6g} s"
         )
         yield Fault(f"{text}; unwrapped() removes them")
         return
-    found = leaps(signal.values)
+    found = encoder_leaps(signal.values)
     if len(found):
-        where = comma_list([f"{recording.time[at]:.6g} s" for at in found], SHOWN)
+        where = comma_list([f"{recording.time[at]:.6g} s" for at in found], MOST_LISTED)
         yield Fault(f"the angle leaps by encoder steps at {where}: pulses are missing or too many", (), "warning")
 
 
-def _stretch(first: int, last: int, recording: Recording) -> str:
+def _time_span(first: int, last: int, recording: Recording) -> str:
     time = recording.time
     return f"at {time[first]:.6g} s" if first == last else f"from {time[first]:.6g} to {time[last]:.6g} s"

@@ -1,4 +1,4 @@
-"""Blocks of samples that repeat earlier ones exactly, as a buffer that was recorded twice does."""
+"""Search for blocks of samples that repeat earlier ones exactly, such as a buffer recorded twice."""
 
 from __future__ import annotations
 
@@ -12,28 +12,33 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.standstill import is_rough
 
 LEAST_TIME, LEAST_SAMPLES = 0.15, 24
-CHANGES, LEVELS = 20, 5
-"""A block has so many changes and different values at least; fewer come again by chance."""
-BITS = 20.0
-"""So much more than what it takes to say where in the record a block is, it has to tell."""
-MOST_REPEATED = 0.2
-"""Of the windows that move; what comes again more often is periodic, or a test that was run twice."""
-MOST_IN_A_ROW = 3
-MOST_ALIKE = 0.5
-"""Of the samples beside a block, as far apart; more are alike in a quantised signal that is nearly periodic."""
-REVERSALS = 0.1
-"""Of the changes of a sensor with steps: so often noise turns them, and a smooth motion does not."""
-KINK = 5.0
-"""So many times as sharp a turn as any in the block."""
+"""Least length of a repeated block in s and in samples; shorter ones may be chance."""
+FEWEST_CHANGES, FEWEST_LEVELS = 20, 5
+"""Fewest changes and different values in a repeated block; fewer recur by chance."""
+SURPLUS_BITS = 20.0
+"""Bits of information that a block needs beyond those for the positions of two blocks in the record; more means that
+fewer chance repetitions are reported."""
+MOST_REPEATED_SHARE = 0.2
+"""Largest share of a record that may be repeated blocks; more is a periodic signal, or a test that was run twice."""
+MOST_PERIODS = 3
+"""Periods of its own lag above which a block is a periodic signal."""
+MOST_EQUAL_NEIGHBOURS = 0.5
+"""Largest share of samples beside a block that recur at its lag; more recur in a nearly periodic signal."""
+NOISE_REVERSALS = 0.1
+"""Share of sign changes between the steps of a quantised signal above which it holds noise; smooth motion has fewer."""
+KINK_RATIO = 5.0
+"""Second difference at a seam over the largest in the block above which the seam is a kink."""
 _BASE, _MIX = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9
+"""Odd 64-bit multipliers of a rolling hash (constants of the splitmix64 generator)."""
 _TABLE_BITS = 20
+"""Bits of the hash that index the table for quick rejection; 2^20 entries fit in the cache."""
 
 WholeArray = NDArray[np.uint64]
 
 
 @dataclass(frozen=True)
 class RepeatedBlock:
-    """A block of ``count`` samples that begins at ``first`` and equals the one that begins at ``source``."""
+    """Repeated block: ``count`` samples that begin at index ``first`` and equal those at ``source``."""
 
     source: int
     first: int
@@ -43,17 +48,17 @@ class RepeatedBlock:
 def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0) -> list[RepeatedBlock]:
     """Blocks of 0.15 s or longer that are exact copies of earlier ones, in order of time.
 
-    Not of a signal that is periodic or rests, nor of a computed one without noise that goes on smoothly at both ends of
-    the copy.
+    Periodic signals, signals at rest, and computed signals without noise that are smooth at both ends of the copy have
+    none.
 
     Parameters
     ----------
     values : (n,) array
-        Finite.
+        Samples, all finite.
     sampling_rate : float
         Hz.
     step : float, optional
-        Of the sensor, in the unit of the values; 0 if it has none.
+        Step of the sensor in the unit of the values; 0 if it has none.
 
     Examples
     --------
@@ -71,7 +76,7 @@ def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0)
         for block in _maximal(plain, least // 2)
         if block.count >= least and least <= block.first - block.source and _tells_enough(plain, block)
     ]
-    if sum(block.count for block in found) > MOST_REPEATED * len(plain):
+    if sum(block.count for block in found) > MOST_REPEATED_SHARE * len(plain):
         return []
     chosen: list[RepeatedBlock] = []
     for block in sorted(found, key=lambda block: (block.first, block.source)):
@@ -82,9 +87,9 @@ def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0)
 
 
 def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
-    """Pairs of equal stretches, as long as they are, that hold a window which begins at a multiple of its width."""
+    """Longest pairs of equal stretches that contain a window starting at a multiple of its width."""
     changes = np.concatenate([[0], np.cumsum(values[1:] != values[:-1])])
-    moves = changes[width - 1 :] - changes[: len(changes) - width + 1] >= CHANGES // 2
+    moves = changes[width - 1 :] - changes[: len(changes) - width + 1] >= FEWEST_CHANGES // 2
     prints = _fingerprints(values, width)
     anchors = np.arange(0, len(prints), width)
     anchors = anchors[moves[anchors]]
@@ -97,7 +102,7 @@ def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
     at = np.minimum(np.searchsorted(prints[anchors], prints[seen]), len(anchors) - 1)
     alike = (prints[anchors[at]] == prints[seen]) & (anchors[at] != seen)
     pairs = np.sort(np.stack([anchors[at][alike], seen[alike]]), axis=0)
-    if pairs.shape[1] * width > 2 * MOST_REPEATED * np.count_nonzero(moves) + width:
+    if pairs.shape[1] * width > 2 * MOST_REPEATED_SHARE * np.count_nonzero(moves) + width:
         return
     lags = pairs[1] - pairs[0]
     reached: dict[int, int] = {}
@@ -112,7 +117,7 @@ def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
 
 
 def _fingerprints(values: FloatArray, width: int) -> WholeArray:
-    """A number for every window of so many samples, the same for windows that are equal."""
+    """Hash of every window of ``width`` samples, equal for equal windows."""
     bits = values.view(np.uint64)
     mixed = (bits ^ (bits >> np.uint64(29))) * np.uint64(_MIX)
     mixed ^= mixed >> np.uint64(32)
@@ -124,14 +129,14 @@ def _fingerprints(values: FloatArray, width: int) -> WholeArray:
 
 
 def _powers(base: int, count: int) -> WholeArray:
-    """Of 0 and up, modulo 2 to the 64."""
+    """Powers 0 to count - 1 of a base modulo 2^64."""
     factors = np.full(count, base, dtype=np.uint64)
     factors[0] = 1
     return np.cumprod(factors, dtype=np.uint64)
 
 
 def _equal(one: FloatArray, other: FloatArray) -> int:
-    """How many samples are equal from the beginning on."""
+    """Number of equal samples from the beginning of two arrays."""
     most, begin, size = min(len(one), len(other)), 0, 256
     while begin < most:
         unlike = np.flatnonzero(one[begin : min(begin + size, most)] != other[begin : min(begin + size, most)])
@@ -142,20 +147,20 @@ def _equal(one: FloatArray, other: FloatArray) -> int:
 
 
 def _tells_enough(values: FloatArray, block: RepeatedBlock) -> bool:
-    """Whether the block can hardly come twice by chance."""
+    """Whether a block holds so much information that it can hardly recur by chance."""
     stretch = values[block.first : block.first + block.count]
     steps = np.diff(stretch)
-    if np.count_nonzero(steps) < CHANGES or len(np.unique(stretch)) < LEVELS:
+    if np.count_nonzero(steps) < FEWEST_CHANGES or len(np.unique(stretch)) < FEWEST_LEVELS:
         return False
     shares = np.unique(steps, return_counts=True)[1] / len(steps)
     told = -float(np.sum(shares * np.log2(shares))) * len(steps)
-    return bool(told > 2 * np.log2(len(values)) + BITS)
+    return bool(told > 2 * np.log2(len(values)) + SURPLUS_BITS)
 
 
 def _is_single(values: FloatArray, block: RepeatedBlock, reach: int) -> bool:
-    """Whether neither the block itself goes on repeating, nor what is beside it nearly does."""
+    """Whether a block is a single copy, with neither itself nor its surroundings periodic."""
     lag, end = block.first - block.source, block.first + block.count
-    if block.count > MOST_IN_A_ROW * lag:
+    if block.count > MOST_PERIODS * lag:
         return False
     before = slice(max(lag, block.first - reach), block.first)
     after = slice(end, min(end + reach, len(values)))
@@ -164,23 +169,23 @@ def _is_single(values: FloatArray, block: RepeatedBlock, reach: int) -> bool:
         for side in (before, after)
         if side.stop > side.start
     ]
-    return bool(shares) and max(shares) < MOST_ALIKE
+    return bool(shares) and max(shares) < MOST_EQUAL_NEIGHBOURS
 
 
 def _is_measured(values: FloatArray, block: RepeatedBlock, step: float) -> bool:
-    """Whether there is noise in the block, which never comes twice, or a kink where it begins or ends.
+    """Whether a block is measured, by noise in it (which never recurs) or a kink at an end.
 
-    One that follows its source goes on smoothly where it ends anyway, and where it begins if it is a second period.
+    A block that directly follows its source is smooth at its end in any case, and at its start if it is a period.
     """
     end = block.first + block.count
     stretch = values[block.first : end]
     usual = float(np.abs(np.diff(stretch, 2)).max())
     for seam in (block.first, *([end] if block.first > block.source + block.count else [])):
         around = values[seam - 2 : seam + 2]
-        if 2 <= seam <= len(values) - 2 and float(np.abs(np.diff(around, 2)).max()) > KINK * usual:
+        if 2 <= seam <= len(values) - 2 and float(np.abs(np.diff(around, 2)).max()) > KINK_RATIO * usual:
             return True
     if not step:
         return is_rough((stretch, stretch))
     moved = np.diff(stretch)
     signs = np.sign(moved[moved != 0])
-    return float(np.mean(signs[1:] != signs[:-1])) > REVERSALS
+    return float(np.mean(signs[1:] != signs[:-1])) > NOISE_REVERSALS

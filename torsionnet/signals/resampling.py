@@ -1,4 +1,4 @@
-"""Uniform samples from time stamps that are not uniform."""
+"""Resampling of recordings with non-uniform time stamps to a uniform rate."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.sample_counts import even_times
 from torsionnet.signals.timing import gaps
 
-SLOWER = 0.99
+LEAST_RATE_SHARE = 0.99
+"""Share of the mean sampling rate that a new rate may be lower by rounding; a lower one needs an anti-alias filter."""
 
 
 def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: bool = False) -> Recording:
-    """Uniform samples by cubic splines through those there are.
+    """Recording resampled to a uniform rate by cubic splines through its samples.
 
     Parameters
     ----------
     recording : Recording
     rate : float, optional
-        Hz, the mean rate if left out. Not lower than that: fewer samples need a filter against aliasing first.
+        New rate in Hz, by default the mean rate. Not lower than that: fewer samples need an anti-alias filter first.
     bridge_gaps : bool
         Draw the spline across gaps in the time stamps, which invents data there.
 
@@ -55,7 +56,7 @@ def _resampled(signal: Signal, time: FloatArray, even: FloatArray) -> Signal:
 
 
 def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
-    if not (np.isfinite(rate) and rate >= SLOWER * recording.sampling_rate):
+    if not (np.isfinite(rate) and rate >= LEAST_RATE_SHARE * recording.sampling_rate):
         raise UsageError(
             f"cannot resample {recording.sampling_rate:g} Hz to {rate:g} Hz: decimate with a filter instead"
         )
@@ -63,10 +64,12 @@ def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
         raise UsageError("resampling needs at least two samples, and time stamps that increase")
     broken = [signal.name for signal in recording if not np.all(np.isfinite(signal.values))]
     if broken:
-        raise UsageError(f"cannot resample {', '.join(broken)}: there are values that are no finite numbers")
+        raise UsageError(
+            f"cannot resample {', '.join(broken)}: some values are not finite; cut them out or mend them first"
+        )
     found = gaps(recording.time)
     if len(found) and not bridge_gaps:
         where = ", ".join(f"{recording.time[at]:.6g} s" for at in found[:3])
         raise UsageError(
-            f"cannot resample across {len(found)} gaps (after {where}); bridge_gaps=True does all the same"
+            f"cannot resample across {len(found)} gaps (after {where}); cut the record there, or take bridge_gaps=True"
         )

@@ -1,4 +1,4 @@
-"""Up to which frequency of a sweep a sensor with steps resolves the motion."""
+"""Resolution of a sensor with steps in a sweep: frequencies up to which it resolves the motion."""
 
 from __future__ import annotations
 
@@ -10,29 +10,31 @@ import numpy as np
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.advice import resolution_limit
-from torsionnet.signals.decimation import USABLE
+from torsionnet.signals.decimation import VALID_SHARE
 
-ENOUGH, LOST = 4.0, 0.5
-"""Steps per amplitude at which the quantiser's error is a few percent, and below which a change may go unseen."""
-WHOLE = 0.01
+ENOUGH_STEPS, LOST_STEPS = 4.0, 0.5
+"""Steps per amplitude from which the quantisation error is a few percent, and below which motion may go unseen."""
+WHOLE_STEP_TOLERANCE = 0.01
+"""Largest distance of a change from a whole number of steps in a quantised signal."""
 MOST_STEPS = 1e12
-"""At once: no converter has so many, and a signal of such small and large changes does not go in steps."""
+"""Largest change of a quantised signal in steps: no converter has so many, so such a signal is not quantised."""
 FEWEST_STEPS = 3
-SWEPT = 0.5
-"""Share of the input's power that lies in one line and its neighbours while a sine is swept."""
+"""Fewest changes of a signal, and fewest segments of a sweep, from which steps and limits are determined."""
+SINE_POWER_SHARE = 0.5
+"""Share of the input's power in one line and its neighbours above which the input is a sine."""
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """What the steps of a sensor do to a sweep.
+    """Resolution of a sensor in a sweep: its step, and the frequencies up to which it resolves the motion.
 
     Attributes
     ----------
     step : float
-        In the unit of the signal.
+        Step of the sensor in the unit of the signal.
     enough_up_to, lost_above : float
-        Hz: up to where the amplitude is four steps or more, and above which it is under half a step; inf if the
-        sweep ends before.
+        Frequency in Hz up to which the amplitude is four steps or more, and above which it is under half a step;
+        inf if the sweep ends before.
     """
 
     step: float
@@ -41,7 +43,7 @@ class Resolution:
 
 
 def step_of(values: FloatArray) -> float:
-    """Smallest step of a signal that only takes whole steps; 0 if it does not.
+    """Step of a quantised signal, in its unit; 0 if the signal is not quantised.
 
     >>> step_of(np.array([0.0, 0.5, 0.5, 1.5, 1.0, 0.5]))
     0.5
@@ -57,15 +59,17 @@ def step_of(values: FloatArray) -> float:
         return 0.0
     counts = moved / smallest
     # The mean over many single steps is more exact than the smallest of them.
-    if np.abs(counts - np.rint(counts)).max() > WHOLE:
+    if np.abs(counts - np.rint(counts)).max() > WHOLE_STEP_TOLERANCE:
         return 0.0
     return float(moved.sum() / np.rint(counts).sum())
 
 
-def swept(recording: Recording, output: str, input: str, seconds: float = 2.0) -> tuple[FloatArray, FloatArray]:
-    """Frequency of the input in Hz and peak amplitude of the output, segment by segment.
+def sweep_amplitudes(
+    recording: Recording, output: str, input: str, seconds: float = 2.0
+) -> tuple[FloatArray, FloatArray]:
+    """Frequency of the input in Hz and peak amplitude of the output, for each segment of a sweep.
 
-    Segments in which the input is no sine are left out.
+    Segments in which the input is not a sine are left out.
     """
     count = round(seconds * recording.sampling_rate)
     if count < 8 or len(recording) < count:
@@ -79,12 +83,12 @@ def swept(recording: Recording, output: str, input: str, seconds: float = 2.0) -
     reach = 4 + line // 20  # a sweep moves on within a segment
     rows, last = np.arange(whole), power.shape[1]
     near = cumulated[rows, np.minimum(line + reach + 1, last)] - cumulated[rows, np.maximum(line - reach, 0)]
-    is_sine = near > SWEPT * cumulated[:, -1]
+    is_sine = near > SINE_POWER_SHARE * cumulated[:, -1]
     return line[is_sine] / seconds, (np.sqrt(2) * answer.std(axis=1))[is_sine]
 
 
 def resolution(recording: Recording, output: str, input: str, seconds: float = 2.0) -> Resolution | None:
-    """What the steps of the output's sensor do to a sweep; None if it has none, or if nothing is swept.
+    """Resolution of the output's sensor in a sweep; None if it has no steps, or the input is not swept.
 
     Examples
     --------
@@ -97,22 +101,22 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
     >>> round(found.step, 6), 1.5 < found.enough_up_to < 3, 5 < found.lost_above < 8
     (0.1, True, True)
     """
-    watch = Watch((output,), input, seconds)
+    watch = ResolutionWatch((output,), input, seconds)
     for _ in watch.passing([recording]):
         pass
     return watch.found(output)
 
 
-def limited(
-    response: FrequencyResponse, watch: Watch, decimation: int, highest: float = float("inf")
+def with_resolution_limit(
+    response: FrequencyResponse, watch: ResolutionWatch, decimation: int, highest: float = float("inf")
 ) -> FrequencyResponse:
-    """A response with the frequency up to which it can be used, and a note for every sensor that says why.
+    """Response with the highest usable frequency, and a note for every sensor that limits it.
 
-    Nothing is noted of what is above the highest frequency of interest, Hz.
+    Limits above the highest frequency of interest (Hz) are not noted.
     """
     limits, notes = [], []
     if decimation > 1:
-        limits.append(USABLE * float(response.frequencies[-1]))
+        limits.append(VALID_SHARE * float(response.frequencies[-1]))
     for channel in response.outputs:
         found = watch.found(channel.name)
         if found is not None and np.isfinite(found.enough_up_to):
@@ -127,13 +131,13 @@ def _remark(channel: Channel, found: Resolution) -> str:
     step = f"{np.degrees(found.step):.4g} deg" if channel.unit == "rad" else f"{found.step:.4g} {channel.unit}"
     lost = f", under half a step from {found.lost_above:.3g} Hz" if np.isfinite(found.lost_above) else ""
     return (
-        f"warning: {channel.name} moves by less than {ENOUGH:g} steps of {step} above {found.enough_up_to:.3g} Hz"
+        f"warning: {channel.name} moves by less than {ENOUGH_STEPS:g} steps of {step} above {found.enough_up_to:.3g} Hz"
         f"{lost}: its size is biased there, then lost; use a finer sensor or more torque"
     )
 
 
-class Watch:
-    """Looks at the blocks of a record on their way to be processed, before they are decimated."""
+class ResolutionWatch:
+    """Collector of sensor steps and sweep amplitudes from the blocks of a record before they are decimated."""
 
     def __init__(self, outputs: Sequence[str], input: str, seconds: float) -> None:
         self.outputs: tuple[str, ...] = tuple(outputs)
@@ -143,17 +147,17 @@ class Watch:
         self.sweep: dict[str, list[tuple[FloatArray, FloatArray]]] = {output: [] for output in self.outputs}
 
     def passing(self, blocks: Iterable[Recording]) -> Iterator[Recording]:
-        """The same blocks."""
+        """Blocks unchanged, after their steps and sweep amplitudes are collected."""
         for block in blocks:
             for output in self.outputs:
                 values = block[output].values
                 if np.count_nonzero(np.diff(values)) >= FEWEST_STEPS and np.isfinite(values).all():
                     self.steps[output].append(step_of(values))
-                self.sweep[output].append(swept(block, output, self.input, self.seconds))
+                self.sweep[output].append(sweep_amplitudes(block, output, self.input, self.seconds))
             yield block
 
     def found(self, output: str) -> Resolution | None:
-        """What the steps of this output's sensor do to the sweep that went by."""
+        """Resolution of an output's sensor from the blocks collected; None without steps or a sweep."""
         steps = self.steps[output]
         if not steps or not all(steps):
             return None
@@ -162,5 +166,5 @@ class Watch:
             return None
         order = np.argsort(frequency, kind="stable")
         frequency, amplitude = frequency[order], amplitude[order]
-        limits = [resolution_limit(frequency, amplitude, min(steps), level) for level in (ENOUGH, LOST)]
+        limits = [resolution_limit(frequency, amplitude, min(steps), level) for level in (ENOUGH_STEPS, LOST_STEPS)]
         return Resolution(min(steps), *(limit if limit < frequency[-1] else float("inf") for limit in limits))

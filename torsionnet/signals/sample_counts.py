@@ -1,4 +1,4 @@
-"""How many numbers may be made of those there are: times in another unit than s ask for more than any machine holds."""
+"""Limits for the number of samples made from a record, which times in a wrong unit would exceed by far."""
 
 from __future__ import annotations
 
@@ -7,28 +7,28 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray
 
-ALWAYS, TIMES = 10_000_000, 100
-"""So many numbers may be made of any record, and so many times as many as it has."""
+ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE = 10_000_000, 100
+"""Numbers that may be made from any record, and the multiple of its own numbers that may be made from a longer one."""
 
 
 def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
-    """Refuse to make far more numbers than are ``given``.
+    """Refuse to make far more numbers from a record than the ``given`` ones.
 
     Parameters
     ----------
     wanted : float
-        How many numbers would be made; too many for any integer, too.
+        Number of values to be made; may be too large for an integer.
     given : int
-        How many there are.
+        Number of values in the record.
     what : str
-        What they are made of, the beginning of a sentence.
+        Description of the record, the beginning of the message.
     remedy : str
-        What to do instead.
+        Advice, the end of the message.
 
     Raises
     ------
     UsageError
-        More than a hundred times those given, and more than ten million.
+        ``wanted`` is more than a hundred times those given, and more than ten million.
 
     Examples
     --------
@@ -37,30 +37,30 @@ def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
     torsionnet.core.errors.UsageError: 6000 pulses over 3.2e+08 s would become 3.2e+11 numbers, more than can be kept; \
 give the unit of the times
     """
-    if not wanted <= max(ALWAYS, TIMES * given):
+    if not wanted <= max(ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE * given):
         raise UsageError(f"{what} would become {wanted:.3g} numbers, more than can be kept; {remedy}")
 
 
 def even_times(first: float, last: float, sampling_rate: float, given: int, what: str) -> FloatArray:
-    """Times from the first to the last, one sampling interval apart, s, shape (n,).
+    """Uniform times in s from the first to the last, one sampling interval apart, shape (n,).
 
     A whole number of intervals that misses the last time by a rounding error does not lose its sample.
 
     Parameters
     ----------
     first, last : float
-        s.
+        First and last time, s.
     sampling_rate : float
-        Hz.
+        Sampling rate, Hz.
     given : int
-        Number of the samples or pulses between the two, far more than which are refused.
+        Number of samples or pulses between the two; far more than these are refused.
     what : str
-        What these are, such as "pulses".
+        Name of the given values, such as "pulses".
 
     Raises
     ------
     UsageError
-        There would be far more than are given.
+        There would be far more times than values given.
 
     Examples
     --------

@@ -11,11 +11,12 @@ from torsionnet.response import Channel
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.decimation import decimated
 from torsionnet.signals.detrending import without_trend
-from torsionnet.signals.record_blocks import Recordings, in_order, stacked
+from torsionnet.signals.record_blocks import Recordings, blocks_in_order, stacked
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch, effective_averages
 
-BATCH_VALUES = 1_000_000
+VALUES_PER_BATCH = 1_000_000
+"""Values of segments that are transformed together, which limits the memory."""
 
 
 def cross_spectra(
@@ -49,7 +50,7 @@ def cross_spectra(
     settings = settings or Welch()
     blocks = _selected(recordings, names)
     total = _Total(settings)
-    for block, follows in in_order(decimated(blocks, settings.decimation)):
+    for block, follows in blocks_in_order(decimated(blocks, settings.decimation)):
         total.add(block, follows)
     return total.mean()
 
@@ -61,7 +62,7 @@ def _selected(recordings: Recordings, names: Iterable[str] | None) -> Iterator[R
 
 
 class _Total:
-    """Sum over segments, with the samples that wait for the next block."""
+    """Sum of cross spectra over segments, with the samples left for the next block."""
 
     def __init__(self, settings: Welch) -> None:
         self.settings = settings
@@ -87,7 +88,7 @@ class _Total:
             self._add_segments(values)
 
     def _begin(self, block: Recording) -> None:
-        """Windows and sums, once there are samples for one."""
+        """Make window and sums, once there are samples for a segment."""
         self.weights = self.settings.weights(block.sampling_rate)
         self.step = self.settings.step(block.sampling_rate)
         count, size = len(self.weights) // 2 + 1, len(block.signals)
@@ -96,7 +97,7 @@ class _Total:
     def _add_segments(self, values: FloatArray) -> None:
         length = len(self.weights)
         segments = np.lib.stride_tricks.sliding_window_view(values, length, axis=1)[:, :: self.step]
-        count, batch = segments.shape[1], max(1, BATCH_VALUES // (length * len(values)))
+        count, batch = segments.shape[1], max(1, VALUES_PER_BATCH // (length * len(values)))
         for begin in range(0, count, batch):
             plain = without_trend(segments[:, begin : begin + batch], self.settings.detrend)
             lines = np.fft.rfft(plain * self.weights, axis=-1).transpose(2, 0, 1)

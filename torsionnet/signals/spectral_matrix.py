@@ -1,4 +1,4 @@
-"""Spectral densities of all pairs of signals."""
+"""Matrix of averaged auto and cross spectral densities of signals."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class CrossSpectra:
-    """One-sided spectral densities of all pairs of signals.
+    """Averaged one-sided auto and cross spectral densities of signals, a matrix over frequency.
 
     Attributes
     ----------
     frequencies : (n_f,) array
-        Hz.
+        Frequencies, Hz.
     matrix : (n_f, n, n) complex array
-        ``matrix[:, a, b]`` averages ``conj(A) B``: its phase is by how much ``b`` leads ``a``.
+        ``matrix[:, a, b]`` is the mean of ``conj(A) B``: its phase is the lead of ``b`` over ``a``.
     channels : tuple of Channel
     averages : int
         Number of segments.
     effective_averages : float
-        Number of segments without overlap that would be as certain.
+        Number of independent segments with the same uncertainty.
     settings : Welch
     sampling_rate : float
-        Of the signals after decimation, Hz.
+        Sampling rate of the signals after decimation, Hz.
     title : str
     notes : tuple of str
     """
@@ -49,7 +49,7 @@ class CrossSpectra:
     notes: tuple[str, ...] = ()
 
     def indices(self, names: Iterable[str]) -> list[int]:
-        """Places of the named signals."""
+        """Indices of the named signals in the matrix."""
         known = [channel.name for channel in self.channels]
         wanted = list(names)
         for name in wanted:
@@ -58,6 +58,6 @@ class CrossSpectra:
         return [known.index(name) for name in wanted]
 
     def between(self, first: Iterable[str], second: Iterable[str]) -> ComplexArray:
-        """The part (n_f, n_first, n_second) of the matrix."""
+        """Cross spectral densities between two groups of signals, (n_f, n_first, n_second)."""
         rows, columns = self.indices(first), self.indices(second)
         return self.matrix[np.ix_(range(len(self.frequencies)), rows, columns)]

@@ -1,4 +1,4 @@
-"""Spectrogram: how the amplitudes in a signal change over time."""
+"""Spectrograms of signals, their amplitude over frequency and time."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class SpectrogramRecord:
 
 @dataclass(frozen=True, eq=False)
 class Spectrogram:
-    """Amplitude over frequency and time.
+    """Spectrogram of a signal: amplitude over frequency and time.
 
     Attributes
     ----------
     frequencies : (n_f,) array
-        Hz.
+        Frequencies, Hz.
     times : (n_t,) array
         Middle of each segment, s.
     amplitude : (n_f, n_t) array
@@ -54,7 +54,7 @@ class Spectrogram:
     notes: tuple[str, ...] = ()
 
     def decibels(self, reference: float = 1.0) -> FloatArray:
-        """20 log10 of amplitude over reference, (n_f, n_t)."""
+        """Amplitude in dB over a reference, (n_f, n_t)."""
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.amplitude / reference))
 
@@ -69,9 +69,9 @@ class Spectrogram:
 
 
 def spectrogram(recording: Recording, name: str, settings: Welch | None = None) -> Spectrogram:
-    """Short-time spectra of one signal, by default of 2 s, Hamming, with 80 % overlap.
+    """Spectrogram of one signal from short-time spectra, by default of 2 s, Hamming, with 80 % overlap.
 
-    The mean of the whole record is taken out first unless the settings' ``detrend`` is ``none``. Segments that would
+    The mean of the whole record is removed first unless the settings' ``detrend`` is ``none``. Segments that would
     reach beyond an end of the record are left out. In a sweep a line is lower than the sine's amplitude as soon as
     the frequency moves by more than about a bin within a segment.
 

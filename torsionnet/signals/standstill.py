@@ -1,4 +1,4 @@
-"""Stretches in which a signal stands still that otherwise moves."""
+"""Search for frozen stretches, in which a moving signal stands still."""
 
 from __future__ import annotations
 
@@ -7,38 +7,44 @@ from collections import Counter
 import numpy as np
 
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.faults_in_values import Stretches
+from torsionnet.signals.value_faults import Stretches
 
 LEAST_SAMPLES, LEAST_TIME = 20, 0.05
-ALWAYS_SEEN, FEWEST = 0.15, 8
-"""s; so long a stretch counts at low sampling rates too, where it is of so many samples at least."""
-LONGER, AROUND = 10.0, 20
-"""So many times as long as each of so many runs of equal values on either side; a quantised peak is under seven."""
-OTHERS = 2
-"""Of the runs around, which may be frozen stretches as well."""
-LEAST_RANGE = 5.0
-"""Steps of a sensor that the signal moves by around the stretch."""
-JUMP = 5.0
-ROUGH, ROUND_OFF = 0.3, 1e-9
-"""Differences over those of one order less, above which there is noise or steps, unless they are round-off."""
+"""Least length of a frozen stretch in samples and in s."""
+LEAST_TIME_SLOW_SAMPLING, FEWEST_SAMPLES = 0.15, 8
+"""Length in s from which a stretch counts at low sampling rates too, and its fewest samples there."""
+LEAST_LENGTH_RATIO, RUNS_AROUND = 10.0, 20
+"""Least length of a frozen stretch over the runs of equal values around it, and the number of runs on either side: a
+quantised peak is less than seven times as long."""
+SKIPPED_RUNS = 2
+"""Number of runs around that may be frozen stretches as well, and are left out of the comparison."""
+LEAST_RANGE_STEPS = 5.0
+"""Least range of the signal around the stretch in steps of the sensor."""
+JUMP_RATIO = 5.0
+"""Jump at the end of a stretch over the largest change around it above which samples were lost."""
+ROUGHNESS_RATIO, ROUND_OFF_SHARE = 0.3, 1e-9
+"""Ratio of differences to those of one order less above which a signal holds noise or steps, and the size relative to
+the range below which they are round-off."""
 
 
-def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stretches:
-    """First and last samples of frozen stretches.
+def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stretches:
+    """First and last indices of frozen stretches.
 
-    Not of a signal that rests: at the ends of the record, at 0, at its first value or at one it comes back to, nor of
-    a smooth one that stops and goes on without a jump, as a set-point does, nor of a sensor of such steps that moves by
-    few of them.
+    Stretches of a signal at rest do not count (at the ends of the record, at 0, at its first value or at a value it
+    returns to), nor those of a smooth signal that stops and continues without a jump, such as a set-point, nor those of
+    a sensor with steps that moves by few of them.
 
     >>> values = np.sin(np.arange(2000) / 20)
     >>> values[700:900] = values[700]
-    >>> frozen(values, 1000.0)
+    >>> frozen_stretches(values, 1000.0)
     [(700, 899)]
     """
     changes = np.flatnonzero(np.diff(values) != 0)
     firsts = np.concatenate([[0], changes + 1])
     lengths = np.diff(np.concatenate([firsts, [len(values)]]))
-    least = max(LEAST_TIME * sampling_rate, min(LEAST_SAMPLES, ALWAYS_SEEN * sampling_rate), FEWEST)
+    least = max(
+        LEAST_TIME * sampling_rate, min(LEAST_SAMPLES, LEAST_TIME_SLOW_SAMPLING * sampling_rate), FEWEST_SAMPLES
+    )
     long = [int(run) for run in np.flatnonzero(lengths >= least) if 0 < run < len(lengths) - 1]
     levels = Counter(float(values[firsts[run]]) for run in long)
     rest = {0.0, float(values[0])}
@@ -46,9 +52,13 @@ def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stret
     for run in long:
         first, last = int(firsts[run]), int(firsts[run] + lengths[run]) - 1
         level = float(values[first])
-        before, after = slice(max(0, run - AROUND), run), slice(run + 1, run + 1 + AROUND)
+        before, after = slice(max(0, run - RUNS_AROUND), run), slice(run + 1, run + 1 + RUNS_AROUND)
         others = np.sort(np.concatenate([lengths[before], lengths[after]]))
-        if level in rest or levels[level] > 1 or lengths[run] <= LONGER * others[max(0, len(others) - 1 - OTHERS)]:
+        if (
+            level in rest
+            or levels[level] > 1
+            or lengths[run] <= LEAST_LENGTH_RATIO * others[max(0, len(others) - 1 - SKIPPED_RUNS)]
+        ):
             continue
         sides = values[firsts[before.start] : first + 1], values[last + 1 : int(firsts[after][-1]) + 1]
         if _moves(sides, step) and (is_rough(sides) or _jumps(sides, values[last + 1] - level)):
@@ -57,17 +67,17 @@ def frozen(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stret
 
 
 def _moves(sides: tuple[FloatArray, FloatArray], step: float) -> bool:
-    return bool(np.ptp(np.concatenate(sides)) >= LEAST_RANGE * step)
+    return bool(np.ptp(np.concatenate(sides)) >= LEAST_RANGE_STEPS * step)
 
 
 def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
-    """Whether there is noise or steps in a signal, at least in how it turns."""
-    least = ROUND_OFF * max(float(np.ptp(side)) for side in sides)
+    """Whether a signal holds noise or steps, by its second and third differences."""
+    least = ROUND_OFF_SHARE * max(float(np.ptp(side)) for side in sides)
     changes, turns, thirds = (sum(float(np.abs(np.diff(side, n)).sum()) for side in sides) for n in (1, 2, 3))
     count = sum(len(side) for side in sides)
-    return turns > least * count and (turns > ROUGH * changes or thirds > ROUGH * turns)
+    return turns > least * count and (turns > ROUGHNESS_RATIO * changes or thirds > ROUGHNESS_RATIO * turns)
 
 
 def _jumps(sides: tuple[FloatArray, FloatArray], jump: float) -> bool:
     most = max((float(np.abs(np.diff(side)).max()) for side in sides if len(side) > 1), default=0.0)
-    return abs(jump) > JUMP * most
+    return abs(jump) > JUMP_RATIO * most

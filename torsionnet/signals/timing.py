@@ -1,4 +1,4 @@
-"""Intervals between time stamps."""
+"""Gaps and jitter of time stamps."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from numpy.typing import NDArray
 
 from torsionnet.response.recording import FloatArray
 
-GAP = 1.9  # of the usual interval: one sample is missing
+GAP_RATIO = 1.9
+"""Interval over the usual one above which it is a gap: at 2 one sample is missing."""
 
 
 def gaps(times: FloatArray) -> NDArray[np.intp]:
-    """Index of the last sample before every gap.
+    """Indices of the last sample before every gap in time stamps.
 
     >>> gaps(np.array([0.0, 1.0, 2.0, 5.0, 6.0]))
     array([2])
     """
     intervals = np.diff(times)
-    return np.flatnonzero(intervals > GAP * np.median(intervals)) if len(intervals) else np.empty(0, np.intp)
+    return np.flatnonzero(intervals > GAP_RATIO * np.median(intervals)) if len(intervals) else np.empty(0, np.intp)
 
 
 def jitter(times: FloatArray) -> float:
-    """Standard deviation of the intervals that are no gaps, as a part of their mean.
+    """Standard deviation of the sampling intervals over their mean, gaps left out.
 
     >>> round(jitter(np.array([0.0, 0.9, 2.0, 2.9, 4.0])), 9)
     0.1

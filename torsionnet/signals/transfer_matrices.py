@@ -1,4 +1,4 @@
-"""Transfer functions and coherences from spectral matrices: arrays in, arrays out.
+"""Transfer functions (H1, H2, Hs, Hr) and coherences from arrays of spectral densities.
 
 All follow scipy's convention ``S_ab = mean(conj(A) B)``. With ``y = H x`` that gives ``S_xy = S_xx H^T`` and
 ``S_yy = S_yx H^T``, hence ``H1 = S_xy / S_xx`` and ``H2 = S_yy / S_yx``. ``S_yy / S_xy`` has the phase of the opposite
@@ -16,23 +16,26 @@ ComplexArray = NDArray[np.complex128]
 
 
 def h1(s_xx: ComplexArray, s_xy: ComplexArray) -> ComplexArray:
-    """Least squares on the outputs, (n_f, n_out, n_in): unbiased if only the outputs are noisy."""
+    """Estimator H1, (n_f, n_out, n_in): least squares on the outputs, unbiased if only the outputs are noisy."""
     if s_xx.shape[1] == 1:
         return _quotient(s_xy.transpose(0, 2, 1), s_xx)
     return _complex((np.linalg.pinv(s_xx, hermitian=True) @ s_xy).transpose(0, 2, 1))
 
 
 def h2(s_yy: ComplexArray, s_yx: ComplexArray) -> ComplexArray:
-    """Least squares on the inputs: unbiased if only the inputs are noisy. Needs an output per input, or more."""
+    """Estimator H2, (n_f, n_out, n_in), least squares on the inputs, unbiased if only these are noisy.
+
+    It needs as many outputs as inputs, or more.
+    """
     if s_yx.shape[2] == 1:
         return _quotient(np.einsum("foo->fo", s_yy)[:, :, None], s_yx)
     return _complex((np.linalg.pinv(s_yx) @ s_yy).transpose(0, 2, 1))
 
 
 def hr(s_rx: ComplexArray, s_ry: ComplexArray) -> ComplexArray:
-    """Against references in place of the inputs: unbiased whatever noise inputs and outputs have that these have not.
+    """Estimator Hr, (n_f, n_out, n_in), from references without the noise of inputs and outputs, hence unbiased.
 
-    As many references as inputs, or more: ``S_ry = S_rx H^T``, by least squares. The estimator of instrumental
+    It needs as many references as inputs, or more: ``S_ry = S_rx H^T``, by least squares. The method of instrumental
     variables; see Schoukens, Godfrey and Schoukens (2018), IEEE Control Systems 38(4), on noisy inputs.
     """
     if s_rx.shape[1] == s_rx.shape[2] == 1:
@@ -40,15 +43,15 @@ def hr(s_rx: ComplexArray, s_ry: ComplexArray) -> ComplexArray:
     return _complex((np.linalg.pinv(s_rx) @ s_ry).transpose(0, 2, 1))
 
 
-def unexplained(H: ComplexArray, s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
-    """Spectral densities (n_f, n_out) of outputs less what H (n_f, n_out, n_in) makes of the inputs."""
+def unexplained_spectra(H: ComplexArray, s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
+    """Spectral densities (n_f, n_out) of outputs minus their prediction by H (n_f, n_out, n_in) from the inputs."""
     crossed = np.einsum("foi,fio->fo", H.conj(), s_xy).real
     passed = np.einsum("foi,fij,foj->fo", H.conj(), s_xx, H).real
     return np.asarray(np.maximum(np.einsum("foo->fo", s_yy).real - 2 * crossed + passed, 0.0))
 
 
 def hs(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray, noise_ratio: float | FloatArray) -> ComplexArray:
-    """Total least squares, each output on its own.
+    """Estimator Hs, (n_f, n_out, n_in), total least squares for each output.
 
     ``noise_ratio`` is the spectral density of the output's noise over that of each input's noise, a number or
     (n_f, n_out): towards infinity the result becomes H1, towards zero H2.
@@ -79,21 +82,21 @@ def _hs_several(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: FloatArray, ratio:
 
 
 def ordinary_coherence(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
-    """Share of each output's power that is linear in one input alone, (n_f, n_out, n_in)."""
+    """Ordinary coherence, the share of each output's power that is linear in one input alone, (n_f, n_out, n_in)."""
     inputs, outputs = np.einsum("fii->fi", s_xx).real, np.einsum("foo->fo", s_yy).real
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((np.abs(s_xy) ** 2 / inputs[:, :, None] / outputs[:, None, :]).transpose(0, 2, 1))
 
 
 def multiple_coherence(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
-    """Share of each output's power that is linear in all inputs together, (n_f, n_out)."""
+    """Multiple coherence, the share of each output's power that is linear in all inputs together, (n_f, n_out)."""
     explained = np.einsum("fio,foi->fo", s_xy.conj(), h1(s_xx, s_xy)).real
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(explained / np.einsum("foo->fo", s_yy).real)
 
 
 def independence(s_xx: ComplexArray) -> FloatArray:
-    """Smallest eigenvalue of the inputs' spectra scaled to ones on the diagonal: 1 uncorrelated, 0 inseparable."""
+    """Smallest eigenvalue of the normalised spectra of the inputs, (n_f,): 1 uncorrelated, 0 inseparable."""
     sizes = np.sqrt(np.einsum("fii->fi", s_xx).real)
     scaled = np.divide(s_xx, sizes[:, :, None] * sizes[:, None, :], out=np.zeros_like(s_xx), where=s_xx != 0)
     return np.asarray(np.linalg.eigvalsh(scaled)[:, 0])

@@ -11,26 +11,26 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.spectral_matrix import CrossSpectra
-from torsionnet.signals.transfer_matrices import hr, unexplained
+from torsionnet.signals.transfer_matrices import hr, unexplained_spectra
 
 
 @dataclass(frozen=True, eq=False)
 class RandomError:
-    """Standard deviations of an estimate, (n_f, n_out, n_in).
+    """Random error of an estimated frequency response, as standard deviations (n_f, n_out, n_in).
 
     Attributes
     ----------
     magnitude : array
-        Relative to the magnitude.
+        Standard deviation of the magnitude, relative to it.
     phase : array
-        Degrees.
+        Standard deviation of the phase, degrees.
     """
 
     magnitude: FloatArray
     phase: FloatArray
 
     def band(self, response: FrequencyResponse, deviations: float = 1.96) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper limit of the magnitude; 1.96 standard deviations hold 95 % of normal errors."""
+        """Confidence limits, lower and upper, of the magnitude; 1.96 deviations hold 95 % of normal errors."""
         reach = deviations * self.magnitude
         return np.maximum(1 - reach, 0) * response.magnitude, (1 + reach) * response.magnitude
 
@@ -39,9 +39,9 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
     """Random error of one input's H1 from its coherence and the effective number of averages.
 
     Magnitude: ``sqrt((1 - g) / (2 n g))`` with coherence ``g``; the phase has the same error in radians, at most that
-    of a phase which may be anything (104 degrees). In a sweep most segments hold noise alone at a given frequency;
-    the coherence is then lower in the measure in which the averages are more, so the formula serves there too.
-    Errors of bias, such as the widening of narrow peaks by the window, are not in it.
+    of a uniformly distributed phase (104 degrees). In a sweep most segments hold noise alone at a given frequency; the
+    coherence is then lower in proportion to the larger number of averages, so the formula is valid there too. Bias,
+    such as the widening of narrow peaks by the window, is not included.
 
     >>> random_error(np.array([0.9]), averages=50).magnitude.round(4).tolist()
     [0.0333]
@@ -56,20 +56,20 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
 def random_errors(
     spectra: CrossSpectra, response: FrequencyResponse, reference: str | Sequence[str] = ()
 ) -> RandomError:
-    """Random error of every transfer function of an estimate made from these spectra.
+    """Random error of every transfer function of an estimate, from its spectra.
 
-    The noise of an output is what all inputs together do not explain; it weighs on an input's path by how little
-    that input does on its own. For one input this is :func:`random_error`. Against a reference r it is
-    ``sqrt(S_rr S_ee / (2 n |S_ry|^2))`` with the spectral density ``S_ee`` of ``y - H x``, which noise on both sides
-    makes: what comes of ``H = S_ry / S_rx`` to first order.
+    The noise of an output is the part that all inputs together do not explain; its effect on the path of an input is
+    larger the less this input varies independently. For one input this is :func:`random_error`. Against a reference
+    r it is ``sqrt(S_rr S_ee / (2 n |S_ry|^2))`` with the spectral density ``S_ee`` of ``y - H x``, which contains the
+    noise of both sides: the error of ``H = S_ry / S_rx`` to first order.
 
     Parameters
     ----------
     spectra : CrossSpectra
     response : FrequencyResponse
-        What :func:`~torsionnet.signals.estimators.estimate` made of them.
+        Response that :func:`~torsionnet.signals.estimators.estimate` returned for them.
     reference : str or sequence of str, optional
-        Those of ``Hr``.
+        Reference signals of ``Hr``.
     """
     inputs, outputs = _names(response.inputs), _names(response.outputs)
     references = [reference] if isinstance(reference, str) else list(reference) or inputs
@@ -83,7 +83,7 @@ def random_errors(
         )
     backward, found = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
     alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real
-    squared = unexplained(found, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
+    squared = unexplained_spectra(found, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
     with np.errstate(divide="ignore", invalid="ignore"):
         return _of_relative(np.sqrt(squared) / np.abs(found))
 

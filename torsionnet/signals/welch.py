@@ -1,4 +1,4 @@
-"""How spectra are averaged: settings of Welch's method, and what its overlapping segments are worth."""
+"""Settings of Welch's method of averaging, and the effective number of its overlapping segments."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.detrending import Trend, check_trend
 
 WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop", "bartlett")
-"""Those that are often asked for; scipy has more."""
+"""Names of common windows; scipy has more."""
 
-MOST = 2.0**62
-"""Samples: more than any record has, and still a whole number."""
-SHORTEST, LONGEST = 1e-6, 1e6
-"""Seconds of a segment: of a laser's encoder, and of some days."""
+MOST_SAMPLES = 2.0**62
+"""Most samples of a segment: more than any record has, but still exact as an integer."""
+SHORTEST_SEGMENT, LONGEST_SEGMENT = 1e-6, 1e6
+"""Shortest and longest segment in seconds; others are a mistake in the unit."""
 
 
 @dataclass(frozen=True)
 class Welch:
-    """How spectra are averaged.
+    """Settings of Welch's method: window, segments, overlap, detrending, decimation, estimator.
 
     Attributes
     ----------
@@ -30,14 +30,14 @@ class Welch:
     seconds : float
         Length of a segment; the bins are ``1 / seconds`` apart.
     overlap : float
-        Share of a segment that the next one repeats, 0 to below 1.
+        Overlap of neighbouring segments as a share of a segment, 0 to below 1.
     detrend : {"mean", "linear", "none"}
-        What is taken out of every segment. With other than ``none`` there is no bin at 0 Hz.
+        Trend removed from every segment. Unless it is ``none``, there is no bin at 0 Hz.
     decimation : int
         Factor by which the sampling rate is reduced first.
     estimator : str
-        Of frequency responses, unless a reference says otherwise; empty for ``H1``, or in a fit the one that noise
-        biases least.
+        Estimator of frequency responses without a reference; empty for ``H1``, or in a fit for the one least biased
+        by noise.
     """
 
     window: str = "hamming"
@@ -50,15 +50,17 @@ class Welch:
     def __post_init__(self) -> None:
         check_trend(self.detrend)
         if not 0 <= self.overlap < 1:
-            raise UsageError(f"overlap is a share from 0 to below 1, got {self.overlap}")
-        if not SHORTEST <= self.seconds <= LONGEST:
-            raise UsageError(f"a segment must have a length from {SHORTEST:g} to {LONGEST:g} s, got {self.seconds:g}")
+            raise UsageError(f"overlap is a number from 0 to below 1 (0.5 for 50 %), got {self.overlap}")
+        if not SHORTEST_SEGMENT <= self.seconds <= LONGEST_SEGMENT:
+            raise UsageError(
+                f"a segment must have a length from {SHORTEST_SEGMENT:g} to {LONGEST_SEGMENT:g} s, got {self.seconds:g}"
+            )
 
     def samples(self, sampling_rate: float) -> int:
-        """Length of a segment; it has two samples at least, or no frequency."""
-        count = round(min(self.seconds * sampling_rate, MOST))
+        """Number of samples of a segment, at least 2."""
+        count = round(min(self.seconds * sampling_rate, MOST_SAMPLES))
         if count < 2:
-            what = f"a segment of {self.seconds:g} s holds no two samples at {sampling_rate:g} Hz"
+            what = f"a segment of {self.seconds:g} s has less than two samples at {sampling_rate:g} Hz"
             raise UsageError(f"{what}; take longer ones, or say what unit the times are in")
         return count
 
@@ -68,7 +70,7 @@ class Welch:
         return max(1, length - round(self.overlap * length))
 
     def weights(self, sampling_rate: float) -> FloatArray:
-        """Window over one segment."""
+        """Values of the window over one segment, (n,)."""
         from scipy.signal import get_window
 
         try:
@@ -87,7 +89,7 @@ PAPER = Welch(window="hamming", seconds=2.0, overlap=0.8, decimation=50, estimat
 
 
 def effective_averages(weights: FloatArray, step: int, count: int) -> float:
-    """Number of independent segments that ``count`` overlapping ones are worth, for a stationary random signal.
+    """Effective number of independent segments for ``count`` overlapping ones of a stationary random signal.
 
     Welch's formula: neighbours share information as far as the window overlaps with itself.
 

@@ -15,7 +15,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.response import Channel
-from torsionnet.solve.dynamic_stiffness.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def without_imposed_angles(
     """
     if not is_imposed(drivetrain):
         return ImposedRequest(drivetrain, input, excitation)
-    request = ask(drivetrain, output, input, excitation)
+    request = resolve_request(drivetrain, output, input, excitation)
     source: Input = request.excitations[0]
     if source.quantity == "torque":
         return ImposedRequest(hold_imposed_angles(drivetrain), input, source if request.is_measured else None)

@@ -23,7 +23,7 @@ from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.rigid import RigidCoupling
 from torsionnet.model.elements.springs import Damper, Spring
-from torsionnet.solve.dynamic_stiffness.transfer_request import ask, driven
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs, resolve_request
 from torsionnet.solve.modes.modes import modes, modes_against
 from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.symbolic.transfer_function import TransferFunction
@@ -132,7 +132,7 @@ def simplified(
     """
     request = SimplificationRequest(output, input, excitation, tolerance, _band(drivetrain, band))
     current, changes = drivetrain, []
-    sensors = ask(drivetrain, output, input, excitation).sensors
+    sensors = resolve_request(drivetrain, output, input, excitation).sensors
     read = {sensor.of for sensor in sensors if sensor.is_on_element}
     reference = _Reference(drivetrain, request)
     candidates = list(_candidates(drivetrain.definition, read))
@@ -205,7 +205,7 @@ class _Reference:
         self.magnitude = self._magnitude(drivetrain)
 
     def _poles(self, drivetrain: AssembledModel) -> list[complex]:
-        request = driven(drivetrain, self.request.input, self.request.excitation)
+        request = resolve_inputs(drivetrain, self.request.input, self.request.excitation)
         found = modes_against(drivetrain, request if request.is_measured else None)
         pairs = zip(found.eigenvalues, found.kinds, strict=True)
         return [complex(value) for value, kind in pairs if kind == "oscillatory"]

@@ -12,7 +12,7 @@ from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
 from torsionnet.symbolic.active_mechanism import mechanism
 from torsionnet.symbolic.algebra.zero_tests import vanishes
@@ -72,7 +72,7 @@ def resolve(
     UsageError
         As for a frequency response; also where the excitation does not reach the measured input.
     """
-    request = ask(drivetrain, output, input, excitation)
+    request = resolve_request(drivetrain, output, input, excitation)
     sensors, load = request.sensors, request.excitations[0].row
     seen = _mechanism(drivetrain, sensors, referred_to, memo)
     reading, *measured = (parts_of(seen, sensor) for sensor in sensors)

@@ -15,7 +15,7 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Action, Law, Values
 from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
-from torsionnet.solve.dynamic_stiffness.transfer_request import ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.symbolic.algebra.delay import Delay, delay_symbol
 from torsionnet.symbolic.algebra.program import ProgramNode
 from torsionnet.symbolic.imposed_angles import (
@@ -99,7 +99,7 @@ class SymbolicSystem(SymbolicMatrices):
         1
         """
         drivetrain = self._model
-        request = ask(drivetrain, list(outputs), list(inputs), excitation)
+        request = resolve_request(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
             return measured_transfer_matrix(drivetrain, request, self._written)
         given = excitation if isinstance(excitation, str | Input | None) else excitation[0]

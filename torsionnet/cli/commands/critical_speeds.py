@@ -23,7 +23,7 @@ STATES = ("as_modelled", "free", "locked", "half")
 
 
 class CriticalSpeedsCommand(ModelCommand):
-    """Critical speeds: where orders meet natural frequencies, their margin to the operating range, and the excitation.
+    """Critical speeds, at which orders meet natural frequencies, their margin to the operating range, and excitation.
 
     The model says what runs and at which speeds in its entries excitations: and speeds:. With several configurations
     a crossing that one of them does not excite says which others do.
@@ -67,7 +67,7 @@ class CriticalSpeedsCommand(ModelCommand):
         return Answer(
             screen=lambda: separated_by_lines(part for one in found for part in _shown(one)),
             data=lambda: [speeds.record(case.configuration) for case, speeds in pairs],
-            csv=lambda: [("", self.joined(cases, [one.table() for one in found]))],
+            csv=lambda: [("", self.combined_table(cases, [one.table() for one in found]))],
             figures=lambda plot: [(case.configuration, self._picture(plot, one)) for case, one in pairs],
         )
 

@@ -79,7 +79,7 @@ class DamperCommand(ModelCommand):
         return Answer(
             screen=lambda: separated_by_lines([one.table(conventions) for one in found]),
             data=lambda: [optimum.record(case.configuration) for case, optimum in pairs],
-            csv=lambda: [("", self.joined(cases, [one.effect_table() for one in found]))],
+            csv=lambda: [("", self.combined_table(cases, [one.effect_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.damper_design(one, conventions=conventions)) for case, one in pairs
             ],

@@ -85,7 +85,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
     """Table of an estimate with a row for the first line and for every peak in the usable frequency range."""
     from torsionnet.cli.frf_output import output_input_pairs
     from torsionnet.response import Column, Table
-    from torsionnet.response.frequency_response import SIGN_NOTE, limit_line
+    from torsionnet.response.frequency_response import SIGN_NOTE, usable_limit_text
 
     columns = (
         Column("response"),
@@ -105,15 +105,15 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
             coherence = None if response.coherence is None else float(response.coherence[index, o, i])
             rows.append((label, unit, name, *map(float, row), coherence))
     kept = [note for note in response.notes if not note.startswith("warning:")]
-    return Table(response.title, columns, tuple(rows), (*kept, *filter(None, [limit_line(response)]), SIGN_NOTE))
+    return Table(response.title, columns, tuple(rows), (*kept, *filter(None, [usable_limit_text(response)]), SIGN_NOTE))
 
 
 def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]]:
-    from torsionnet.signals.advice import meant_up_to, peaks
+    from torsionnet.signals.advice import above_noise_up_to, significant_peaks
 
     if not len(response.frequencies):
         return []
-    found = peaks(response.between(0, meant_up_to(response, o)).magnitude[:, o, i])
+    found = significant_peaks(response.between(0, above_noise_up_to(response, o)).magnitude[:, o, i])
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
 
 

@@ -86,9 +86,9 @@ class FrfCommand(ModelCommand):
             return [peak_table(response, solve, shown) for _, response, solve in trios]
 
         return Answer(
-            screen=lambda: [self.joined(cases, full() if self.full else brief())],
+            screen=lambda: [self.combined_table(cases, full() if self.full else brief())],
             data=lambda: [responses_record(*trio, shown.conventions) for trio in trios],
-            csv=lambda: [("", self.joined(cases, full()))],
+            csv=lambda: [("", self.combined_table(cases, full()))],
             figures=lambda plot: [("", plot.bode(responses, conventions=shown.conventions, decibels=self.decibels))],
         )
 

@@ -55,7 +55,7 @@ class HolzerCommand(ModelCommand):
         return Answer(
             screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),
             data=lambda: [table.record(case.configuration) for case, table in pairs],
-            csv=lambda: [("", self.joined(cases, [one.table(referred=self.referred) for one in found]))],
+            csv=lambda: [("", self.combined_table(cases, [one.table(referred=self.referred) for one in found]))],
         )
 
     def _run(self, case: ConfiguredCase) -> HolzerTable:

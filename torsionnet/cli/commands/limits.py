@@ -54,7 +54,7 @@ class LimitsCommand(ModelCommand):
         return Answer(
             screen=lambda: self._shown(cases, overall, conventions),
             data=overall.records,
-            csv=lambda: [("", self.joined(cases, [one.long_table() for one in found]))],
+            csv=lambda: [("", self.combined_table(cases, [one.long_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.limit_check(one, conventions=conventions))
                 for case, one in zip(cases, found, strict=True)
@@ -68,7 +68,7 @@ class LimitsCommand(ModelCommand):
         from torsionnet.model.excitations.engine_phases import conditions_running_alone
         from torsionnet.response.limit_check import PASS
 
-        table = self.joined(cases, [one.table(conventions) for one in overall.checks])
+        table = self.combined_table(cases, [one.table(conventions) for one in overall.checks])
         yield replace(table, title=f"{cases[0].drivetrain.name}: limits", notes=())
         yield ""
         yield from table.notes

@@ -31,7 +31,7 @@ class MarginsCommand(ModelCommand):
         return Answer(
             screen=lambda: separated_by_lines(tables),
             data=lambda: [margins.record(case.configuration) for case, margins in pairs],
-            csv=lambda: [("", self.joined(cases, tables))],
+            csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [(case.configuration, plot.nyquist(one)) for case, one in pairs],
         )
 

@@ -72,7 +72,7 @@ class ModesCommand(ModelCommand):
                 part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)
             ),
             data=lambda: [modes.record(case.configuration) for case, modes in pairs],
-            csv=lambda: [("", self.joined(cases, tables))],
+            csv=lambda: [("", self.combined_table(cases, tables))],
             # overlaid the shapes of several configurations could not be told apart
             figures=lambda plot: [
                 (
@@ -95,9 +95,9 @@ class ModesCommand(ModelCommand):
         """Tables printed for one configuration: modes, and shapes and energy shares if asked for."""
         yield without_eigenvalues(table)
         if self.shapes:
-            yield from split_table(self.output.sized(modes.shape_table()), 2)
+            yield from split_table(self.output.with_digits(modes.shape_table()), 2)
         if self.energies:
-            yield from split_table(self.output.sized(blank_zero_shares(modes.energy_table())), 3)
+            yield from split_table(self.output.with_digits(blank_zero_shares(modes.energy_table())), 3)
 
 
 def without_eigenvalues(table: Table) -> Table:

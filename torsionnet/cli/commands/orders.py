@@ -84,7 +84,7 @@ class OrdersCommand(ModelCommand):
             data=lambda: [
                 orders_record(run, case.configuration, tests) for case, run in zip(cases, found, strict=True)
             ],
-            csv=lambda: [("", self.joined(cases, [run.long_table() for run in found]))],
+            csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
                 (case.configuration + ending, figure)
                 for case, run in zip(cases, found, strict=True)

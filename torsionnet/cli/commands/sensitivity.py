@@ -62,9 +62,9 @@ class SensitivityCommand(ModelCommand):
         every = self.full or self.modes or self.parameters
         pairs = list(zip(cases, results, strict=True))
         return Answer(
-            screen=lambda: [self.joined(cases, tables if every else [_largest(table) for table in tables])],
+            screen=lambda: [self.combined_table(cases, tables if every else [_largest(table) for table in tables])],
             data=lambda: [effects.record(case.configuration, self.modes) for case, effects in pairs],
-            csv=lambda: [("", self.joined(cases, tables))],
+            csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [
                 (case.configuration, plot.tornado(one, modes=list(self.modes) or None)) for case, one in pairs
             ],
@@ -82,7 +82,7 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
 
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
-    """Table of the effects on the modes chosen (default: all), without those that are rounding."""
+    """Table of the effects on the modes chosen (none: all modes), without effects that are rounding errors."""
     table = found.table()
     rows = tuple(
         row

@@ -39,7 +39,7 @@ class ShowCommand(ModelCommand):
             data=lambda: [
                 shown_model(case.drivetrain, equations=self.equations, matrices=self.matrices) for case in cases
             ],
-            csv=lambda: [("", self.joined(cases, [elements_table(case.drivetrain) for case in cases]))],
+            csv=lambda: [("", self.combined_table(cases, [elements_table(case.drivetrain) for case in cases]))],
             figures=lambda plot: [
                 (case.configuration, plot.schematic(case.drivetrain, boxes=self.boxes)) for case in cases
             ],

@@ -39,7 +39,7 @@ class SpectrogramCommand(RecordCommand):
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
 
-        seen, shown = self.transformed(), Conventions(angle=self.angle)
+        seen, shown = self.spectrograms(), Conventions(angle=self.angle)
         return Answer(
             screen=lambda: map(_table, seen),
             data=lambda: [one.record() for one in seen],
@@ -50,7 +50,7 @@ class SpectrogramCommand(RecordCommand):
             ],
         )
 
-    def transformed(self) -> list[Spectrogram]:
+    def spectrograms(self) -> list[Spectrogram]:
         """Spectrograms of the channels asked for."""
         from torsionnet.cli.progress import progress
         from torsionnet.cli.records import load_record

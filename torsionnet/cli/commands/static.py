@@ -42,7 +42,7 @@ class StaticCommand(ModelCommand):
         return Answer(
             screen=lambda: separated_by_lines(state.table(conventions) for state in found),
             data=lambda: [state.record(case.configuration) for case, state in zip(cases, found, strict=True)],
-            csv=lambda: [("", self.joined(cases, [state.table(conventions) for state in found]))],
+            csv=lambda: [("", self.combined_table(cases, [state.table(conventions) for state in found]))],
         )
 
     def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:

@@ -174,10 +174,10 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     curves = [name for (_, name), one in result.summaries.items() if one.measure.is_curve]
     found: dict[str, Conclusion] = {}
     for name in dict.fromkeys(curves):
-        found[name] = PercentileBands(quantity=name).found(study, result)
+        found[name] = PercentileBands(quantity=name).conclude(study, result)
     if result.kept.numbers:
         with suppress(SolveError):  # too few variants for a correlation
-            found["scatter"] = Scatter().found(study, result)
+            found["scatter"] = Scatter().conclude(study, result)
     if not found:
         raise UsageError(
             "there is nothing to draw: ask for curves, for numbers of at least ten variants, or for answers"

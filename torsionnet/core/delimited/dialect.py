@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
-from torsionnet.core.delimited.stamp_forms import is_date, is_stamp
+from torsionnet.core.delimited.stamp_formats import is_date, is_stamp
 
 SEPARATORS = (";", "\t", ",", " ")
 """Cell separators that are tried, in this order; a blank stands for any white space."""

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.delimited.dialect import Dialect
-from torsionnet.core.delimited.early_end import COMPARED_ROWS, truncation_message
 from torsionnet.core.delimited.time_stamps import StampReader
+from torsionnet.core.delimited.truncation import COMPARED_ROWS, truncation_message
 from torsionnet.core.errors import Fault, ModelError, Position
 
 FloatArray = NDArray[np.float64]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.delimited.stamp_forms import (
+from torsionnet.core.delimited.stamp_formats import (
     NANOSECONDS_PER_DAY,
     NANOSECONDS_PER_SECOND,
     STAMP_PATTERN,

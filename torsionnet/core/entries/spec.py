@@ -98,7 +98,7 @@ class Spec(Generic[Stored_co]):
 
     @property
     def accepted(self) -> str:
-        """Type annotation of accepted Python values, with names of :mod:`torsionnet.core.entries.accepted`."""
+        """Type annotation of accepted Python values, with names of :mod:`torsionnet.core.entries.accepted_types`."""
         return "object"
 
 

@@ -15,8 +15,8 @@ from scipy.signal import upfirdn
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.segments import SegmentRows
 from torsionnet.response.recording import Recording
-from torsionnet.signals.decimation import HALF_LENGTH, anti_alias_taps
-from torsionnet.signals.resolution import step_of, swept
+from torsionnet.signals.decimation import FILTER_HALF_LENGTH, anti_alias_taps
+from torsionnet.signals.resolution import step_of, sweep_amplitudes
 
 REST_POSITIONS = 16
 """Rest positions within a step for which errors are calculated."""
@@ -49,7 +49,9 @@ class SensorSteps:
         error = self.size * np.rint(motion / self.size) - motion
         if self.decimation == 1:
             return error
-        return upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[HALF_LENGTH : HALF_LENGTH + count]
+        return upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[
+            FILTER_HALF_LENGTH : FILTER_HALF_LENGTH + count
+        ]
 
 
 def find_sensor_steps(record: Recording, output: str, input: str, decimation: int) -> SensorSteps:
@@ -57,7 +59,7 @@ def find_sensor_steps(record: Recording, output: str, input: str, decimation: in
 
     Under other inputs, and in rigs that turn, readings fall on all positions within a step: errors are noise.
     """
-    is_swept = len(swept(record, output, input)[0]) > 1
+    is_swept = len(sweep_amplitudes(record, output, input)[0]) > 1
     return SensorSteps(step_of(record[output].values) if is_swept else 0.0, decimation)
 
 

@@ -15,7 +15,7 @@ from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.encoder import angle_from_counts, rotation_of
-from torsionnet.signals.pulse_train import is_stamped, pulse_times
+from torsionnet.signals.pulse_train import holds_pulse_times, pulse_times
 from torsionnet.signals.sample_counts import even_times
 
 LEAST_PULSE_RATE = 1.0
@@ -96,7 +96,7 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
     steps = float(options.pulses[channel.name])
     raw = next(source.blocks([channel.column], 0))[0]
     raw = raw[np.isfinite(raw)]
-    stamped, unit = is_stamped(raw), options.units.get(channel.name, channel.unit)
+    stamped, unit = holds_pulse_times(raw), options.units.get(channel.name, channel.unit)
     try:
         if stamped:
             stamps = raw * (float(parse_unit(plain_unit(unit)).factor) if unit else 1.0)

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from torsionnet.core.collecting import gc_paused
 from torsionnet.core.errors import USELESS, Fault
+from torsionnet.core.garbage_collection import gc_paused
 from torsionnet.model.checks import names, values
-from torsionnet.model.checks.overrides import at_override
-from torsionnet.model.checks.plausible import unusual_sizes
+from torsionnet.model.checks.override_checks import at_override
+from torsionnet.model.checks.size_checks import unusual_sizes
 from torsionnet.model.checks.structure import check_structure, unconnected_parts
 from torsionnet.model.configurations import combinations, label
 from torsionnet.model.definition import Definition

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from torsionnet.core.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.channels import Input, Sensor, port_fault
-from torsionnet.model.checks.overrides import expressions_of_overrides, unfit_overrides
+from torsionnet.model.checks.override_checks import expressions_of_overrides, unfit_overrides
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND
@@ -242,7 +242,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     """Faults of excitations, speeds and a load that name what the model does not have."""
     if not (definition.speeds or definition.load or definition.excitations):
         return []
-    import torsionnet.model.checks.running as checks
+    import torsionnet.model.checks.excitation_checks as checks
 
     return checks.unfit_excitations(definition)
 
@@ -251,9 +251,9 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     """Faults of limits that name what the model does not have, or that lack data of it."""
     if not definition.limits:
         return []
-    import torsionnet.model.checks.limits_fit as limits_fit
+    import torsionnet.model.checks.limit_checks as limit_checks
 
-    return limits_fit.unfit_limits(definition)
+    return limit_checks.unfit_limits(definition)
 
 
 def unfit_catalogues(definition: Definition) -> list[Fault]:

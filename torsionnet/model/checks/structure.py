@@ -231,6 +231,6 @@ def _unfit_operation(
     operated = definition.load or definition.operating_point or definition.following or rated
     if not operated and not any(element.reads_off for element in definition.active):
         return []
-    from torsionnet.model.checks.operation import unfit_operation
+    from torsionnet.model.checks.operating_point_checks import unfit_operation
 
     return unfit_operation(definition, values, kinematics, sound=sound)

@@ -114,7 +114,7 @@ class Element(Declared):
     def _looked_up(self) -> list[Fault]:
         """Fill entries that are not given from the catalogue file; return the faults. None counts as not given."""
         from torsionnet.model.catalogues.catalogue import Catalogue
-        from torsionnet.model.catalogues.taken_entries import chosen_row, row_entries
+        from torsionnet.model.catalogues.catalogue_values import chosen_row, row_entries
 
         if not isinstance(self.catalogue, Catalogue | PurePath):
             return []
@@ -133,7 +133,7 @@ class Element(Declared):
     def _resized(self) -> list[Fault]:
         """Take the catalogue row of another size, where a configuration names one; return the faults."""
         from torsionnet.model.catalogues.catalogue import CatalogueRow
-        from torsionnet.model.catalogues.taken_entries import entries_of_other_size
+        from torsionnet.model.catalogues.catalogue_values import entries_of_other_size
 
         row = self.catalogue
         if not isinstance(row, CatalogueRow) or str(self.size) in ("", row.size):
@@ -281,7 +281,7 @@ class Element(Declared):
         data = {"type": self.kind, **self.written_entries()}
         if self.catalogue is None:
             return data
-        from torsionnet.model.catalogues.taken_entries import row_entries
+        from torsionnet.model.catalogues.catalogue_values import row_entries
 
         specs = dict(self.specs())
         taken, _ = row_entries(self.catalogue, specs, {})

@@ -49,7 +49,7 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
     if entries.keys().isdisjoint((CATALOGUE, SIZE)):
         return _made(cls, name, entries)
-    from torsionnet.model.catalogues.taken_entries import chosen_row, row_entries
+    from torsionnet.model.catalogues.catalogue_values import chosen_row, row_entries
 
     row, faults = chosen_row(entries)
     if row is None:

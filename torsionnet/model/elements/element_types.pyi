@@ -2,7 +2,7 @@
 from collections.abc import Mapping
 from pathlib import Path, PurePath
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.accepted import Entries, GivenStateSpace, GivenTransferFunction, NumberByNumber, NumberRows, Scalar, Scalars, TwoNames, WholeNumber
+from torsionnet.core.entries.accepted_types import Entries, GivenStateSpace, GivenTransferFunction, NumberByNumber, NumberRows, Scalar, Scalars, TwoNames, WholeNumber
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueRow
 from torsionnet.model.element_base.control_entries import SensedMotion
 from torsionnet.model.element_base.control_law import ControlLaw

@@ -11,7 +11,7 @@ import numpy as np
 
 from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.nearby import nearby_file
+from torsionnet.core.entries.named_files import nearby_file
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, entry
 from torsionnet.core.entries.words import Text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from torsionnet.model.files.library import library_catalogues, library_entry, library_parts, library_studies
-from torsionnet.model.files.located import compose
+from torsionnet.model.files.located_yaml import compose
 
 
 def other_use(name: str) -> str:

@@ -7,20 +7,20 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TypeAlias
 
-from torsionnet.core.collecting import gc_paused
 from torsionnet.core.entries.format_version import version_faults
-from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.core.garbage_collection import gc_paused
 from torsionnet.model.checks import has_errors
 from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.followups import check_partial_model
-from torsionnet.model.files.including import include_parts
+from torsionnet.model.files.fault_positions import located_faults, presentable_faults
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.library_uses import other_use
-from torsionnet.model.files.located import LocatedDocument, compose
-from torsionnet.model.files.placing import located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
+from torsionnet.model.files.part_includes import include_parts
+from torsionnet.model.files.partial_checks import check_partial_model
 
 SUFFIXES = (".yaml", ".yml", ".json")
 """Endings of the names of model files."""
@@ -65,7 +65,7 @@ def read_text(
         if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
             faults = [*faults, *further(definition)]
         if definition.authored is not None:
-            from torsionnet.model.parts.places import at_written_places
+            from torsionnet.model.parts.written_places import at_written_places
 
             faults = at_written_places(definition.authored.authored, faults)
     found = located_faults([*document.faults, *faults], document)

@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.model.catalogues.taken_entries import cell_value
+from torsionnet.model.catalogues.catalogue_values import cell_value
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import Element

@@ -40,8 +40,8 @@ from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
-from torsionnet.response.speed_refinement import vertex
-from torsionnet.response.speed_spans import SpeedSpan, cut_off, joined_spans, spans_above
+from torsionnet.response.speed_refinement import vertex_speed
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 
 
 @register_rule
@@ -231,7 +231,7 @@ class IacsM68(ShaftLimit):
         """
         inside = np.array([above.holds(speed) for speed in evidence.speeds.tolist()])
         at = int(np.argmax(np.where(inside, values, -np.inf)))
-        usual = usual_range(min(max(vertex(evidence.speeds, values, at), above.low), above.high), rated)
+        usual = usual_range(min(max(vertex_speed(evidence.speeds, values, at), above.low), above.high), rated)
         span = SpeedSpan(min(above.low, usual.low), max(above.high, usual.high)).widened(self.tolerance)
         limit = NO_BARRED_ABOVE * rated
         if not evidence.subject.misfiring and above.high * (1 + self.tolerance) <= limit:
@@ -248,7 +248,7 @@ class IacsM68(ShaftLimit):
         above = "the rule says nothing above lambda = 1.05" if top < evidence.examined.high else NOT_EXAMINED[1]
         barred = joined_spans([span.within(covered) for span in wanted])
         remarks = list(self._on_barred())
-        remarks += [remark for span in barred for remark in cut_off(span, covered, NOT_EXAMINED[0], above)]
+        remarks += [remark for span in barred for remark in range_end_remarks(span, covered, NOT_EXAMINED[0], above)]
         limit = NO_BARRED_ABOVE * rated
         beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
         if beyond and not evidence.subject.misfiring:

@@ -18,7 +18,7 @@ from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, utilisation_of
-from torsionnet.response.speed_spans import SpeedSpan, cut_off, joined_spans, spans_above
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
 _RULES: dict[str, type[Limit]] = {}
@@ -160,7 +160,7 @@ class Limit(Declared):
         barred = joined_spans(wide)
         if barred == (evidence.examined,):
             return self._verdict(line, name, evidence, FAIL, (), ("exceeded at all speeds",))
-        ends = [remark for span in barred for remark in cut_off(span, evidence.examined, *NOT_EXAMINED)]
+        ends = [remark for span in barred for remark in range_end_remarks(span, evidence.examined, *NOT_EXAMINED)]
         return self._verdict(line, name, evidence, BARRED if above else PASS, barred, tuple(ends))
 
     def _verdict(

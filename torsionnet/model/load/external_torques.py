@@ -12,7 +12,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.absorber import Absorber
-from torsionnet.model.load.sides_of_load import drivers, on_nodes, reacting
+from torsionnet.model.load.load_places import drivers, on_nodes, reacting
 from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 from torsionnet.model.torque_places import torque_place
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.nearby import nearby_file
+from torsionnet.core.entries.named_files import nearby_file
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, full_name
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet

@@ -20,7 +20,7 @@ FEW_PANELS, MOST_BARS = 6, 100
 
 @dataclass(frozen=True)
 class Bars:
-    """Bars of one colour, one in every row: lengths, start value, height and offset below the row's middle in rows."""
+    """Bars of one colour, one in every row, with lengths, start value, height and offset in rows."""
 
     lengths: ArrayLike
     color: str

@@ -66,7 +66,7 @@ def line_style(index: int) -> dict[str, Any]:
 
 
 def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, Any]:
-    """Colour and dashes of a curve with two numbers: colour for the first, dashes for the second, or exchanged.
+    """Colour and dashes of a curve by two numbers, colour for the first and dashes for the second, or exchanged.
 
     ``sizes`` are the counts of both. They are exchanged if there are too few dashes; if one count is 1, colour and
     dashes change together.
@@ -85,7 +85,7 @@ def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, A
 
 
 def style_axes(axes: Axes) -> None:
-    """Apply the style to axes: light grid, no frame, ticks and labels in the common sizes."""
+    """Give axes the common style, with a light grid, no frame, and ticks and labels in the common sizes."""
     axes.grid(visible=True, which="major", color=FAINT, linewidth=0.7)
     axes.set_axisbelow(True)
     for side, spine in axes.spines.items():

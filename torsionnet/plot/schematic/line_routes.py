@@ -15,7 +15,7 @@ PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
 
 @dataclass(frozen=True)
 class LineRoute:
-    """Route of a line: its vertices and links, and the link by which it leaves its parent."""
+    """Vertices and links of a line, and the link by which it leaves its parent."""
 
     incoming: Link | None
     parent: Vertex | None
@@ -52,7 +52,7 @@ class LineRoute:
 
 
 class BranchWidth(NamedTuple):
-    """Branch that leaves a step of a line: distance from the step's start, and width with all its own branches."""
+    """Distance of a branch from the start of its step, and its width with all its own branches, in points."""
 
     x: float
     need: float

@@ -31,7 +31,7 @@ NARROWEST_PAGE = 100.0
 def schematic(
     drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH, boxes: bool = False
 ) -> Figure:
-    r"""Draw a drivetrain.
+    r"""Draw the schematic of a drivetrain.
 
     Shafts run from left to right in the order of the model's nodes, whose names stand above them. Inertias are discs
     whose height grows with the logarithm of the inertia; gear stages and branches go on on lines of their own, and an

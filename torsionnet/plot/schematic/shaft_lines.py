@@ -38,7 +38,7 @@ class ShaftLine(PlannedRow):
     """Builder of a shaft line along y = 0 from left to right; ``x`` is where the line ends so far."""
 
     def begin(self, incoming: Link, parent: Vertex | None) -> None:
-        """Begin a branch that comes from another line: beside its gears, or with the elements behind a wire."""
+        """Begin a branch that comes from another line, beside its gears or with the elements behind a wire."""
         if incoming.is_gear:
             widths = self.gear_widths(incoming)
             self.x = sum(widths) - (widths[0] + widths[-1]) / 2 + ELBOW + 4
@@ -70,7 +70,7 @@ class ShaftLine(PlannedRow):
         leaving: Leaving,
         share: tuple[int, int] = (0, 1),
     ) -> None:
-        """Draw a vertex: a box, a node, or a part of a node that has too many symbols for one line."""
+        """Draw a box, a node, or a part of a node that has too many symbols for one line."""
         if vertex.is_box:
             draw_box(self, vertex, before, after, leaving)
         elif share[0] == share[1] - 1:

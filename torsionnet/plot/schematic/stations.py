@@ -78,7 +78,7 @@ def plain_axis(nodes: Iterable[str]) -> Axis:
 
 
 def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
-    """Axis of a drivetrain's nodes: main line, branches in the order of the schematic, nodes hidden in boxes last."""
+    """Axis of a drivetrain's nodes with the main line, its branches as in the schematic, and nodes hidden in boxes."""
     found = connections(drivetrain)
     found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
     hidden = {*_hidden(found, drivetrain), *without}

@@ -25,7 +25,7 @@ class Vertex(NamedTuple):
 
 @dataclass(frozen=True)
 class Link:
-    """Link of two vertices: elements in parallel, or, without elements, a port of a box at its node."""
+    """Link of two vertices by elements in parallel, or, without elements, by a port of a box at its node."""
 
     first: Vertex
     second: Vertex

@@ -1,1 +1,1 @@
-"""Pictures of the answers of studies."""
+"""Plots of the answers of studies."""

@@ -1,4 +1,4 @@
-"""A quantity over two parameters as contours."""
+"""Contour plot of a quantity of a study over two parameters."""
 
 from __future__ import annotations
 
@@ -18,46 +18,49 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import screen_text, typeset_unit
 from torsionnet.plot.study.study_axes import (
-    ALIKE,
-    BEYOND,
+    BEYOND_COLOR,
+    EQUAL_VALUES,
+    axis_ends,
     axis_label,
-    broken,
-    by_factors,
-    ends_of,
-    in_factors,
+    break_text,
+    finite_values,
+    has_equal_factors,
     is_wide,
-    known,
-    label_with,
-    lines_of,
-    say,
-    titled,
+    label_with_remark,
+    line_count,
+    log_axis,
+    panel_title,
+    write_in_empty_panel,
 )
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.map_answer import MapFound, ParameterMap
+    from torsionnet.study.answers.map_answer import MapResult, ParameterMap
 
-LINES = 9
+MOST_CONTOUR_LINES = 9
+"""Contour lines at most; more would hide the colours."""
 COLOURS = 64
-WIDE = 100.0
-"""Ratio of the largest to the smallest value from which colours and lines have equal factors."""
+"""Steps of colour, fine enough to appear continuous."""
+WIDE_RANGE = 100.0
+"""Ratio of the largest to the smallest value from which colours and contour lines have equal factors."""
 HEIGHTS = {1: 2.9, 2: 2.1, 3: 1.6, 4: 1.25}
-"""Inches of a panel without its labels, by how many stand in a row."""
+"""Height in inches of a panel without its labels, by the number of panels in a row."""
 HEADING, TICKS, BAR, GAP = 0.5, 0.35, 0.75, 0.15
-"""Inches of the title of all, of the numbers along an axis, of the bar of colours with its numbers, between panels."""
-LINE = 0.155
-"""Inches of a line of a label."""
+"""Title of the figure, numbers along an axis, bar of colours with its numbers, gap between panels, in inches."""
+LABEL_LINE = 0.155
+"""Height in inches of a line of a label."""
 
 
-def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Contours of equal values with the same colours in all configurations; a limit of the quantity in red.
+def contour_map(found: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Contours of a quantity over two parameters, a panel for each configuration; a limit of the quantity in red.
 
-    Axes have equal factors where the values of a parameter have, and colours where the values span decades.
+    Colours are the same in all configurations. An axis is logarithmic if the values of its parameter have equal
+    factors, the colours are if the values span decades.
 
     Parameters
     ----------
-    found : MapFound
+    found : MapResult
         What the answer ``map`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -68,7 +71,7 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
     matplotlib.figure.Figure
     """
     scale = units.scale(*found.quantity)
-    every = scale * known(one.values for one in found.maps.values())
+    every = scale * finite_values(one.values for one in found.maps.values())
     levels, norm = _levels(every)
     columns = style.panel_columns(len(found.maps))
     rows = math.ceil(len(found.maps) / columns)
@@ -81,7 +84,7 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
         _panel(axes, _axes_of(found, one, units), scale * one.values.T, levels, norm, labels.width)
         _limits(axes, found, _axes_of(found, one, units), scale * one.values.T, scale)
         if len(panels) > 1:
-            titled(axes, case, labels.width)
+            panel_title(axes, case, labels.width)
     for axes in grid.ravel()[len(panels) :]:
         axes.remove()
     for axes in grid[:, 0]:
@@ -97,7 +100,7 @@ def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None
 
 @dataclass(frozen=True)
 class _Labels:
-    """Labels of the axes and of the bar in lines that fit, the width of a panel, and the height of all, in inches."""
+    """Labels of axes and bar of colours in lines that fit; width of a panel and height of the figure in inches."""
 
     x: str
     y: str
@@ -106,41 +109,41 @@ class _Labels:
     height: float
 
     @classmethod
-    def within(cls, found: MapFound, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
-        """For so many panels, whose numbers along y take the room ``apart`` where each has its own."""
+    def within(cls, found: MapResult, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
+        """Labels for panels in columns and rows; ``apart`` inches are kept for numbers along y between panels."""
         high = HEIGHTS[columns]
         y = axis_label(found.y[0], units.unit(*found.y), high)
-        bar = label_with(found.quantity[0], units.unit(*found.quantity), _besides(found), 0.8 * rows * high)
-        sides = TICKS + LINE * lines_of([y]) + BAR + LINE * lines_of([bar])
+        bar = label_with_remark(found.quantity[0], units.unit(*found.quantity), _besides(found), 0.8 * rows * high)
+        sides = TICKS + LABEL_LINE * line_count([y]) + BAR + LABEL_LINE * line_count([bar])
         width = (style.WIDTH - sides) / columns - GAP - apart
         x = axis_label(found.x[0], units.unit(*found.x), width)
-        titles = lines_of(broken(case, width) for case in found.maps) if len(found.maps) > 1 else 0
-        below = LINE * lines_of([x]) * (2 if len(found.maps) % columns else 1)
-        height = HEADING + rows * (high + TICKS + LINE * titles) + below
+        titles = line_count(break_text(case, width) for case in found.maps) if len(found.maps) > 1 else 0
+        below = LABEL_LINE * line_count([x]) * (2 if len(found.maps) % columns else 1)
+        height = HEADING + rows * (high + TICKS + LABEL_LINE * titles) + below
         return cls(x, y, bar, width, height)
 
 
-def _besides(found: MapFound) -> str:
-    """What the bar of colours says besides the quantity."""
+def _besides(found: MapResult) -> str:
+    """Remark at the bar of colours: the choice of the other parameters, and the meaning of blank fields."""
     over = "" if found.others == "fixed" else f"{found.others} over the others"
     blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else "blank where there is none"
     return ", ".join(filter(None, (over, blank)))
 
 
 def _alike(points: Iterable[FloatArray]) -> bool:
-    """Whether an axis is the same in all configurations: values in per cent are those of each."""
+    """Whether an axis has the same values in all configurations, which values in per cent have not."""
     first, *others = points
     return all(np.array_equal(first, one) for one in others)
 
 
 def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
-    low, high = ends_of(every)
-    if is_wide(every, WIDE):
+    low, high = axis_ends(every)
+    if is_wide(every, WIDE_RANGE):
         return np.geomspace(low, high, COLOURS + 1), LogNorm(low, high)
     return np.linspace(low, high, COLOURS + 1), Normalize(low, high)
 
 
-def _axes_of(found: MapFound, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
+def _axes_of(found: MapResult, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
     return one.x * units.scale(*found.x), one.y * units.scale(*found.y)
 
 
@@ -153,8 +156,8 @@ def _panel(
     width: float,
 ) -> None:
     for side, points in zip("xy", at, strict=True):
-        if in_factors(points):
-            by_factors(axes, side, points[0], points[-1], width)
+        if has_equal_factors(points):
+            log_axis(axes, side, points[0], points[-1], width)
         else:
             (axes.xaxis if side == "x" else axes.yaxis).set_major_formatter(
                 FuncFormatter(lambda at, _: style.tick_text(at))
@@ -164,8 +167,8 @@ def _panel(
     filled.set_edgecolor("face")
     here = values[np.isfinite(values)]
     if not len(here):
-        say(axes, "no point has a value")
-    elif np.ptp(here) > ALIKE * np.abs(here).max():
+        write_in_empty_panel(axes, "no point has a value")
+    elif np.ptp(here) > EQUAL_VALUES * np.abs(here).max():
         lines = axes.contour(*at, values, levels=_lines(here), colors=style.PAPER, linewidths=0.8)
         axes.clabel(lines, fontsize=style.SMALL, fmt=style.tick_text)
     axes.set(xlim=(at[0][0], at[0][-1]), ylim=(at[1][0], at[1][-1]))
@@ -174,24 +177,24 @@ def _panel(
 
 
 def _lines(here: FloatArray) -> Any:
-    """Where lines of equal values are drawn: at round numbers, or at powers of ten."""
-    if not is_wide(here, WIDE):
-        return MaxNLocator(LINES).tick_values(float(here.min()), float(here.max()))
+    """Values of the contour lines: round numbers, or powers of ten."""
+    if not is_wide(here, WIDE_RANGE):
+        return MaxNLocator(MOST_CONTOUR_LINES).tick_values(float(here.min()), float(here.max()))
     first, last = math.floor(math.log10(here.min())), math.ceil(math.log10(here.max()))
-    return 10.0 ** np.arange(first, last + 1, max(1, (last - first) // LINES))
+    return 10.0 ** np.arange(first, last + 1, max(1, (last - first) // MOST_CONTOUR_LINES))
 
 
-def _limits(axes: Axes, found: MapFound, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
+def _limits(axes: Axes, found: MapResult, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
     here = values[np.isfinite(values)]
     if found.limit is None or not len(here):
         return
     for side in (found.limit.below, found.limit.above):
         if side is not None and here.min() < scale * side < here.max():
-            axes.contour(*at, values, levels=[scale * side], colors=BEYOND, linewidths=2.2)
+            axes.contour(*at, values, levels=[scale * side], colors=BEYOND_COLOR, linewidths=2.2)
 
 
 def _bar(
-    figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
+    figure: Figure, found: MapResult, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
 ) -> None:
     unit, scale = units.unit(*found.quantity), units.scale(*found.quantity)
     bar: Colorbar = figure.colorbar(colours, ax=panels, shrink=0.9)
@@ -208,10 +211,17 @@ def _bar(
         if side is None:
             continue
         if low < side * scale < high:
-            bar.ax.axhline(side * scale, color=BEYOND, linewidth=2.2)
+            bar.ax.axhline(side * scale, color=BEYOND_COLOR, linewidth=2.2)
         else:
             text = f"limit {screen_text(side * scale, 4)}\n{typeset_unit(unit)}".rstrip()
             place, ends = (1.02, "bottom") if side * scale >= high else (-0.02, "top")
             bar.ax.text(
-                0.0, place, text, transform=bar.ax.transAxes, ha="left", va=ends, fontsize=style.SMALL, color=BEYOND
+                0.0,
+                place,
+                text,
+                transform=bar.ax.transAxes,
+                ha="left",
+                va=ends,
+                fontsize=style.SMALL,
+                color=BEYOND_COLOR,
             )

@@ -1,4 +1,4 @@
-"""Pictures of designs: an optimum within its bounds, a damper for all conditions, a front, designs under tolerances."""
+"""Plots of design optima: parameters within bounds, damper over conditions, Pareto front, robust optimum."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
-from torsionnet.plot.study.study_axes import axis_label, by_factors, is_wide, key_below, named_rows, told_rows
+from torsionnet.plot.study.study_axes import axis_label, is_wide, legend_below, log_axis, parameter_rows, text_rows
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.design.conditions_damper import DamperOverConditions
 from torsionnet.study.design.design_goals import DesignObjective
@@ -19,17 +19,17 @@ from torsionnet.study.design.pareto_front import ParetoFront
 from torsionnet.study.design.robust_design import RobustOptimum
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
-WIDE = 3.0
-"""Bounds whose ratio is larger are shown by equal factors."""
-ROOM = 2.6
-"""Inches of a label."""
-NEAR = 0.2
-"""Distance from a bound at which a value stands beside its place and not above it."""
+WIDE_BOUNDS = 3.0
+"""Ratio of the bounds of a parameter above which its place between them is logarithmic."""
+LABEL_WIDTH = 2.6
+"""Width in inches of the label of an axis."""
+NEAR_BOUND = 0.2
+"""Distance from a bound, over that of the bounds, below which the text of a value is moved inwards."""
 LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
 
 
 def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Parameters within their bounds as given and as found, and the best by the number of designs calculated.
+    """Parameters within their bounds, as given and optimal, and the best objective over the number of designs.
 
     Parameters
     ----------
@@ -54,13 +54,13 @@ def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: st
     course.set_xlabel("designs calculated")
     course.set_ylabel(label)
     if found.goals.targets and is_wide(merits[np.isfinite(merits)]):
-        by_factors(course, "y", merits.min(), merits.max())
+        log_axis(course, "y", merits.min(), merits.max())
     style.set_title(figure, f"{found.title}: optimum".removeprefix(": ") if title is None else title)
     return figure
 
 
 def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
-    """Each parameter on a line from its lower to its upper bound."""
+    """Draw each parameter on a line from its lower to its upper bound."""
     style.style_axes(axes)
     for row, one in enumerate(parameters):
         axes.plot([0, 1], [row, row], color=style.FAINT, linewidth=5, solid_capstyle="round", zorder=1)
@@ -68,9 +68,15 @@ def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: Sho
         axes.plot([_place(one, one.start)], [row], "o", color=style.MUTED, mfc=style.PAPER, label=given, zorder=2)
         axes.plot([_place(one, one.value)], [row], "o", color=style.PALETTE[1], label=best, zorder=3)
         text = _value(one, units)
-        side = "left" if _place(one, one.value) < NEAR else "right" if _place(one, one.value) > 1 - NEAR else "center"
+        side = (
+            "left"
+            if _place(one, one.value) < NEAR_BOUND
+            else "right"
+            if _place(one, one.value) > 1 - NEAR_BOUND
+            else "center"
+        )
         axes.annotate(text, (_place(one, one.value), row), (0, 6), textcoords="offset points", ha=side, **LABELLED)
-    named_rows(axes, [one.name for one in parameters], style.WIDTH / 3)
+    parameter_rows(axes, [one.name for one in parameters], style.WIDTH / 3)
     axes.set_ylim(len(parameters) - 0.4, -0.8)
     axes.set_xticks([0, 1], ["lower bound", "upper bound"])
     axes.set_xlim(-0.06, 1.06)
@@ -83,22 +89,22 @@ def _value(one: DesignParameter, units: ShownUnits) -> str:
 
 
 def _shown(objective: DesignObjective, units: ShownUnits) -> tuple[float, str]:
-    """Factor from SI and label of what is to be small or large."""
+    """Factor from SI, and label, of an objective."""
     first = objective.quantities[0]
-    return units.scale(first), axis_label(objective.name, units.unit(first), ROOM)
+    return units.scale(first), axis_label(objective.name, units.unit(first), LABEL_WIDTH)
 
 
 def _place(one: DesignParameter, value: float) -> float:
-    """Of a value between its bounds, 0 to 1."""
-    by_factors = one.lower > 0 and one.upper > WIDE * one.lower
-    low, high, at = np.log([one.lower, one.upper, value]) if by_factors else (one.lower, one.upper, value)
+    """Place of a value between the bounds of its parameter, 0 to 1."""
+    is_log = one.lower > 0 and one.upper > WIDE_BOUNDS * one.lower
+    low, high, at = np.log([one.lower, one.upper, value]) if is_log else (one.lower, one.upper, value)
     return float(np.clip((at - low) / (high - low), -0.04, 1.04))
 
 
 def damper_over_conditions(
     found: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """The largest level in every condition: as given, with one damper for all, with one for this condition alone.
+    """Largest level in every condition as given, with one damper for all, and with a damper for this condition alone.
 
     Parameters
     ----------
@@ -125,16 +131,16 @@ def damper_over_conditions(
         levels = [scale * getattr(one, what).level for one in found.conditions]
         axes.plot(levels, rows, mark, markersize=7, color=style.PALETTE[(4, 1, 0)[number]], label=label)
     axes.axvline(scale * found.worst.after.level, color=style.MUTED, linewidth=0.8)
-    told_rows(axes, [one.condition or found.title for one in found.conditions], style.WIDTH)
+    text_rows(axes, [one.condition or found.title for one in found.conditions], style.WIDTH)
     axes.set_xlabel(f"largest {axis_label(found.channel.name, unit)}")
-    key_below(figure, *axes.get_legend_handles_labels())
+    legend_below(figure, *axes.get_legend_handles_labels())
     best = ", ".join(f"{one.name} = {_value(one, units)}" for one in found.parameters)
     style.set_title(figure, f"{found.title}: {best}" if title is None else title)
     return figure
 
 
 def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """The first two objectives of every design of the front, further ones one against the next.
+    """Objectives of the designs of a Pareto front, each over the one before, a panel for each pair.
 
     Parameters
     ----------
@@ -162,13 +168,13 @@ def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | 
             axes.plot(*given, "s", color=style.MUTED, mfc=style.PAPER, label="as given")
         axes.set_xlabel(f"{across_label}, {found.objectives[number].sense}d")
         axes.set_ylabel(f"{up_label}, {found.objectives[number + 1].sense}d")
-    key_below(figure, *figure.axes[0].get_legend_handles_labels())
+    legend_below(figure, *figure.axes[0].get_legend_handles_labels())
     style.set_title(figure, f"{found.title}: best compromises".removeprefix(": ") if title is None else title)
     return figure
 
 
 def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Mean and standard deviation under tolerances of each design, and the share that keeps the limits.
+    """Mean and standard deviation under tolerances of each design, and the share of variants that keep the limits.
 
     Parameters
     ----------
@@ -194,7 +200,7 @@ def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: st
             range(len(labels)), scale * np.array(means), scale * np.array(deviations), fmt="o", capsize=5,
             color=style.PALETTE[0],
         )  # fmt: skip
-        axes.set_ylabel(f"{axis_label(name, units.unit(name), ROOM)}\nmean and standard deviation")
+        axes.set_ylabel(f"{axis_label(name, units.unit(name), LABEL_WIDTH)}\nmean and standard deviation")
     if found.limited:
         shares = 100 * np.array([one.share_kept for one in found.designs])
         ends = np.abs(shares[:, 1:].T - shares[:, 0])

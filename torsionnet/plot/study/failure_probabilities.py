@@ -1,4 +1,4 @@
-"""Small probabilities with their intervals."""
+"""Plot of small probabilities of failure with their intervals."""
 
 from __future__ import annotations
 
@@ -11,23 +11,25 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import typeset_unit
-from torsionnet.plot.study.study_axes import BEYOND, by_factors, told_rows
+from torsionnet.plot.study.study_axes import BEYOND_COLOR, log_axis, text_rows
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.failure_probability import FailureFound
+    from torsionnet.study.answers.failure_probability import FailureProbabilityResult
     from torsionnet.study.answers.rare_event import RareEvent
 
-FEW_TICKS = 4.0
-"""Ratio of the ends of an axis by factors below which it would have hardly a number on it."""
+LEAST_LOG_RATIO = 4.0
+"""Ratio of the ends of an axis below which it stays linear, as it would have hardly a number on a log scale."""
 
 
-def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Probability that a limit is not kept in each configuration; hollow where it is not to be trusted.
+def failure_probabilities(
+    found: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None
+) -> Figure:
+    """Probabilities that a limit is not kept, by configuration, with intervals; hollow where not to be trusted.
 
     Parameters
     ----------
-    found : FailureFound
+    found : FailureProbabilityResult
         What the answer ``failure_probability`` of a study found.
     units : ShownUnits, optional
         Probabilities have none.
@@ -50,11 +52,11 @@ def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, tit
     if ends:
         low, high = min(ends) / 1.5, max(ends) * 1.5
         axes.set_xlim(low, high)
-        if high > FEW_TICKS * low:
-            by_factors(axes, "x", low, high)
+        if high > LEAST_LOG_RATIO * low:
+            log_axis(axes, "x", low, high)
     else:
         axes.set_xticks([])
-    told_rows(axes, [case for case, _ in events], style.WIDTH)
+    text_rows(axes, [case for case, _ in events], style.WIDTH)
     words = textwrap.fill(f"probability of {typeset_unit(found.beyond)} [-]", style.WIDEST_TITLE)
     axes.set_xlabel(f"{words}\n{100 * found.confidence:g} % interval")
     style.set_title(figure, found.title if title is None else title)
@@ -62,7 +64,7 @@ def failure_probabilities(found: FailureFound, *, units: ShownUnits = IN_SI, tit
 
 
 def _drawn(axes: Axes, place: int, one: RareEvent) -> None:
-    color = BEYOND if one.doubts else style.PALETTE[0]
+    color = BEYOND_COLOR if one.doubts else style.PALETTE[0]
     if np.isfinite(one.low):
         axes.hlines(place, one.low, one.high, color=color, linewidth=2.0)
     if one.probability:

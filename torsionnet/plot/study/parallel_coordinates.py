@@ -1,4 +1,4 @@
-"""Variants as lines across axes, those beyond a limit in red."""
+"""Plot of variants in parallel coordinates, as lines across an axis for each parameter and quantity."""
 
 from __future__ import annotations
 
@@ -12,27 +12,41 @@ from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import screen_text
-from torsionnet.plot.study.study_axes import BEYOND, WITHIN, axis_label, ends_of, is_wide, key_below, known, say, titled
+from torsionnet.plot.study.study_axes import (
+    BEYOND_COLOR,
+    WITHIN_COLOR,
+    axis_ends,
+    axis_label,
+    finite_values,
+    is_wide,
+    legend_below,
+    panel_title,
+    write_in_empty_panel,
+)
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.parallel_coordinates_answer import ParallelFound
+    from torsionnet.study.answers.parallel_coordinates_answer import ParallelCoordinatesResult
 
-WIDE = 100.0
-"""Ratio of the largest to the smallest value from which an axis has equal factors."""
-ABOVE = 15.0
-"""Points between the axes and a title, where the values at the ends stand."""
-AXIS, HIGH, LOW, FEW = 0.95, 2.6, 1.5, 4
-"""Inches between two axes, and of a panel where there are few and where there are more."""
+WIDE_RANGE = 100.0
+"""Ratio of the largest to the smallest value from which an axis is logarithmic."""
+TITLE_PAD = 15.0
+"""Points between the axes and a title, room for the values at the upper ends of the axes."""
+AXIS_DISTANCE, TALL_PANEL, LOW_PANEL, MOST_TALL = 0.95, 2.6, 1.5, 4
+"""Inches between two axes, of a tall and of a low panel; configurations up to which panels are tall."""
 
 
-def parallel_coordinates(found: ParallelFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """An axis for every parameter and quantity, over its values in all configurations; a panel for each of these.
+def parallel_coordinates(
+    found: ParallelCoordinatesResult, *, units: ShownUnits = IN_SI, title: str | None = None
+) -> Figure:
+    """Variants as lines across parallel axes of parameters and quantities, those beyond a limit in red.
+
+    Each configuration has a panel; the ends of an axis are the extreme values in all configurations.
 
     Parameters
     ----------
-    found : ParallelFound
+    found : ParallelCoordinatesResult
         What the answer ``parallel_coordinates`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -44,40 +58,40 @@ def parallel_coordinates(found: ParallelFound, *, units: ShownUnits = IN_SI, tit
     """
     names = list(found.units)
     scales = {name: units.scale(name, si) for name, si in found.units.items()}
-    every = {name: scales[name] * known(one[name] for one in found.variants.values()) for name in names}
-    width = max(style.WIDTH, AXIS * len(names))
-    height = HIGH if len(found.variants) <= FEW else LOW
+    every = {name: scales[name] * finite_values(one[name] for one in found.variants.values()) for name in names}
+    width = max(style.WIDTH, AXIS_DISTANCE * len(names))
+    height = TALL_PANEL if len(found.variants) <= MOST_TALL else LOW_PANEL
     figure = style.new_figure(width, 1.2 + height * len(found.variants))
     panels = figure.subplots(len(found.variants), 1, squeeze=False)[:, 0]
     for axes, (case, columns) in zip(panels, found.variants.items(), strict=True):
         shares = np.column_stack([_shares(columns[name] * scales[name], every[name]) for name in names])
         _lines(axes, shares, found.beyond[case])
-        _scales(axes, [ends_of(every[name]) if len(every[name]) else None for name in names])
+        _scales(axes, [axis_ends(every[name]) if len(every[name]) else None for name in names])
         if not np.isfinite(shares).any():
-            say(axes, "no variant has a value")
+            write_in_empty_panel(axes, "no variant has a value")
         labels = [axis_label(name, units.unit(name, found.units[name]), width / len(names) - 0.1) for name in names]
         axes.set_xticks(range(len(names)), labels if axes is panels[-1] else [""] * len(names))
         axes.tick_params(axis="x", labelsize=style.SMALL, length=0, pad=14)
         if len(found.variants) > 1:
-            titled(axes, case, width, pad=ABOVE)
+            panel_title(axes, case, width, pad=TITLE_PAD)
     if any(outside.any() for outside in found.beyond.values()):
-        handles = [Line2D([], [], color=color) for color in (WITHIN, BEYOND)]
-        key_below(figure, handles, ["within limits", "beyond a limit"])
+        handles = [Line2D([], [], color=color) for color in (WITHIN_COLOR, BEYOND_COLOR)]
+        legend_below(figure, handles, ["within limits", "beyond a limit"])
     style.set_title(figure, found.title if title is None else title)
     return figure
 
 
 def _shares(values: FloatArray, every: FloatArray) -> FloatArray:
-    """Heights on an axis, 0 to 1; by equal factors where values are decades apart."""
-    low, high = ends_of(every)
-    if is_wide(every, WIDE):
+    """Heights of values on an axis, 0 to 1; logarithmic if values are decades apart."""
+    low, high = axis_ends(every)
+    if is_wide(every, WIDE_RANGE):
         return np.asarray(np.log(values / low) / np.log(high / low))
     return (values - low) / (high - low)
 
 
 def _lines(axes: Axes, shares: FloatArray, beyond: np.ndarray) -> None:
     places = np.arange(shares.shape[1])
-    for which, color in ((~beyond, WITHIN), (beyond, BEYOND)):
+    for which, color in ((~beyond, WITHIN_COLOR), (beyond, BEYOND_COLOR)):
         segments = [np.column_stack([places, row]) for row in shares[which]]
         alpha = min(0.7, 0.1 + 20 / max(len(segments), 1))
         axes.add_collection(LineCollection(segments, colors=color, alpha=alpha, linewidths=0.7, rasterized=True))
@@ -86,7 +100,7 @@ def _lines(axes: Axes, shares: FloatArray, beyond: np.ndarray) -> None:
 
 
 def _scales(axes: Axes, ends: list[tuple[float, float] | None]) -> None:
-    """Each axis with the values at its ends."""
+    """Draw the axes with the values at their ends."""
     for place, pair in enumerate(ends):
         axes.axvline(place, color=style.INK, linewidth=0.9)
         texts = ("no values", "") if pair is None else tuple(screen_text(value, 4) for value in pair)

@@ -1,4 +1,4 @@
-"""Percentiles of curves over frequency or speed as bands."""
+"""Plot of percentiles of curves over frequency or speed as bands."""
 
 from __future__ import annotations
 
@@ -12,29 +12,31 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
 from torsionnet.plot.study.study_axes import (
     axis_label,
-    by_factors,
+    finite_values,
     is_wide,
-    key_below,
-    known,
-    say,
-    titled,
+    legend_below,
+    log_axis,
+    panel_title,
+    write_in_empty_panel,
 )
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.percentile_bands_answer import BandsFound
+    from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
 
 MOST_COLUMNS = 3
-HEIGHT = 2.3
+"""Panels side by side at most; narrower ones have no room for numbers along the axis."""
+PANEL_HEIGHT = 2.3
+"""Height of a panel in inches."""
 
 
-def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """The outer percentiles as bands, one within the other, the middle one as a line; a panel for each configuration.
+def percentile_bands(found: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Percentiles of curves as bands, one within the other, the middle one as a line; a panel for each configuration.
 
     Parameters
     ----------
-    found : BandsFound
+    found : PercentileBandsResult
         What the answer ``percentile_bands`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -47,7 +49,7 @@ def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str
     count, quantity = len(found.lines), (found.quantity, found.measure.unit)
     columns = style.panel_columns(count, MOST_COLUMNS)
     rows = math.ceil(count / columns)
-    figure = style.new_figure(style.WIDTH, 1.1 + HEIGHT * rows)
+    figure = style.new_figure(style.WIDTH, 1.1 + PANEL_HEIGHT * rows)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     panels = grid.ravel()[:count].tolist()
     over_speed = found.measure.over == "speed"
@@ -56,22 +58,22 @@ def percentile_bands(found: BandsFound, *, units: ShownUnits = IN_SI, title: str
     for axes, (case, lines) in zip(panels, found.lines.items(), strict=True):
         _bands(axes, points, lines * scale, found.percentiles)
         if count > 1:
-            titled(axes, case, style.WIDTH / columns - 0.5)
+            panel_title(axes, case, style.WIDTH / columns - 0.5)
     for axes in grid.ravel()[count:]:
         axes.remove()
     for axes in grid[:, 0]:
-        axes.set_ylabel(axis_label(quantity[0], units.unit(*quantity), HEIGHT))
-    every = known(found.lines.values()) * scale
+        axes.set_ylabel(axis_label(quantity[0], units.unit(*quantity), PANEL_HEIGHT))
+    every = finite_values(found.lines.values()) * scale
     if is_wide(every):
-        by_factors(panels[0], "y", every.min(), every.max())
+        log_axis(panels[0], "y", every.min(), every.max())
     if points[0] > 0 and is_wide(points):
-        by_factors(panels[0], "x", points[0], points[-1])
+        log_axis(panels[0], "x", points[0], points[-1])
     panels[0].set_xlim(points[0], points[-1])
     for axes in panels[-columns:]:
         axes.set_xlabel("speed [r/min]" if over_speed else "frequency [Hz]")
         axes.tick_params(labelbottom=True)
     handles, labels = panels[0].get_legend_handles_labels()
-    key_below(figure, handles, labels)
+    legend_below(figure, handles, labels)
     style.set_title(figure, found.title if title is None else title)
     return figure
 
@@ -86,6 +88,6 @@ def _bands(axes: Axes, points: FloatArray, lines: FloatArray, shares: tuple[floa
         )
     if len(shares) % 2:
         axes.plot(points, lines[pairs], color=style.PALETTE[0], linewidth=1.6, label=f"{shares[pairs]:g} % are below")
-    if not len(known([lines])):
-        say(axes, "no variant has a value")
+    if not len(finite_values([lines])):
+        write_in_empty_panel(axes, "no variant has a value")
     style.style_axes(axes)

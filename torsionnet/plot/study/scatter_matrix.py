@@ -1,4 +1,4 @@
-"""Quantities against parameters: points, or their density where there are many."""
+"""Scatter plots of quantities over parameters, or densities if there are many points."""
 
 from __future__ import annotations
 
@@ -11,35 +11,44 @@ from matplotlib.ticker import MaxNLocator
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot.study.study_axes import axis_label, by_factors, ends_of, is_wide, key_below, known, say
+from torsionnet.plot.study.study_axes import (
+    axis_ends,
+    axis_label,
+    finite_values,
+    is_wide,
+    legend_below,
+    log_axis,
+    write_in_empty_panel,
+)
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.study.answers.scatter_answer import ScatterFound
+    from torsionnet.study.answers.scatter_answer import ScatterResult
 
-MANY = 3000
-"""Points from which their density is drawn."""
-CELLS = 40
-LARGEST = 8
-"""Parameters, those with the largest rank correlations, beyond which a picture would be too small."""
-PANEL = 1.4, 1.6
-"""Inches."""
-WIDE = 30.0
-"""Ratio of the largest to the smallest value from which an axis has equal factors."""
+MANY_POINTS = 3000
+"""Points from which their density is drawn, as single points would cover each other."""
+DENSITY_CELLS = 40
+"""Cells of a density along each axis; more are finer and noisier."""
+MOST_PARAMETERS = 8
+"""Parameters drawn, those with the largest rank correlations; more panels would be too small."""
+PANEL_WIDTH, PANEL_HEIGHT = 1.4, 1.6
+"""Size of a panel in inches."""
+WIDE_RANGE = 30.0
+"""Ratio of the largest to the smallest value from which an axis is logarithmic."""
 
 
 def scatter_matrix(
-    found: ScatterFound, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
+    found: ScatterResult, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Every quantity over every parameter, the rank correlation in the corner.
+    """Scatter plots of every quantity over every parameter, with the rank correlation in the corner.
 
     Parameters
     ----------
-    found : ScatterFound
+    found : ScatterResult
         What the answer ``scatter`` of a study found.
     configuration : str, optional
-        By default all, told apart by colours; densities are drawn of all together.
+        By default all, distinguished by colours; densities are drawn of all together.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -59,8 +68,8 @@ def scatter_matrix(
     shown = _strongest(found, cases)
     si = {**found.parameter_units, **found.units}
     columns = {name: _columns(found, cases, name, units.scale(name, si[name])) for name in (*shown, *found.units)}
-    width = max(style.WIDTH, PANEL[0] * len(shown))
-    figure = style.new_figure(width, 0.9 + PANEL[1] * len(found.units))
+    width = max(style.WIDTH, PANEL_WIDTH * len(shown))
+    figure = style.new_figure(width, 0.9 + PANEL_HEIGHT * len(found.units))
     panels = figure.subplots(len(found.units), len(shown), squeeze=False, sharex="col", sharey="row")
     for row, quantity in zip(panels, found.units, strict=True):
         for axes, parameter in zip(row, shown, strict=True):
@@ -68,26 +77,26 @@ def scatter_matrix(
             _coefficient(axes, found, cases, parameter, quantity)
             style.style_axes(axes)
         _scaled(row[0], "y", columns[quantity])
-        row[0].set_ylabel(axis_label(quantity, units.unit(quantity, si[quantity]), PANEL[1]))
+        row[0].set_ylabel(axis_label(quantity, units.unit(quantity, si[quantity]), PANEL_HEIGHT))
     for axes, parameter in zip(panels[-1], shown, strict=True):
         _scaled(axes, "x", columns[parameter])
         axes.set_xlabel(axis_label(parameter, units.unit(parameter, si[parameter]), width / len(shown) - 0.2))
     handles, labels = panels[0][0].get_legend_handles_labels()
     if len(labels) > 1:
-        key_below(figure, handles, labels, larger=3)
+        legend_below(figure, handles, labels, larger=3)
     style.set_title(figure, found.title if title is None else title)
     return figure
 
 
-def _strongest(found: ScatterFound, cases: list[str]) -> list[str]:
+def _strongest(found: ScatterResult, cases: list[str]) -> list[str]:
     sizes = np.nan_to_num(
         np.max([np.abs(one.coefficients) for (case, _), one in found.correlations.items() if case in cases], axis=0)
     )
-    kept = sorted(np.argsort(-sizes, kind="stable")[:LARGEST].tolist())
+    kept = sorted(np.argsort(-sizes, kind="stable")[:MOST_PARAMETERS].tolist())
     return [list(found.parameter_units)[place] for place in kept]
 
 
-def _columns(found: ScatterFound, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
+def _columns(found: ScatterResult, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
     return {case: scale * found.points[case][name] for case in cases}
 
 
@@ -95,8 +104,8 @@ def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> N
     across, up = (np.concatenate(list(one.values())) for one in (x, y))
     there = np.isfinite(across) & np.isfinite(up)
     if not there.any():
-        say(axes, "no values")
-    elif len(across) >= MANY:
+        write_in_empty_panel(axes, "no values")
+    elif len(across) >= MANY_POINTS:
         bins = [_bins(one[there]) for one in (across, up)]
         axes.hist2d(across[there], up[there], bins=bins, cmap="Blues", cmin=1, rasterized=True)
     else:
@@ -109,27 +118,27 @@ def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> N
 
 
 _MARKS = "o^s"
-"""Beyond as many configurations as there are colours."""
+"""Markers of configurations; the next one is used when all colours are."""
 
 
 def _bins(values: FloatArray) -> FloatArray:
-    low, high = ends_of(values)
-    return (np.geomspace if is_wide(values, WIDE) else np.linspace)(low, high, CELLS + 1)
+    low, high = axis_ends(values)
+    return (np.geomspace if is_wide(values, WIDE_RANGE) else np.linspace)(low, high, DENSITY_CELLS + 1)
 
 
 def _scaled(axes: Axes, side: str, columns: dict[str, FloatArray]) -> None:
-    """Equal factors over decades; room around what is everywhere the same."""
-    values = known(columns.values())
-    ends = ends_of(values)
-    if is_wide(values, WIDE):
-        by_factors(axes, side, *ends)
+    """Make an axis logarithmic if its values span decades, and give it room around values that are all the same."""
+    values = finite_values(columns.values())
+    ends = axis_ends(values)
+    if is_wide(values, WIDE_RANGE):
+        log_axis(axes, side, *ends)
     else:
         (axes.xaxis if side == "x" else axes.yaxis).set_major_locator(MaxNLocator(3))
     if len(values) and ends[0] < values.min():
         (axes.set_xlim if side == "x" else axes.set_ylim)(*ends)
 
 
-def _coefficient(axes: Axes, found: ScatterFound, cases: list[str], parameter: str, quantity: str) -> None:
+def _coefficient(axes: Axes, found: ScatterResult, cases: list[str], parameter: str, quantity: str) -> None:
     place = list(found.parameter_units).index(parameter)
     values = np.array([found.correlations[case, quantity].coefficients[place] for case in cases])
     if np.isnan(values).all():

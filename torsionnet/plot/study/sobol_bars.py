@@ -1,4 +1,4 @@
-"""Sobol indices as bars with their intervals."""
+"""Plot of Sobol indices as bars with their intervals."""
 
 from __future__ import annotations
 
@@ -11,24 +11,26 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.plot.drawing.bars import Bars, draw_bars, fills_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
-from torsionnet.plot.study.study_axes import bar_key, named_rows, say, study_bars, titled
+from torsionnet.plot.study.study_axes import bars_legend, panel_title, parameter_rows, study_bars, write_in_empty_panel
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.sobol_indices import SobolEstimates, SobolFound
+    from torsionnet.study.answers.sobol_indices import SobolEstimates, SobolResult
 
-HEIGHT = 0.36
+BAR_HEIGHT = 0.36
+"""Height of a bar over that of a row: two bars with a gap to the next row."""
 MOST_PARAMETERS = 12
-WITHIN = -0.1, 1.15
-"""What is drawn of intervals: shares lie between 0 and 1."""
+"""Parameters in a panel, those with the largest total indices."""
+AXIS_ENDS = -0.1, 1.15
+"""Ends of the axis of indices, at which wider intervals are cut off: indices lie between 0 and 1."""
 
 
-def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """First-order and total index of every parameter, the largest on top; a panel for each quantity and configuration.
+def sobol_indices(found: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Sobol indices (first-order and total) of every parameter; a panel for each quantity and configuration.
 
     Parameters
     ----------
-    found : SobolFound
+    found : SobolResult
         What the answer ``sobol_indices`` of a study found.
     units : ShownUnits, optional
         Shares have none.
@@ -48,24 +50,24 @@ def sobol_indices(found: SobolFound, *, units: ShownUnits = IN_SI, title: str | 
     figure, panels, width = study_bars(len(found.indices), rows, found.parameters)
     for axes, ((case, quantity), one) in zip(panels, _by_quantity(found), strict=True):
         _bars(axes, one, found.parameters, width)
-        titled(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
+        panel_title(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
     columns = round(style.WIDTH / width)
     for axes in panels[-columns:]:
         axes.set_xlabel("share of the variance [-]")
-    bar_key(figure, panels, f", {100 * found.confidence:g} % interval")
+    bars_legend(figure, panels, f", {100 * found.confidence:g} % interval")
     style.set_title(figure, found.title if title is None else title)
     return figure
 
 
-def _matrix(found: SobolFound, cases: list[str]) -> Figure:
-    """Total indices alone."""
+def _matrix(found: SobolResult, cases: list[str]) -> Figure:
+    """Figure with a matrix of the total indices, without first-order indices."""
     quantities = list(dict.fromkeys(name for _, name in found.indices))
     totals = {name: np.column_stack([found.indices[case, name].total for case in cases]) for name in quantities}
     scale = ColourScale("total index [-]", "Blues", 0.0, 1.0)
     return parameter_matrix(totals, found.parameters, cases, dict.fromkeys(quantities, scale))
 
 
-def _by_quantity(found: SobolFound) -> list[tuple[tuple[str, str], SobolEstimates]]:
+def _by_quantity(found: SobolResult) -> list[tuple[tuple[str, str], SobolEstimates]]:
     names = list(dict.fromkeys(name for _, name in found.indices))
     return sorted(found.indices.items(), key=lambda one: names.index(one[0][1]))
 
@@ -73,16 +75,16 @@ def _by_quantity(found: SobolFound) -> list[tuple[tuple[str, str], SobolEstimate
 def _bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:
     order = np.argsort(-np.nan_to_num(one.total, nan=-np.inf), kind="stable")[:MOST_PARAMETERS].tolist()
     style.style_axes(axes)
-    named_rows(axes, [parameters[place] for place in order], width)
-    axes.set_xlim(WITHIN)
+    parameter_rows(axes, [parameters[place] for place in order], width)
+    axes.set_xlim(AXIS_ENDS)
     if not np.isfinite(one.total).any():
-        say(axes, "no variance to be shared")
+        write_in_empty_panel(axes, "no variance to be shared")
         return
     bars = [
-        Bars(values[order], color, label, height=HEIGHT, below=shift, intervals=(low[order], high[order]))
+        Bars(values[order], color, label, height=BAR_HEIGHT, below=shift, intervals=(low[order], high[order]))
         for shift, color, values, low, high, label in (
-            (-HEIGHT / 2, style.PALETTE[0], one.first, one.first_low, one.first_high, "first order"),
-            (HEIGHT / 2, style.PALETTE[1], one.total, one.total_low, one.total_high, "total"),
+            (-BAR_HEIGHT / 2, style.PALETTE[0], one.first, one.first_low, one.first_high, "first order"),
+            (BAR_HEIGHT / 2, style.PALETTE[1], one.total, one.total_low, one.total_high, "total"),
         )
     ]
     draw_bars(axes, len(order), bars)

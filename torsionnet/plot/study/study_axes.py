@@ -1,4 +1,4 @@
-"""What pictures of studies have in common: labels with units, axes that suit their values, panels that fit a page."""
+"""Labels, axes, legends and rows of the plots of studies."""
 
 from __future__ import annotations
 
@@ -20,66 +20,66 @@ from torsionnet.plot.drawing.pieces import text_width
 from torsionnet.plot.schematic.texts import wrap_text
 
 LIMIT_COLOR = "#B00020"
-WITHIN, BEYOND = style.PALETTE[0], LIMIT_COLOR
-INCH = 72.0
+WITHIN_COLOR, BEYOND_COLOR = style.PALETTE[0], LIMIT_COLOR
+POINTS_IN_INCH = 72.0
 DECADE = 10.0
-"""Ratio of the largest to the smallest value from which an axis has equal factors."""
-ALIKE = 1e-9
-"""Of themselves: values that differ by less are one value, and rounding."""
-EVEN = 1e-6
-"""By how much steps or factors may differ and still be equal."""
-ROLE = "sensor"
-"""Whose font is as large as that of an axis."""
-MARKS = "=.-/"
-"""Behind which a long word is broken before it is between two letters."""
-KEY = 0.45
-"""Inches in front of a label and behind it in a legend."""
+"""Ratio of the largest to the smallest value above which an axis is logarithmic."""
+EQUAL_VALUES = 1e-9
+"""Relative difference up to which values are equal but for rounding errors."""
+EQUAL_FACTORS = 1e-6
+"""Relative difference of steps up to which values have equal factors; texts of values are rounded that far."""
+AXIS_TEXT_ROLE = "sensor"
+"""Role of texts in schematics whose font is as large as that of an axis, to measure labels with."""
+WORD_BREAKS = "=.-/"
+"""Characters behind which a long word is broken in preference to a break between two letters."""
+KEY_WIDTH = 0.45
+"""Width in inches of the sample and the gaps of a label in a legend."""
 
 
-def shown_name(name: str) -> str:
-    r"""A name as a symbol, if it is that of one; what is no symbol stays as it is, dollars among it.
+def symbol_or_text(name: str) -> str:
+    r"""Text of a name, as mathtext if it is a symbol; dollars in other names are kept as dollars.
 
-    >>> print(shown_name("k_1"), shown_name("a price in $"))
+    >>> print(symbol_or_text("k_1"), symbol_or_text("a price in $"))
     $k_{\mathrm{1}}$ a price in \$
     """
     return found if (found := symbol(name)) != name else _without_math(name)
 
 
 def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
-    """A name with its unit, in as many lines as the room takes.
+    """Label of an axis with a name and its unit, broken into lines of a width in inches.
 
     >>> axis_label("stiffness_of_the_coupling", "N*m/rad", 1.4).splitlines()
     ['stiffness_of_the_', 'coupling', '[N·m/rad]']
     """
     behind = unit_in_brackets(typeset_unit(unit))
     if _width(f"{name} {behind}") <= inches:
-        return f"{shown_name(name)} {behind}".rstrip()
-    name = shown_name(name) if _width(name) <= inches else broken(name, inches)
+        return f"{symbol_or_text(name)} {behind}".rstrip()
+    name = symbol_or_text(name) if _width(name) <= inches else break_text(name, inches)
     return f"{name}\n{behind}" if behind else name
 
 
-def label_with(name: str, unit: str, more: str, inches: float) -> str:
-    """A name with its unit and what is said of it besides, in as many lines as the room takes.
+def label_with_remark(name: str, unit: str, more: str, inches: float) -> str:
+    """Label of an axis with a name, its unit and a remark, broken into lines of a width in inches.
 
-    >>> label_with("theta", "rad", "largest over the others", 2.0).splitlines()[1:]
+    >>> label_with_remark("theta", "rad", "largest over the others", 2.0).splitlines()[1:]
     ['largest over the others']
     """
     label = axis_label(name, unit, inches)
     if not more:
         return label
     whole = f"{name} {unit_in_brackets(typeset_unit(unit))}, {more}"
-    return f"{label}, {more}" if _width(whole) <= inches else f"{label}\n{broken(more, inches)}"
+    return f"{label}, {more}" if _width(whole) <= inches else f"{label}\n{break_text(more, inches)}"
 
 
-def lines_of(texts: Iterable[str]) -> int:
-    """Lines that the longest of some labels has."""
+def line_count(texts: Iterable[str]) -> int:
+    """Number of lines of the longest of several labels."""
     return max((text.count("\n") + 1 for text in texts if text), default=0)
 
 
-def broken(text: str, inches: float) -> str:
-    """A text in lines of a width: at underscores, commas and spaces, and anywhere where there are none of them.
+def break_text(text: str, inches: float) -> str:
+    """Text broken into lines of a width in inches at underscores, commas and spaces, or within long words.
 
-    >>> broken("torsional stiffness", 0.8).splitlines()
+    >>> break_text("torsional stiffness", 0.8).splitlines()
     ['torsional', 'stiffness']
     """
     if _width(text) <= inches:
@@ -89,16 +89,20 @@ def broken(text: str, inches: float) -> str:
         if lines and _width(f"{lines[-1]} {word}") <= inches:
             lines[-1] += f" {word}"
         else:
-            lines += [part for piece in wrap_text(word, ROLE, inches * INCH) for part in _cut(piece, inches)]
+            lines += [
+                part
+                for piece in wrap_text(word, AXIS_TEXT_ROLE, inches * POINTS_IN_INCH)
+                for part in _cut(piece, inches)
+            ]
     return _without_math("\n".join(lines))
 
 
 def _cut(word: str, inches: float) -> list[str]:
-    """A word without a place to break in parts of a width, behind one of its marks where it has any."""
+    """Parts of a long word that fit a width in inches, broken behind punctuation if it has any."""
     parts = [""]
     for letter in word:
         if parts[-1] and _width(parts[-1] + letter) > inches:
-            place = max(parts[-1].rfind(mark) for mark in MARKS) + 1 or len(parts[-1])
+            place = max(parts[-1].rfind(mark) for mark in WORD_BREAKS) + 1 or len(parts[-1])
             parts[-1:] = [parts[-1][:place], parts[-1][place:]]
         parts[-1] += letter
     return parts
@@ -109,28 +113,28 @@ def _without_math(text: str) -> str:
 
 
 def _width(text: str) -> float:
-    """Inches."""
-    return text_width(text.replace("$", "S"), ROLE) / INCH
+    """Width in inches of a text in the font of an axis."""
+    return text_width(text.replace("$", "S"), AXIS_TEXT_ROLE) / POINTS_IN_INCH
 
 
-def titled(axes: Axes, text: str, inches: float = math.inf, *, pad: float | None = None) -> None:
-    """A short title over one of several panels, some points above it."""
-    axes.set_title(broken(text, inches), fontsize=style.FONT, color=style.INK, pad=pad)
+def panel_title(axes: Axes, text: str, inches: float = math.inf, *, pad: float | None = None) -> None:
+    """Set the title of one of several panels, broken to a width in inches."""
+    axes.set_title(break_text(text, inches), fontsize=style.FONT, color=style.INK, pad=pad)
 
 
-def key(axes: Axes, *, columns: int = 1) -> None:
-    """A legend without a frame, where best it stands."""
+def legend_inside(axes: Axes, *, columns: int = 1) -> None:
+    """Draw a legend without a frame within the axes, at matplotlib's best place."""
     axes.legend(fontsize=style.SMALL, frameon=False, ncols=columns)
 
 
-def key_beside(axes: Axes) -> None:
-    """A legend to the right of the axes, where it covers nothing."""
+def legend_beside(axes: Axes) -> None:
+    """Draw a legend to the right of the axes."""
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
-def key_below(figure: Figure, handles: Sequence[Artist], labels: Sequence[str], *, larger: float = 1.0) -> None:
-    """A legend below all panels, in as many columns as its labels leave room for."""
-    widest = max(map(_width, labels)) + KEY
+def legend_below(figure: Figure, handles: Sequence[Artist], labels: Sequence[str], *, larger: float = 1.0) -> None:
+    """Draw a legend below all panels, in as many columns as its labels leave room for."""
+    widest = max(map(_width, labels)) + KEY_WIDTH
     columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
     figure.legend(
         handles, labels, loc="outside lower center", ncols=columns, fontsize=style.SMALL, frameon=False,
@@ -138,46 +142,46 @@ def key_below(figure: Figure, handles: Sequence[Artist], labels: Sequence[str], 
     )  # fmt: skip
 
 
-def say(axes: Axes, text: str) -> None:
-    """What stands in a panel in which there is nothing to draw."""
+def write_in_empty_panel(axes: Axes, text: str) -> None:
+    """Write a text in the middle of a panel that has nothing to draw."""
     axes.text(
         0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", fontsize=style.SMALL, color=style.MUTED
     )
 
 
-def known(values: Iterable[ArrayLike]) -> NDArray[np.float64]:
-    """All finite values of several arrays, (n,)."""
+def finite_values(values: Iterable[ArrayLike]) -> NDArray[np.float64]:
+    """Finite values of several arrays, shape (n,)."""
     every = np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values])
     return np.asarray(every[np.isfinite(every)])
 
 
-def ends_of(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Lowest and highest of finite values, some way apart even where they are all alike."""
+def axis_ends(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Lowest and highest of finite values as the ends of an axis, moved apart if all are equal."""
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     size = max(abs(low), abs(high))
-    if high - low > ALIKE * size:
+    if high - low > EQUAL_VALUES * size:
         return low, high
     return (low - 0.1 * size, high + 0.1 * size) if size else (-1.0, 1.0)
 
 
 def is_wide(values: NDArray[np.float64], ratio: float = DECADE) -> bool:
-    """Whether values are all above 0 and so far apart that their factors tell more than their differences."""
+    """Whether values are all above 0 and span more than a ratio, so that an axis should be logarithmic."""
     return bool(len(values) and values.min() > 0 and values.max() > ratio * values.min())
 
 
-def in_factors(values: NDArray[np.float64]) -> bool:
-    """Whether rising values have equal factors, and not equal steps.
+def has_equal_factors(values: NDArray[np.float64]) -> bool:
+    """Whether ascending values have equal factors, and not equal steps.
 
-    >>> in_factors(np.geomspace(1, 8, 4)), in_factors(np.linspace(1, 8, 4)), in_factors(np.array([1.0, 8.0]))
-    (True, False, False)
+    >>> [has_equal_factors(np.array(values)) for values in ([1.0, 2.0, 4.0, 8.0], [1.0, 2.0, 3.0], [1.0, 8.0])]
+    [True, False, False]
     """
     if len(values) < 3 or values.min() <= 0:
         return False
-    return bool(np.ptp(np.diff(np.log(values))) < EVEN * np.ptp(np.log(values)))
+    return bool(np.ptp(np.diff(np.log(values))) < EQUAL_FACTORS * np.ptp(np.log(values)))
 
 
-def by_factors(axes: Axes, side: str, low: float, high: float, inches: float = math.inf) -> None:
-    """Make the axis ``"x"`` or ``"y"`` logarithmic, with ticks as they are read best and as many as it has room for."""
+def log_axis(axes: Axes, side: str, low: float, high: float, inches: float = math.inf) -> None:
+    """Make the axis ``"x"`` or ``"y"`` logarithmic, with as many ticks as it has room for in its width in inches."""
     axis = axes.xaxis if side == "x" else axes.yaxis
     (axes.set_xscale if side == "x" else axes.set_yscale)("log")
     style.log_ticks(axis, low, high)
@@ -187,23 +191,23 @@ def by_factors(axes: Axes, side: str, low: float, high: float, inches: float = m
 
 
 def study_bars(count: int, rows: int, names: Sequence[str]) -> tuple[Figure, list[Axes], float]:
-    """Panels of bars with names beside them, and how wide one is, in inches."""
+    """Figure with panels for bars of a study, its axes, and the width of a panel with its names in inches."""
     return bar_panels(count, rows, max(map(_width, names), default=0.0))
 
 
-def bar_key(figure: Figure, panels: Iterable[Axes], behind: str = "") -> None:
-    """A legend of all panels from the first that has labels, each with what stands ``behind`` it."""
+def bars_legend(figure: Figure, panels: Iterable[Axes], behind: str = "") -> None:
+    """Draw a legend of all panels with the labels of the first that has any, each followed by ``behind``."""
     found = (axes.get_legend_handles_labels() for axes in panels)
     handles, labels = next(((handles, labels) for handles, labels in found if labels), ((), ()))
     if labels:
-        key_below(figure, handles, [f"{label}{behind}" for label in labels])
+        legend_below(figure, handles, [f"{label}{behind}" for label in labels])
 
 
-def named_rows(axes: Axes, names: Sequence[str], width: float) -> None:
-    """Parameters at the rows of a panel of bars, the first on top."""
+def parameter_rows(axes: Axes, names: Sequence[str], width: float) -> None:
+    """Write the names of parameters at the rows of a panel, the first on top."""
     name_rows(axes, [axis_label(name, "", width / 2) for name in names])
 
 
-def told_rows(axes: Axes, texts: Sequence[str], width: float) -> None:
-    """The same of configurations, which are no symbols."""
-    name_rows(axes, [broken(text, width / 2) for text in texts])
+def text_rows(axes: Axes, texts: Sequence[str], width: float) -> None:
+    """Write texts, as names of configurations, at the rows of a panel, the first on top."""
+    name_rows(axes, [break_text(text, width / 2) for text in texts])

@@ -1,4 +1,4 @@
-"""What each parameter alone does to the quantities of a study."""
+"""Tornado plot of a study: the effect of each parameter alone on the quantities."""
 
 from __future__ import annotations
 
@@ -13,28 +13,29 @@ from torsionnet.core.number_text import screen_text, typeset_unit, unit_in_brack
 from torsionnet.plot.drawing.bars import Bars, draw_bars, fills_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
 from torsionnet.plot.study.study_axes import (
-    ALIKE,
+    EQUAL_VALUES,
     axis_label,
-    bar_key,
-    named_rows,
-    say,
+    bars_legend,
+    panel_title,
+    parameter_rows,
     study_bars,
-    titled,
+    write_in_empty_panel,
 )
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.tornado_answer import Swings, TornadoFound
+    from torsionnet.study.answers.tornado_answer import Swings, TornadoResult
 
 MOST_PARAMETERS = 12
+"""Parameters in a panel, those with the widest bars."""
 
 
-def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Bars from the value at the low end of each parameter to that at its high end, the widest on top.
+def study_tornado(found: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Bars from the value of a quantity at the low end of each parameter to that at its high end, the widest on top.
 
     Parameters
     ----------
-    found : TornadoFound
+    found : TornadoResult
         What the answer ``tornado`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -59,14 +60,14 @@ def study_tornado(found: TornadoFound, *, units: ShownUnits = IN_SI, title: str 
         axes.set_xlabel(axis_label(quantity, unit, width))
         middle = "" if np.isnan(one.middle) else f"{screen_text(one.middle * scale, 4)} in the middle"
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
-        titled(axes, ": ".join(told), width - 0.4)
-    bar_key(figure, panels)
+        panel_title(axes, ": ".join(told), width - 0.4)
+    bars_legend(figure, panels)
     style.set_title(figure, found.title if title is None else title)
     return figure
 
 
-def _matrix(found: TornadoFound, units: ShownUnits) -> Figure:
-    """From the low to the high end of each parameter, up in one colour and down in the other."""
+def _matrix(found: TornadoResult, units: ShownUnits) -> Figure:
+    """Figure with a matrix of the changes from the low to the high end of each parameter, for many panels."""
     names, cases = list(found.parameter_units), list(found.spans)
     changes, scales = {}, {}
     for quantity, si in found.units.items():
@@ -81,10 +82,10 @@ def _matrix(found: TornadoFound, units: ShownUnits) -> Figure:
 def _bars(axes: Axes, one: Swings, names: list[str], scale: float, width: float) -> None:
     shown = one.order[:MOST_PARAMETERS]
     style.style_axes(axes)
-    named_rows(axes, [names[place] for place in shown], width)
+    parameter_rows(axes, [names[place] for place in shown], width)
     ends = np.array([one.at_low[shown], one.at_high[shown]])
-    if not (np.abs(ends - one.middle) > ALIKE * abs(one.middle)).any():
-        say(axes, "no value" if np.isnan(one.middle) else "moved by no parameter")
+    if not (np.abs(ends - one.middle) > EQUAL_VALUES * abs(one.middle)).any():
+        write_in_empty_panel(axes, "no value" if np.isnan(one.middle) else "moved by no parameter")
         axes.set_xticks([])
         return
     low, high = (ends - one.middle) * scale

@@ -1,4 +1,4 @@
-"""Worst cases: how far the quantity goes, and where the parameters are then."""
+"""Plot of worst cases: extreme values of a quantity, and the parameters that cause them."""
 
 from __future__ import annotations
 
@@ -11,26 +11,27 @@ from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.number_text import screen_text
-from torsionnet.plot.study.study_axes import axis_label, key_below, named_rows, say, told_rows
+from torsionnet.plot.study.study_axes import axis_label, legend_below, parameter_rows, text_rows, write_in_empty_panel
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.study.answers.worst_case_answer import WorstCaseFound, WorstVariant
+    from torsionnet.study.answers.worst_case_answer import WorstCaseResult, WorstVariant
 
 COLORS = {"largest": style.PALETTE[1], "smallest": style.PALETTE[0]}
-FEW = 4
-"""Configurations up to which each has a panel of its own; of more the places stand in one table."""
+MOST_PANELS = 4
+"""Configurations up to which each has a panel of its own; more share one table of places."""
 ROW = 0.26
+"""Height of a row in inches."""
 PLACES = {"v": "at the lower bound", "^": "at the upper bound", "o": "between"}
-HALF = style.WIDTH / 2
+HALF_WIDTH = style.WIDTH / 2  # inches
 
 
-def worst_variants(found: WorstCaseFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Left the value as given and the worst; right each parameter between the bounds of its tolerance.
+def worst_variants(found: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+    """Values of a quantity as given and in the worst case on the left, parameters within tolerances on the right.
 
     Parameters
     ----------
-    found : WorstCaseFound
+    found : WorstCaseResult
         What the answer ``worst_case`` of a study found.
     units : ShownUnits, optional
         By default SI.
@@ -42,40 +43,40 @@ def worst_variants(found: WorstCaseFound, *, units: ShownUnits = IN_SI, title: s
     """
     cases = list(dict.fromkeys(one.configuration for one in found.variants))
     names = list(found.parameter_units)
-    figure = (_panels if len(cases) <= FEW else _table)(found, cases, names, units)
+    figure = (_panels if len(cases) <= MOST_PANELS else _table)(found, cases, names, units)
     directions = dict.fromkeys(one.direction for one in found.variants)
     marks = [Line2D([], [], color=style.MUTED, linewidth=1.0)]
     marks += [Line2D([], [], color=COLORS[one], linewidth=6.0) for one in directions]
     texts = ["as given", *(f"{one} value" for one in directions)]
-    if len(cases) > FEW:
+    if len(cases) > MOST_PANELS:
         marks += [Line2D([], [], marker=mark, color=style.MUTED, linestyle="none") for mark in PLACES]
         texts += PLACES.values()
-    key_below(figure, marks, texts)
+    legend_below(figure, marks, texts)
     style.set_title(figure, found.title if title is None else title)
     return figure
 
 
-def _panels(found: WorstCaseFound, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """A row for each configuration."""
-    lines = max(axis_label(name, "", HALF / 2).count("\n") + 1 for name in names)
+def _panels(found: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
+    """Figure with a row of panels for each configuration."""
+    lines = max(axis_label(name, "", HALF_WIDTH / 2).count("\n") + 1 for name in names)
     height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
     figure = style.new_figure(style.WIDTH, 1.1 + len(cases) * height)
     panels = figure.subplots(len(cases), 2, squeeze=False, sharex="col")
     for row, case in zip(panels, cases, strict=True):
         here = [one for one in found.variants if one.configuration == case]
         _values(row[0], here, 0, units.scale(found.quantity, found.unit))
-        told_rows(row[0], [case], HALF)
+        text_rows(row[0], [case], HALF_WIDTH)
         row[0].set_ylim(0.6, -0.9)
         _places(row[1], here, names)
-    panels[-1][0].set_xlabel(axis_label(found.quantity, units.unit(found.quantity, found.unit), HALF))
+    panels[-1][0].set_xlabel(axis_label(found.quantity, units.unit(found.quantity, found.unit), HALF_WIDTH))
     panels[-1][1].set_xlabel("within the tolerance")
     panels[-1][1].set_xticks([0, 0.5, 1], ["lower", "middle", "upper"])
     return figure
 
 
-def _table(found: WorstCaseFound, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """A line for each configuration and direction: the value, and the place of every parameter in one field."""
-    figure = style.new_figure(max(style.WIDTH, HALF + 0.45 * len(names)), 1.9 + 0.38 * len(cases))
+def _table(found: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
+    """Figure with a row for each configuration and direction: the value, and marks for the places of parameters."""
+    figure = style.new_figure(max(style.WIDTH, HALF_WIDTH + 0.45 * len(names)), 1.9 + 0.38 * len(cases))
     values, places = figure.subplots(1, 2, sharey=True)
     for number, case in enumerate(cases):
         here = [one for one in found.variants if one.configuration == case]
@@ -83,12 +84,12 @@ def _table(found: WorstCaseFound, cases: list[str], names: list[str], units: Sho
         for one in here:
             level = number + (0.0 if len(here) == 1 else -0.2 if one.direction == "largest" else 0.2)
             _strip(places, list(_shares(one, names)), level, one.direction)
-    told_rows(values, cases, HALF)
+    text_rows(values, cases, HALF_WIDTH)
     places.tick_params(labelleft=False)
-    values.set_xlabel(axis_label(found.quantity, units.unit(found.quantity, found.unit), HALF))
-    width = (figure.get_figwidth() - HALF) / len(names)
+    values.set_xlabel(axis_label(found.quantity, units.unit(found.quantity, found.unit), HALF_WIDTH))
+    width = (figure.get_figwidth() - HALF_WIDTH) / len(names)
     lines = [axis_label(name, "", max(width, 1.2)) for name in names]
-    places.set_xticks(range(len(names)), lines, rotation=90 if max(map(len, names)) > FEW else 0)
+    places.set_xticks(range(len(names)), lines, rotation=90 if max(map(len, names)) > MOST_PANELS else 0)
     places.set_xlim(-0.6, len(names) - 0.4)
     style.style_axes(places)
     places.set_xlabel("within the tolerance")
@@ -97,18 +98,18 @@ def _table(found: WorstCaseFound, cases: list[str], names: list[str], units: Sho
 
 def _strip(axes: Axes, shares: list[float], level: float, direction: str) -> None:
     for place, share in enumerate(shares):
-        mark = "v" if share < EDGE else "^" if share > 1 - EDGE else "o"
+        mark = "v" if share < AT_BOUND else "^" if share > 1 - AT_BOUND else "o"
         axes.plot(place, level, mark, color=COLORS[direction], markersize=5, markeredgewidth=0)
 
 
-EDGE = 1e-3
-"""Of a tolerance: nearer to a bound a value is at it."""
+AT_BOUND = 1e-3
+"""Distance from a bound over the tolerance below which a value is at the bound."""
 
 
 def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, texts: bool = True) -> None:
     style.style_axes(axes)
     if all(np.isnan(one.value) for one in here):
-        say(axes, "no value")
+        write_in_empty_panel(axes, "no value")
         return
     axes.plot([here[0].nominal * scale] * 2, [row - 0.4, row + 0.4], color=style.MUTED, linewidth=1.0)
     for one in here:
@@ -136,5 +137,5 @@ def _places(axes: Axes, here: list[WorstVariant], names: list[str]) -> None:
     for one in here:
         axes.plot(_shares(one, names), range(len(names)), "^" if one.direction == "largest" else "v",
                   color=COLORS[one.direction], markersize=7, clip_on=False)  # fmt: skip
-    named_rows(axes, names, HALF)
+    parameter_rows(axes, names, HALF_WIDTH)
     axes.set_xlim(-0.03, 1.03)

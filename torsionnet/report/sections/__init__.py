@@ -1,1 +1,1 @@
-"""The sections of a report, one module each; every one makes a :class:`Section` of a :class:`Subject`."""
+"""Sections of a report, one module each: every one builds a :class:`Section` from the :class:`ReportData`."""

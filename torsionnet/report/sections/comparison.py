@@ -1,4 +1,4 @@
-"""Tests over the model."""
+"""Section of a report on tests: measured responses over those of the model."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from torsionnet.signals.agreement import agreement
 
 
 def comparison_section(subject: ReportData) -> Section:
+    """Section that compares each measured response with the model."""
     blocks: list[Block] = []
     for number, test in enumerate(subject.request.tests, 1):
         blocks += _test(subject, test, number)
@@ -53,7 +54,7 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
 
 
 def calculated(case: Case, measured: FrequencyResponse) -> FrequencyResponse:
-    """The model's response at the frequencies of a test, under the names of the test."""
+    """Response of the model at the frequencies of a test, under the test's names of output and input."""
     output, into = measured.outputs[0].name, measured.inputs[0].name
     found = case.drivetrain.frequency_response(output, into, measured.frequencies)
     return replace(found, outputs=_renamed(found, measured, "outputs"), inputs=_renamed(found, measured, "inputs"))

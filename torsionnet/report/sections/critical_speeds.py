@@ -1,4 +1,4 @@
-"""Critical speeds: where orders meet modes, how near the operating range, and what excites them; Holzer tables."""
+"""Section of a report on critical speeds: crossings of orders and modes, what excites them, Holzer tables."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 MOST_DRAWN, MOST_HOLZER_TABLES = 3, 4
 """Drivetrains whose interference diagram is drawn, and modes whose Holzer table is printed."""
 MOST_ROWS = 30
+"""Crossings in a table; of more, those with the largest generalised force are kept."""
 LEFT_OUT_COLUMNS = ("on its shaft", "amplifi- cation")
-"""Columns for which a page has no room."""
+"""Columns that a page has no room for."""
 SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
-"""Headings of a table in which all is referred to one shaft."""
+"""Headings of a table in which all values are referred to one shaft."""
 REAL_COLUMNS = ("J", "k")
-"""Quantities of a shaft's own speed, beside which a Holzer table has the referred ones."""
+"""Columns of a Holzer table with the values at a shaft's own speed, beside which it has referred ones."""
 INTRODUCTION = (
     "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
     "undamped and the damped one are given. A crossing that is not excited in one condition may be in another, as with "
@@ -33,6 +34,7 @@ INTRODUCTION = (
 
 
 def critical_speeds_section(subject: ReportData) -> Section | None:
+    """Section on critical speeds; None for a model without excitations."""
     if not subject.has_excitations:
         return None
     blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.coverage_note))]
@@ -42,7 +44,7 @@ def critical_speeds_section(subject: ReportData) -> Section | None:
 
 
 def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> list[Block]:
-    """Modes, diagram and crossings of what vibrates alike, with the conditions that excite each."""
+    """Tables and diagram of configurations with equal drivetrains, with the conditions that excite each crossing."""
     names = [case.configuration for case in cases]
     runs = [
         replace(case.drivetrain.critical_speeds(), condition=distinct_choices(case.configuration, names))
@@ -70,7 +72,7 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
 
 
 def _reached(found: CriticalSpeeds) -> Table:
-    """Natural frequencies up to the highest that any order meets, and one more; of overdamped ones those it meets."""
+    """Table of modes up to the highest that any order meets, and one more; of overdamped modes those that are met."""
     met = {one.mode.number for one in found.crossings}
     swings = [one.number for one in found.modes if not math.isnan(one.natural_frequency)]
     last = max(met.intersection(swings), default=MOST_HOLZER_TABLES) + 1
@@ -79,7 +81,7 @@ def _reached(found: CriticalSpeeds) -> Table:
 
 
 def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
-    """The crossings with the largest generalised force in any condition, in the order of modes."""
+    """Crossings with the largest generalised force in any condition, in the order of modes."""
     forces: dict[tuple[object, ...], float] = {}
     for one in (one for run in runs for one in run.crossings):
         forces[_place(one)] = max(forces.get(_place(one), 0.0), _force(one))
@@ -89,7 +91,7 @@ def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalS
 
 
 def _force(one: CriticalSpeed) -> float:
-    """What has no torque, as an imposed motion, is never left out."""
+    """Generalised force of a crossing, infinite for an imposed motion, which has none and is never left out."""
     return math.inf if math.isnan(one.generalised_force) else one.generalised_force
 
 
@@ -103,7 +105,7 @@ def _narrow(found: CriticalSpeeds) -> Table:
 
 
 def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
-    """Crossings that some condition excites, and the others."""
+    """Crossings that some condition excites, and crossings that none excites."""
     acts = [one.excited is not False or (conditions > 1 and bool(one.excited_in)) for one in found.crossings]
     pairs = list(zip(found.crossings, acts, strict=True))
     return (
@@ -121,7 +123,7 @@ def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
 
 
 def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
-    """Of the lowest modes that anything excites."""
+    """Holzer tables of the lowest modes that anything excites."""
     modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
     blocks: list[Block] = []
     for mode in modes:

@@ -1,4 +1,4 @@
-"""Equations of motion in symbols, and their matrices in symbols and numbers."""
+"""Section of a report on the equations of motion in symbols, and on their matrices in symbols and numbers."""
 
 from __future__ import annotations
 
@@ -45,22 +45,27 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MATRIX_UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
+"""Units of the matrices' entries."""
 DERIVATIVES = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
+"""LaTeX of the coordinates or their derivative that each matrix is multiplied with."""
 MATRIX_NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
+"""Quantity that each matrix holds."""
 WIDEST_NUMBER_MATRIX = 84
 """Characters of a matrix of numbers that fits the page, roughly."""
 MOST_UNFOLDED_ENTRIES = 60
-"""Entries of matrices that are listed in full view."""
+"""Entries of matrices that are listed in full view; longer lists are folded away."""
 COMPLEX_NOTE = "Stiffness that depends on frequency, or is complex, is not included."
+"""Note under matrices that lack a frequency-dependent stiffness."""
 MOST_ENTRIES = 200
-"""Entries that are listed at all."""
+"""Entries of matrices that are listed at all."""
 MOST_MATRIX_ROWS = 24
-"""Rows of the matrices of all configurations together."""
+"""Rows of the matrices of all configurations together that are printed in numbers."""
 MOST_NUMERIC_COORDINATES = 12
 """Coordinates of a system whose matrices are printed in numbers."""
 
 
 def equations_section(subject: ReportData) -> Section:
+    """Section with the equations of motion, in symbols for models of few coordinates."""
     if (n := subject.n_coordinates) > MOST_SYMBOLIC:
         lead = f"The model has {n} coordinates; its equations are given by the entries of their matrices."
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
@@ -95,7 +100,7 @@ def _where(cases: tuple[Case, ...]) -> str:
 
 
 def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
-    """One system of equations: as a sum of matrices if they fit, else line by line."""
+    """Blocks on one system of equations: line by line, and as a sum of matrices if these fit."""
     system = form.system
     blocks: list[Block] = []
     if several:
@@ -115,7 +120,7 @@ def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
 
 
 def _matrices(system: SymbolicSystem) -> list[Block]:
-    """The equations as a sum of matrices, and what these are; those without an entry are left out."""
+    """Formulas of the equations as a sum of matrices, and of each matrix that has an entry."""
     filled = [key for key in MATRIX_UNITS if any(getattr(system, key))]
     terms = [rf"\mathbf{{{key}}}\,{DERIVATIVES[key]}" for key in filled]
     dynamic = complex_stiffness(system)
@@ -136,7 +141,7 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
 
 
 def _laws(system: SymbolicSystem) -> list[Block]:
-    """The torques that follow the motion, by their Laplace transforms."""
+    """Formulas of the torques of controllers, by their Laplace transforms."""
     import sympy
 
     found: list[Block] = []
@@ -159,7 +164,7 @@ def _introduction(system: Any) -> Text:
 
 
 def _numbers(subject: ReportData) -> list[Block]:
-    """M, C, K of every case; a matrix that is the same in all of them once."""
+    """Table of M, C, K of every case in numbers; a matrix that is the same in all cases stands once."""
     found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in MATRIX_UNITS]
     if (
         len(subject.cases) * subject.n_coordinates > MOST_MATRIX_ROWS
@@ -183,7 +188,7 @@ def _numbers(subject: ReportData) -> list[Block]:
 
 
 def numbers_latex(matrix: FloatArray) -> str:
-    """A matrix of numbers, with a power of ten in front where that shortens it."""
+    """LaTeX of a matrix of numbers, with a power of ten in front where that makes it shorter."""
     if not matrix.any():
         return r"\mathbf{0}"
     sizes = np.abs(matrix[matrix != 0])
@@ -205,7 +210,7 @@ def _number_width(matrix: FloatArray) -> int:
 
 
 def _entries(subject: ReportData) -> list[Block]:
-    """What is not zero on and above the diagonals of M, C, K, in numbers."""
+    """Table of the nonzero entries on and above the diagonals of M, C, K, in numbers."""
     case = subject.cases[0]
     system, names = case.drivetrain.assembly.system, case.drivetrain.assembly.kinematics.coordinates
     matrices = [getattr(system, key) for key in MATRIX_UNITS]

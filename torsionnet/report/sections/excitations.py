@@ -1,4 +1,4 @@
-"""What runs: the speeds, the entries of every excitation, and the torques that come of them by order."""
+"""Section of a report on the excitations: speeds, entries of every excitation, and its torques by order."""
 
 from __future__ import annotations
 
@@ -27,15 +27,18 @@ if TYPE_CHECKING:
     from torsionnet.model.excitations.speed_range import SpeedRange
 
 EQUAL_AMPLITUDES = 1e-9
-"""Share by which amplitudes differ that are the same."""
+"""Relative difference up to which amplitudes count as equal: no more than rounding."""
 LONGEST_LIST = 12
-"""Numbers of a list that are written out."""
+"""Numbers of a list that are written out; longer lists are given by their range."""
 MOST_ORDERS = 30
+"""Orders in the table of an excitation; of more it gives the number."""
 OWN_SHAFT = " Orders of an excitation are multiples of the speed of its own shaft."
+"""Note on which shaft the orders of an excitation refer to."""
 Row = tuple[Cell, ...]
 
 
 def excitations_section(subject: ReportData) -> Section | None:
+    """Section on the excitations; None for a model without."""
     if not subject.has_excitations:
         return None
     definition = subject.model.definition
@@ -64,7 +67,7 @@ def _entries(name: str, excitation: OrderExcitation) -> TableBlock:
 
 
 def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
-    """Property, value and unit of everything that was given."""
+    """Property, value and unit of everything that was given of an entry."""
     absent = dict(entry.defaults())
     for name, spec in entry.specs():
         value = getattr(entry, name)
@@ -77,7 +80,7 @@ def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
 
 
 def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
-    """The value, and its unit."""
+    """Value of an entry as a cell, and its unit."""
     if isinstance(spec, Value) and spec.dimension == "speed":
         return NumberText(value * RPM, 6), "r/min"
     if isinstance(spec, Value):
@@ -94,7 +97,7 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
 
 
 def _given(entry: Declared) -> str:
-    """What was given of one of several, each number with its unit."""
+    """Names and values of what was given of one of several entries, each number with its unit."""
     absent = dict(entry.defaults())
     found = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
     return ", ".join(
@@ -121,7 +124,7 @@ def _text(value: Any) -> str:
 
 
 def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
-    """The largest amplitude of every order, on the node where it acts."""
+    """Table of the largest amplitude of every order, with the node on which it acts."""
     speed, own = shaft_speeds(case.drivetrain, name)
     torques = excitation.torques(np.array([own]))
     sizes = np.abs(torques.amplitudes[0])
@@ -154,12 +157,12 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
 
 
 def _node(nodes: Sequence[str], place: int, alike: int) -> str:
-    """The node whose phase is given, and on how many the amplitude is the same."""
+    """Name of the node whose phase is given, and the number of nodes with the same amplitude."""
     return as_words(nodes[place]) + (f" (of {alike} alike)" if alike > 1 else "")
 
 
 def _changes(subject: ReportData) -> Iterator[Row]:
-    """Entries that a configuration has otherwise than the model as written."""
+    """Rows on entries of excitations that a configuration has otherwise than the model as written."""
     written = subject.model.definition.excitations
     for case in subject.cases:
         for name, excitation in case.drivetrain.definition.excitations.items():

@@ -1,4 +1,4 @@
-"""Transfer functions in symbols: mechanical form, polynomials, limits."""
+"""Section of a report on transfer functions in symbols: mechanical form, polynomials, limits."""
 
 from __future__ import annotations
 
@@ -40,16 +40,18 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.transfer_function import TransferFunction
 
 FORMULA_OPERATIONS, MOST_OPERATIONS = 70, 420
-"""Operations of a transfer function that is written in one formula, and of one that is written as a table of steps."""
+"""Operations of a transfer function that is written in one formula, and of one written as a table of steps."""
 MOST_UNFOLDED_STEPS = 24
-"""Steps that a reader may follow; more are folded away."""
+"""Steps of a formula that a reader may follow; more are folded away."""
 
 MOST_ORDER = 10
+"""Order up to which the coefficients of the polynomials are written out."""
 MOST_TERMS = 14
 """Terms of a coefficient that is written out."""
 
 
 def formulas_section(subject: ReportData) -> Section | None:
+    """Section with the transfer functions in symbols; None without any."""
     if not subject.pairs:
         return None
     blocks: list[Block] = []
@@ -66,7 +68,7 @@ def formulas_section(subject: ReportData) -> Section | None:
 
 
 def _forms(subject: ReportData) -> tuple[SymbolicEquations, ...]:
-    """The equations of all cases if they are few, else those of the first."""
+    """Equations in symbols of all cases if they are few, else those of the first case."""
     if subject.n_coordinates <= MOST_SYMBOLIC and len(subject.symbolic_equations) <= FEW_CASES:
         return subject.symbolic_equations
     return (SymbolicEquations(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
@@ -160,7 +162,7 @@ def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) 
 
 
 def _number(value: Any) -> Cell:
-    """A tabulated stiffness stays a function of the frequency."""
+    """Coefficient as a cell; one with a tabulated stiffness depends on the frequency and has no number."""
     return NumberText(float(value), 5) if value.is_number else "depends on frequency"
 
 

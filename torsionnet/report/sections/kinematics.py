@@ -1,4 +1,4 @@
-"""Which node follows which, by which element and by what ratio."""
+"""Section of a report on kinematic relations: nodes that follow others, by which element and ratio."""
 
 from __future__ import annotations
 
@@ -29,10 +29,11 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 MOST_ROWS, MOST_COLUMNS, MOST_NAMES, LONGEST_RATIO = 40, 6, 12, 24
-"""Rows, configurations, names; letters of a ratio in symbols."""
+"""Rows, configurations and names that are shown, and letters of a ratio in symbols."""
 
 
 def kinematics_section(subject: ReportData) -> Section:
+    """Section on the nodes that follow others."""
     rig = subject.cases[0].drivetrain
     kept = rig.assembly.kinematics.coordinates
     if not subject.is_large:
@@ -64,7 +65,7 @@ def kinematics_section(subject: ReportData) -> Section:
 
 
 def _is_short(form: SymbolicEquations) -> bool:
-    """Whether the ratios in symbols can be read; in numbers they always can."""
+    """Whether the ratios in symbols are short enough to be read."""
     return max((formula_letters(cell) for cell in form.system.T if cell != 0), default=0) <= LONGEST_RATIO
 
 
@@ -99,7 +100,7 @@ def _same_ratios(rig: Drivetrain, other: Drivetrain) -> bool:
 
 
 def _ratio(rig: Drivetrain, node: str, given: list[tuple[Any, str]]) -> Cell:
-    """The coefficient in numbers where there is one."""
+    """Ratio in numbers of a node that follows one coordinate; a dash for several."""
     if len(given) > 1:
         return "–"
     row = rig.assembly.T[rig.assembly.node_index[node]]

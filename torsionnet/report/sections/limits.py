@@ -1,4 +1,4 @@
-"""What the parts bear: the conclusion, verdicts in all conditions, limits over speed, the rules they rest on."""
+"""Section of a report on limits: verdicts in all conditions, limits over speed, the rules they rest on."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_engines import engine_remarks
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.equal_remarks import concerned, gathered
+from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
 from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.response.limit_conclusion import LimitConclusion
 
@@ -34,6 +34,7 @@ MOST_ROWS = 24
 
 
 def limits_section(subject: ReportData) -> Section | None:
+    """Section on stresses and limits; None for a model without limits."""
     found = subject.limit_conclusion
     if found is None:
         return None
@@ -47,12 +48,12 @@ def limits_section(subject: ReportData) -> Section | None:
 
 
 def verdict(found: LimitConclusion) -> Paragraph:
-    """The verdict on the model, and first of all what was not examined."""
+    """Paragraph with the verdict on the model, and first of all what was not examined."""
     return Paragraph((Strong(f"Verdict on stresses and limits: {found.verdict}."), f" {capital(found.sentence)}."))
 
 
 def conclusion(found: LimitConclusion) -> TableBlock:
-    """One sentence for every condition; of many the gravest."""
+    """Table with one sentence for every condition; of many conditions the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
     kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
     rows = [(check.configuration, check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]]
@@ -62,7 +63,7 @@ def conclusion(found: LimitConclusion) -> TableBlock:
 
 
 def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableBlock:
-    """The worst speed of every condition and criterion of one limit; of many conditions the gravest."""
+    """Table of the worst speed of every condition and criterion of one limit; of many conditions the gravest."""
     checks = _gravest(judged, name)
     found = [(check, one) for check in checks for one in check.verdicts if one.limit == name]
     columns = (
@@ -97,7 +98,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
 
 
 def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
-    """Conditions that are shown of one limit, in their order."""
+    """Checks of the conditions that are shown of one limit, in their order."""
 
     def grave(check: LimitCheck) -> tuple[bool, float]:
         verdicts = [one.verdict for one in check.verdicts if one.limit == name]
@@ -108,7 +109,7 @@ def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
 
 
 def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[float | None, ...]:
-    """Worst speed in r/min, value and value allowed there, utilisation in per cent."""
+    """Worst speed in r/min, value and allowed value there, utilisation in per cent; None each where there is none."""
     at = one.worst
     if at is None:
         return (None, None, None, None)
@@ -118,7 +119,7 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
 
 
 def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: int) -> list[Picture]:
-    """The limit in the condition in which it is used most."""
+    """Picture of a limit over speed in the condition in which it is used most."""
     from torsionnet.plot.limit_check import limit_check
 
     use = [_most_used(check, name) for check in judged.checks]
@@ -139,7 +140,7 @@ def _most_used(check: LimitCheck, name: str) -> float:
 
 
 def _rules(found: LimitConclusion) -> list[Block]:
-    """Source, formula and what is not covered, once for all limits that rest on it; and remarks."""
+    """Blocks on the rules that limits rest on: source, formula and what is not covered; and the remarks."""
     texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
         (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
@@ -153,7 +154,7 @@ def _rules(found: LimitConclusion) -> list[Block]:
 
 
 def _remarks(found: LimitConclusion) -> list[str]:
-    """What is said of limits, once, with the configurations it is said of unless those are all."""
+    """Remarks on limits, each once, with its configurations unless they are all."""
     known = list(dict.fromkeys(check.configuration for check in found.checks))
     said = (
         (f"{as_words(one.limit)}, {as_words(one.criterion)}", check.configuration, remark)
@@ -162,7 +163,7 @@ def _remarks(found: LimitConclusion) -> list[str]:
         for remark in one.remarks
     )
     remarks = []
-    for abouts, names, remark in gathered(said):
-        within = f" (in {concerned(names, known)})" if len(names) < len(known) else ""
+    for abouts, names, remark in grouped_remarks(said):
+        within = f" (in {configurations_in_words(names, known)})" if len(names) < len(known) else ""
         remarks.append(f"{'; '.join(abouts)}: {as_words(remark)}{within}")
     return remarks

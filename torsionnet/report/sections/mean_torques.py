@@ -1,4 +1,4 @@
-"""Mean torques, stresses and power under the load."""
+"""Section of a report on mean torques, stresses and power under the load."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table
 
 MOST_LOADS = 3
-"""Loads that are listed."""
+"""Loads whose mean torques are listed."""
 
 
 def mean_torques_section(subject: ReportData) -> Section | None:
+    """Section on mean torques and stresses; None for a model without a load."""
     definition = subject.model.definition
     if definition.load is None or definition.speeds is None:
         return None

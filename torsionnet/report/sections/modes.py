@@ -1,4 +1,4 @@
-"""Modes of every configuration: frequencies, damping, energies, shapes."""
+"""Section of a report on the modes of every configuration: frequencies, damping, energies, shapes."""
 
 from __future__ import annotations
 
@@ -33,10 +33,13 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 LEAST_SHARE, MOST_SHARES = 0.05, 4
+"""Least share of the energy for which an element is named, and elements named at most."""
 MOST_DRAWN = 6
-"""Configurations whose shapes are drawn."""
+"""Configurations whose mode shapes are drawn."""
 SHOWS_THESE = " shows these, not the modes of the whole drivetrain."
+"""End of the sentence on poles against a measured input."""
 KIND_WORDS = {"oscillatory": "vibration"}
+"""Words for kinds of modes where the report has other words."""
 COLUMNS = (
     Heading("Mode", numeric=True),
     Heading("Kind"),
@@ -48,6 +51,7 @@ COLUMNS = (
 
 
 def modes_section(subject: ReportData) -> Section:
+    """Section on the modes: tables, energies and shapes, and poles against measured inputs."""
     blocks: list[Block] = [Paragraph(_introduction(subject))]
     caption = "Modes by configuration" if 1 < len(subject.cases) <= FEW_CASES else "Modes"
     if not any(map(len, subject.modes)):
@@ -74,7 +78,7 @@ def _introduction(subject: ReportData) -> Text:
 
 
 def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) -> TableBlock:
-    """A group of rows for each case."""
+    """Table of modes with a group of rows for each case."""
     groups = []
     for case, modes in zip(subject.cases, found, strict=True):
         title = f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""
@@ -85,7 +89,7 @@ def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) ->
 def listed_modes(
     subject: ReportData, found: tuple[Modes, ...], caption: Text, *, energies: bool = False
 ) -> list[Block]:
-    """The modes of every case; of many cases those of the first, and how frequencies and damping vary."""
+    """Tables of the modes of every case; of many cases the first in full, and how frequencies and damping vary."""
 
     def full(part: ReportData, modes: tuple[Modes, ...], said: Text) -> list[Block]:
         return [modes_table(part, modes, said), *([_energies(part, modes)] if energies else [])]
@@ -104,7 +108,7 @@ def listed_modes(
 
 
 def _compared(subject: ReportData, found: tuple[Modes, ...], caption: Text, *, damping: bool) -> TableBlock | None:
-    """Natural frequencies or damping ratios, a row for each case."""
+    """Table of natural frequencies or damping ratios with a row for each case; None without vibrations."""
     swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in found]
     letter, shown = (r"\zeta", "%") if damping else ("f", "Hz")
     columns = [Heading("Configuration")]
@@ -152,7 +156,7 @@ def _number(modes: Modes, index: int) -> Cell:
 
 
 def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
-    """Undamped natural frequencies, and what the calculation has to say."""
+    """Notes under a table of modes: undamped natural frequencies, and notes of the calculation."""
     notes: list[Text] = []
     for case, modes in zip(subject.cases, found, strict=True):
         where = f"{case.configuration}: " if len(subject.cases) > 1 else ""
@@ -181,7 +185,7 @@ def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
 
 
 def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
-    """Kinetic, elastic, dissipated, in words."""
+    """Words for where the kinetic energy, strain energy and dissipated power of a mode are."""
     return (
         _shares(modes.elements, modes.kinetic[:, index]),
         _shares(modes.elements, modes.strain[:, index]),
@@ -190,7 +194,7 @@ def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
 
 
 def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
-    """``dmf 79 %, half shaft 21 %``."""
+    """Elements with their shares as text: ``dmf 79 %, half shaft 21 %``."""
     order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
     kept = [index for index in order if shares[index] >= LEAST_SHARE]
     if not kept and shares.any():
@@ -203,12 +207,12 @@ def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[n
 
 def _shapes(subject: ReportData) -> Picture:
     from torsionnet.plot.shape_grid import shape_grid
-    from torsionnet.plot.shapes import view_of
+    from torsionnet.plot.shapes import shape_view
 
     cases, modes = subject.cases[:MOST_DRAWN], subject.modes[:MOST_DRAWN]
     drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.configuration for case in cases])
     rest = len(subject.cases) - len(cases)
-    views = [view_of(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
+    views = [shape_view(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
     geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
     caption = (
         f"Mode shapes: {views[0].label.removesuffix(' [-]')}, the largest 1. Filled dots are the real part; open dots "

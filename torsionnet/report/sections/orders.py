@@ -1,4 +1,4 @@
-"""The response to everything that runs, over speed: each order, and all orders together."""
+"""Section of a report on the response to all excitations over speed: each order, and all orders together."""
 
 from __future__ import annotations
 
@@ -20,10 +20,13 @@ HALF_RANGE_NOTE = (
     "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum of "
     "their magnitudes; amplitudes of single orders are peak values."
 )
+"""Sentence on what a half range is."""
 NO_CYCLE_NOTE = " What has no short common cycle takes every position to each other: such half ranges are added."
+"""Sentence on half ranges of excitations without a short common cycle."""
 
 
 def orders_section(subject: ReportData) -> Section | None:
+    """Section on the response by order; None for a model without excitations."""
     if not subject.has_excitations or not subject.order_outputs:
         return None
     blocks: list[Block] = [Paragraph(_introduction(subject)), *engine_remarks(subject)]
@@ -38,7 +41,7 @@ def _introduction(subject: ReportData) -> tuple[Inline, ...]:
 
 
 def _output(subject: ReportData, name: str, number: int) -> list[Block]:
-    """Half ranges of all configurations, the orders of the worst one, and where each is largest."""
+    """Blocks on an output: half ranges of all configurations, orders of the worst one, and the largest values."""
     from torsionnet.plot.order_response import half_ranges, order_response
 
     runs = subject.order_responses
@@ -61,7 +64,7 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
 
 
 def _worst(subject: ReportData, name: str) -> TableBlock:
-    """The largest half range of every configuration, and the largest order there."""
+    """Table of the largest half range of every configuration, and the largest order there."""
     runs, place = subject.order_responses, subject.order_responses[0].output(name)
     scale = subject.conventions.scale(runs[0].outputs[place].unit)
     shown = unit(subject.conventions.unit(runs[0].outputs[place].unit))
@@ -87,12 +90,12 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
 
 
 def _line_name(run: OrderResponse, number: int) -> str:
-    """The lines of one frequency, by its number."""
+    """Name of the lines of one frequency, by its number."""
     return sum_name([run.lines[place] for place in lines_of_one_frequency(run.lines)[number]])
 
 
 def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:
-    """A configuration with what is worst in it at a speed, where it has several cases."""
+    """Name of a configuration, with its worst case at a speed where it has several cases."""
     if not isinstance(run, WorstResponse):
         return case.configuration
     return ": ".join(part for part in (case.configuration, as_words(run.cases(name)[index])) if part)

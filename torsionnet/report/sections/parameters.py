@@ -1,4 +1,4 @@
-"""Parameters as written and in SI, configurations, operating point."""
+"""Section of a report on parameters as written and in SI units, configurations and operating points."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from torsionnet.core.expressions import Number
 from torsionnet.core.number_text import aligned_numbers, typeset_unit
 from torsionnet.core.units import RPM
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import Case, ReportData
@@ -19,9 +19,11 @@ if TYPE_CHECKING:
     from torsionnet.model.parameters import Parameter
 
 MOST_ROWS, MOST_COLUMNS = 60, 12
+"""Parameters or nodes in a table, and parameters beside each other that differ between configurations."""
 
 
 def parameters_section(subject: ReportData) -> Section | None:
+    """Section on the parameters; None for a model without any."""
     rig = subject.model
     blocks: list[Block] = []
     if rig.parameters:
@@ -81,7 +83,7 @@ def _bounds(parameter: Parameter) -> Text:
 
 
 def _changed(cases: tuple[Case, ...]) -> list[str]:
-    """Parameters that do not have one value in all cases."""
+    """Names of parameters that do not have the same value in all cases."""
     first = cases[0].drivetrain.parameters
     return [name for name in first if len({case.drivetrain.parameters[name] for case in cases}) > 1]
 
@@ -114,7 +116,7 @@ def _switches(cases: tuple[Case, ...], names: list[str]) -> TableBlock:
 
 
 def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
-    """One table for the configurations that share it."""
+    """Tables of operating points, one for all configurations that share it."""
     alike: dict[tuple[object, ...], list[Case]] = {}
     for case in cases:
         rig = case.drivetrain

@@ -1,4 +1,4 @@
-"""Transfer functions over frequency: Bode plots overlaid by configuration, static values and peaks."""
+"""Section of a report on frequency responses: Bode plots by configuration, static values and peaks."""
 
 from __future__ import annotations
 
@@ -28,20 +28,22 @@ from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import pair_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
-from torsionnet.response.phase import phase_at_rest
+from torsionnet.response.phase import phase_at_zero_frequency
 from torsionnet.solve.responses.peaks import Peak, peaks, static_value
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_PEAKS, FEW_PEAKS = 6, 3
-"""Peaks listed of each configuration, and of each of many."""
+"""Peaks listed of each configuration where they are few, and where they are many."""
 LEAST_PROMINENCE = 1.001
+"""Ratio of a peak to the higher of the valleys beside it from which on it is listed; smaller ones are ripples."""
 MOST_CURVES = 7
 """Curves that can be told apart in one plot."""
 
 
 def responses_section(subject: ReportData) -> Section | None:
+    """Section on the frequency responses; None for a model without transfer functions."""
     if not subject.pairs:
         return None
     blocks: list[Block] = []
@@ -54,7 +56,7 @@ def responses_section(subject: ReportData) -> Section | None:
 
 
 def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
-    """Which configurations lack the transfer function, and why."""
+    """Paragraphs on configurations that lack the transfer function, and why."""
     part = subject.for_pair(pair)
     if part is not subject:
         for case in subject.cases:
@@ -81,7 +83,7 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
 
 
 def label_axes(figure: Figure, pair: Pair) -> None:
-    """The names of output and input on the axis as symbols, and no ticks without a number, which take long to draw."""
+    """Write output and input on the axis as symbols, and remove ticks without a number, which take long to draw."""
     from torsionnet.plot.drawing.labels import symbol
 
     for panel in figure.axes:
@@ -92,7 +94,7 @@ def label_axes(figure: Figure, pair: Pair) -> None:
 
 
 def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
-    """Static value and peaks of every case."""
+    """Table of static value and peaks of every case."""
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     groups = []
     for case, response in zip(subject.cases, found, strict=True):
@@ -123,7 +125,7 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
 
 
 def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
-    """Static value and the highest peaks in the order of frequency, a row for each case."""
+    """Table of static value and the highest peaks in the order of frequency, with a row for each case."""
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     read = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
     columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
@@ -156,7 +158,7 @@ def _stands_out(response: FrequencyResponse, frequency: float) -> bool:
 def static_value_and_peaks(
     subject: ReportData, pair: Pair, response: FrequencyResponse, index: int
 ) -> list[tuple[str, Peak]]:
-    """What it is and where, of one case."""
+    """Static value and highest peaks of a case, each with its name, in the order of frequency."""
     solve = subject.solver(subject.cases[index], pair)
     value = static_value(solve, 0, 0)
     found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
@@ -164,4 +166,4 @@ def static_value_and_peaks(
         found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
     highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
     rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
-    return [("static value", Peak(0.0, abs(value), phase_at_rest(value))), *rest]
+    return [("static value", Peak(0.0, abs(value), phase_at_zero_frequency(value))), *rest]

@@ -1,4 +1,4 @@
-"""The drivetrain drawn."""
+"""Section of a report with the schematic of the drivetrain."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from torsionnet.report.report_text import as_words, first_names
 
 
 def schematic_section(subject: ReportData) -> Section:
-    """The picture of the first configuration, in which the others differ by values or by what is switched on."""
+    """Section with the schematic of the first configuration; others differ in values or switched elements."""
     from torsionnet.plot.schematic.schematic import schematic
 
     case = subject.cases[0]

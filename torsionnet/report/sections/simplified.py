@@ -1,4 +1,4 @@
-"""Transfer functions of drivetrains with fewer elements, and how far these are off."""
+"""Section of a report on transfer functions of drivetrains with fewer elements, and their errors."""
 
 from __future__ import annotations
 
@@ -26,10 +26,11 @@ COLUMNS = (
 
 
 DEFAULT_TOLERANCE = 0.01
-"""Unless the model file or the call says another."""
+"""Share by which modes may move, unless the model file or the call gives another."""
 
 
 def simplified_section(subject: ReportData) -> Section | None:
+    """Section on simplified transfer functions; None for a model without transfer functions."""
     if not subject.pairs:
         return None
     tolerance = subject.request.plan.simplify or DEFAULT_TOLERANCE

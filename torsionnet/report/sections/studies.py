@@ -1,4 +1,4 @@
-"""Studies: what varied, what every variant was asked, and what is concluded."""
+"""Section of a report on studies: what varied, what every variant was asked, and the conclusions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import capital, sentence, symbol_or_words, unit
 from torsionnet.report.sections.varied_parameters import correlations, varied_parameters
 from torsionnet.report.shown_numbers import in_shown_units
-from torsionnet.study.run.answering import asked_in
+from torsionnet.study.run.answering import study_for_answers
 from torsionnet.study.shown_units import ShownUnits, shown_units
 
 if TYPE_CHECKING:
@@ -42,9 +42,11 @@ METHODS = {
     "latin_hypercube": "Latin hypercube",
     "sobol": "scrambled Sobol sequence",
 }
+"""Words for the methods of drawing random values."""
 
 
 def studies_section(subject: ReportData) -> Section:
+    """Section with a subsection for each study."""
     blocks = (_study(subject, result, number) for number, result in enumerate(subject.request.studies, 1))
     return Section("study", ("Studies",), tuple(blocks))
 
@@ -64,7 +66,7 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
         blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
         blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
-    with asked_in(study, result.folder) as (asked, _):
+    with study_for_answers(study, result.folder) as (asked, _):
         blocks += [
             _answer(subject, asked, result, f"study_{number}_{place}", name, units)
             for place, name in enumerate(study.answers, 1)
@@ -73,7 +75,7 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
 
 
 def _facts(study: Study) -> Iterator[tuple[str, Text]]:
-    """In which configurations, how many variants, and how they were drawn."""
+    """Configurations of a study, number of variants, and how they were drawn."""
     space, cases = study.space, [name for name in study.configurations if name]
     yield "Configurations", (", ".join(cases) or "the model as it stands",)
     if space.grid:
@@ -111,7 +113,7 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
 
     answer, title = study.answers[name], (capital(name.replace("_", " ")),)
     try:
-        found = answer.found(study, result)
+        found = answer.conclude(study, result)
     except SolveError as error:
         text = sentence(f"{answer.kind.replace('_', ' ')}: {error}", subject.model)
         return Section(file, title, (Remark("warning", text),))
@@ -128,7 +130,7 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
 
 
 def _results(subject: ReportData, study: Study, found: Table, caption: str, units: ShownUnits) -> TableBlock:
-    """Results in the units of the study; a quantity that all rows are of is told once, in the caption."""
+    """Table of results in the units of the study; a quantity that all rows have in common is named in the caption."""
 
     def shown(text: str) -> Cell:
         is_name = text in study.quantities or text in study.space.names
@@ -147,5 +149,5 @@ def _said(subject: ReportData, study: Study, text: str) -> Text:
 
 
 def _phrase(subject: ReportData, study: Study, text: str) -> Text:
-    """A text in which names of the model and of quantities become words and symbols."""
+    """Text in which names of the model and of quantities are words and symbols."""
     return sentence(typeset_unit(text), subject.model, (*study.quantities, *study.space.names))

@@ -1,4 +1,4 @@
-"""The few numbers a reader looks for first."""
+"""Section of a report with the results at a glance: lowest modes, peaks and verdicts."""
 
 from __future__ import annotations
 
@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 MOST_VIBRATIONS, MOST_PAIRS = 3, 4
+"""Vibrations and transfer functions that the summary shows."""
 
 
 def summary_section(subject: ReportData) -> Section:
+    """Section with the verdict, the lowest natural frequencies, fitted models, and highest peaks."""
     judged = subject.limit_conclusion if subject.request.wants("limits") else None
     blocks: list[Block] = [] if judged is None else [verdict(judged)]
     blocks += _of_model(subject.by_drivetrain)
@@ -36,7 +38,7 @@ def summary_section(subject: ReportData) -> Section:
 
 
 def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
-    """The lowest vibrations with the fitted values."""
+    """Table of the lowest natural frequencies with the fitted values; None where nothing vibrates."""
     modes = tuple(_with_values(fit, case).modes() for case in subject.cases)
     if not any(OSCILLATORY in one.kinds for one in modes):
         return None
@@ -51,7 +53,7 @@ def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
 
 
 def _with_values(fit: Fit, case: Case) -> Drivetrain:
-    """A case with the fitted values, shared ones and its own."""
+    """Drivetrain of a case with the fitted values, those of all cases and its own."""
     rig = fit.configured(case.drivetrain)
     own = {name.removesuffix(f"[{case.configuration}]"): value for name, value in fit.values.items()}
     return rig.configured(**{name: value for name, value in own.items() if name in rig.parameter_definitions})
@@ -87,7 +89,7 @@ def _of_model(subject: ReportData) -> list[TableBlock]:
 
 
 def _response(subject: ReportData, pair: Pair) -> TableBlock:
-    """Static value and highest peak."""
+    """Table of static value and highest peak of a transfer function."""
     found = subject.responses(pair)
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     points = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]

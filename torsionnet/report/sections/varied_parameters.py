@@ -1,4 +1,4 @@
-"""What varies in a study, as a table: distributions and values in the units of the model file, and correlations."""
+"""Tables of a report on what varies in a study: distributions, values and correlations."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ if TYPE_CHECKING:
     from torsionnet.study.study import Study
 
 SIGNIFICANT_DIGITS = 5
+"""Significant digits of the numbers in a distribution."""
 MOST_NAMES = 4
-"""Configurations that are named."""
+"""Configurations that a row names."""
 
 
 @dataclass(frozen=True)
 class EqualVariation:
-    """A parameter in the configurations in which it varies alike: numbers in SI."""
+    """Variation of a parameter in the configurations in which it varies in the same way; numbers in SI."""
 
     cases: tuple[str, ...]
     given: float | None
@@ -31,7 +32,7 @@ class EqualVariation:
 
 
 def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
-    """Each parameter with its unit, its value in the model, how it varies, and how that is written in the study."""
+    """Table of the varied parameters: unit, value in the model, distribution, and its text in the study."""
     alike = {name: list(_by_configuration(study, name)) for name in study.space.names}
     columns = (
         Heading("Parameter"),
@@ -56,7 +57,7 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
 
 
 def correlations(study: Study) -> Iterator[TableBlock]:
-    """Which parameters vary together; nothing where none do."""
+    """Table of correlated parameters and their coefficients; nothing where none are correlated."""
     rows: list[tuple[Cell, ...]] = [
         (_names(one.between), NumberText(one.coefficient)) for one in study.space.entries.correlation
     ]
@@ -72,7 +73,7 @@ def _names(names: tuple[str, ...]) -> Text:
 
 
 def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
-    """Configurations in which the model gives the parameter the same value together."""
+    """Variations of a parameter, configurations with the same value in the model together."""
     found: dict[tuple[float | None, ...], EqualVariation] = {}
     for case in study.configurations:
         nominal = nominals(study.model_in(case), [name])[name]
@@ -84,7 +85,7 @@ def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
 
 
 def _numbers(sizes: Mapping[str, float], scale: float) -> Text:
-    """``mean 0.46, standard deviation 0.018``."""
+    """Numbers of a distribution as text: ``mean 0.46, standard deviation 0.018``."""
     parts = [
         part for what, size in sizes.items() for part in (f", {what} ", NumberText(size * scale, SIGNIFICANT_DIGITS))
     ]

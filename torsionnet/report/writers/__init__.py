@@ -1,1 +1,1 @@
-"""How a report is written: HTML, LaTeX, Markdown, and PDF through a browser."""
+"""Writers of a report: HTML, LaTeX, Markdown, and PDF through a browser."""

@@ -1,4 +1,4 @@
-"""Figures of a report as files in a folder beside it."""
+"""Files of a report's figures in a folder beside the report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.report.writers.templating import Illustrations
 
 
 def figure_folder(path: Path) -> Path:
-    """``rig.tex`` has its figures in ``rig_figures``; what a link or LaTeX may not hold becomes ``_``.
+    """Folder of the figures of a report: ``rig_figures`` for ``rig.tex``, without characters a link cannot hold.
 
     >>> figure_folder(Path("gear V 100%.tex")).name
     'gear_V_100__figures'
@@ -22,19 +22,19 @@ def figure_folder(path: Path) -> Path:
 
 
 def figures_beside(folder: str, form: str) -> Illustrations:
-    """How a text names the figures in a folder beside it."""
+    """References of a text to the figures and images in a folder beside it."""
     return Illustrations(
         lambda picture, _: f"{folder}/{picture.name}.{form}", lambda name, _: f"{folder}/{_file(name)}"
     )
 
 
 def _file(image: str) -> str:
-    """Name of an image of the template folder beside the figures, none of which is called so."""
+    """File name of an image of the template folder beside the figures, none of which has such a name."""
     return f"template_{image}"
 
 
 def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path, ...]:
-    """Write a text, every figure as SVG or PDF, and the images of the template that it names; gives their paths."""
+    """Write a text, every figure as SVG or PDF, and the template's images in use, and return the paths."""
     from torsionnet.plot.drawing.rendering import figure_bytes
 
     folder = figure_folder(path)
@@ -51,7 +51,7 @@ def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path
 
 @contextlib.contextmanager
 def _all_or_none(folder: Path, names: Iterable[str]) -> Iterator[None]:
-    """Take away what was not there before if one of the files cannot be written, as on a full disk."""
+    """Delete the files that were written if one of them cannot be, as on a full disk."""
     new = [folder / name for name in names if not (folder / name).exists()]
     made = not folder.exists()
     try:

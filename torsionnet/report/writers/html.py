@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs nothing else: pictures and formulas are in it."""
+"""Writing of a report as one HTML page that holds all its pictures and formulas."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from torsionnet.report.writers.mathml import mathml
 from torsionnet.report.writers.templating import Illustrations, TextFormat, render
 
 MOST_UNBROKEN_ROWS = 14
-"""Rows of a table that stays on one page."""
+"""Rows of a table up to which it is not split between two pages."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
-    """Write the page."""
+    """Write a report as an HTML page and return its path."""
     write_text(path, html_page(report))
     return (path,)
 
 
 def html_page(report: Report, *, folds: bool = True) -> str:
-    """The text of the page; one to be printed does not fold anything away."""
+    """Text of the HTML page of a report; a page for printing has ``folds=False``, so that nothing is folded away."""
     return render(report, FORMAT, Illustrations(_drawing, _data), folds=folds)
 
 
@@ -36,11 +36,12 @@ def _drawing(block: Picture, number: str) -> str:
 
 
 def _data(name: str, data: bytes) -> str:
-    """An image as part of the page."""
+    """Address of an image that is part of the page (``data:``)."""
     return f"data:{MEDIA_TYPES[Path(name).suffix.lower()]};base64,{base64.b64encode(data).decode()}"
 
 
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
+"""Media types of images by their ending."""
 FORMAT = TextFormat(
     ".html",
     inline,
@@ -50,10 +51,11 @@ FORMAT = TextFormat(
     },
     tuple(MEDIA_TYPES),
 )
+"""Functions that turn the parts of a report into HTML."""
 
 
 def _table_html(block: TableBlock, label: str, name: str) -> str:
-    """A table with caption, repeated head and notes; it scrolls where the screen is narrow.
+    """HTML of a table with caption, repeated head and notes; it scrolls where the screen is narrow.
 
     ``label`` stands before the caption, ``name`` is the id of the caption.
     """
@@ -85,7 +87,7 @@ def _group(title: Cell, rows: Sequence[tuple[Cell, ...]], columns: Sequence[Head
 
 
 def _continued(row: tuple[Cell, ...]) -> str:
-    """Rows that go on with what the row above is about have no line over them."""
+    """Attribute of a row that continues what the row above is about, and has no line over it."""
     return " class=on" if row and row[0] == "" else ""
 
 

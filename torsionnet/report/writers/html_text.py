@@ -1,4 +1,4 @@
-"""What stands inside a line of HTML. Every text passes :func:`escaped`; nothing else reaches the page."""
+"""HTML of texts inside a line. Every text passes :func:`escaped`; nothing else reaches the page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from torsionnet.report.writers.mathml import mathml
 
 
 def escaped(text: str) -> str:
-    """Text in which markup is text.
+    """Text with the characters of markup escaped, and control characters replaced.
 
     >>> escaped('<b>A & "B"</b>')
     '&lt;b&gt;A &amp; &quot;B&quot;&lt;/b&gt;'
@@ -23,7 +23,7 @@ def _is_control(char: str) -> bool:
 
 
 def inline(cell: Cell) -> str:
-    """A cell, caption or paragraph as HTML."""
+    """HTML of a cell, caption or paragraph."""
     return "".join(map(_part, inlines(cell)))
 
 
@@ -43,12 +43,12 @@ def _part(part: Inline) -> str:
 
 
 def _infix(text: str, latex: str) -> str:
-    """A sign that begins a formula stands between two terms here, and keeps its distance from both."""
+    """MathML in which a leading sign stands between two terms, and keeps its distance from both."""
     return text.replace("<mo>", "<mo form=infix>", 1) if latex[:1] in ("+", "-", "=") else text
 
 
 def number(value: NumberText, decimals: int = 0) -> str:
-    """A number; invisible digits make up for the decimals that others in its column have."""
+    """HTML of a number; invisible digits make up for the decimals that others in its column have."""
     text = value.mantissa.replace("-", "−")
     if value.exponent is not None:
         return f"{text}·10<sup>{str(value.exponent).replace('-', '−')}</sup>"

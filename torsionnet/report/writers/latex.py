@@ -1,4 +1,4 @@
-r"""A report as a LaTeX document with its figures as PDF in a folder beside it; one run of pdfTeX makes the PDF.
+r"""Writing of a report as a LaTeX document with its figures as PDF beside it; one run of pdfTeX makes the PDF.
 
 Nothing refers to pages, and tables find their widths at once, so that a second run would change nothing.
 """
@@ -15,21 +15,21 @@ from torsionnet.report.writers.latex_text import display_math, inline
 from torsionnet.report.writers.templating import TextFormat, render
 
 LONG_WORD = 60
-"""Letters of a word that is set smaller, such as a check sum."""
+"""Letters of a word from which on it is set smaller, such as a check sum."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
-    """Write the document and its figures."""
+    """Write a report as a LaTeX document with its figures, and return the paths."""
     return write_beside(report, path, "pdf", latex_document(report, figure_folder(path).name))
 
 
 def latex_document(report: Report, folder: str) -> str:
-    """The text of the document; ``folder`` holds the figures."""
+    """Text of the LaTeX document of a report; ``folder`` holds the figures."""
     return render(report, FORMAT, figures_beside(folder, "pdf"))
 
 
 def _breakable(text: Text) -> str:
-    """Long words in a smaller size."""
+    """LaTeX of a text with long words in a smaller size."""
     return " ".join(
         rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG_WORD and word.isalnum() else word
         for word in inline(text).split(" ")
@@ -49,3 +49,4 @@ FORMAT = TextFormat(
     },
     (".pdf", ".png", ".jpg", ".jpeg"),
 )
+"""Functions that turn the parts of a report into LaTeX."""

@@ -1,4 +1,4 @@
-r"""Which columns of a table stand side by side in LaTeX, and how wide each is: none beyond the margin.
+r"""Layout of tables in LaTeX: which columns stand side by side, and how wide each is, within the margin.
 
 Widths are counted in letters of the size of tables. A table that is too wide first breaks its headings and its texts;
 if that is not enough it goes on below, its first column repeated.
@@ -36,14 +36,14 @@ _BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)\s+")
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns of one piece of a table: their numbers in the whole, their widths if they break, and their headings."""
+    """Columns of one piece of a table: their numbers in the table, their widths if they break, and their headings."""
 
     indices: tuple[int, ...]
     widths: tuple[float | None, ...]
     headings: tuple[tuple[Cell, ...], ...]
 
     def spec(self, block: TableBlock) -> str:
-        """The columns of a ``longtable``, each as wide as said, or as what was measured before in its length."""
+        """Column specification of a ``longtable``: each width as given, or as measured before in its length."""
         parts = []
         for place, (index, width) in enumerate(zip(self.indices, self.widths, strict=True)):
             side = "left" if block.columns[index].numeric else "right"
@@ -53,7 +53,7 @@ class Columns:
 
 
 def length_name(place: int) -> str:
-    r"""The name of the length that holds the width of a column.
+    r"""Name of the LaTeX length that holds the width of a column.
 
     >>> length_name(0), length_name(27)
     ('\\widthA', '\\widthAB')
@@ -63,7 +63,7 @@ def length_name(place: int) -> str:
 
 
 def table_pieces(block: TableBlock) -> list[Columns]:
-    """The table as it is if it fits, else with broken texts, else in several pieces below each other."""
+    """Pieces of a table below each other: the whole table if it fits, if need be with broken texts."""
     everything = tuple(range(len(block.columns)))
     loose = [natural_width(block, index) for index in everything]
     if sum(loose) + GAP_LETTERS * len(loose) <= PAGE_LETTERS:
@@ -78,7 +78,7 @@ def table_pieces(block: TableBlock) -> list[Columns]:
 
 
 def _fitted(block: TableBlock, indices: tuple[int, ...], least: Sequence[float]) -> Columns:
-    """Columns of text share the room that the others leave, those with much text more of it."""
+    """Columns of a piece; those with text share the room that is left, by how much text they have."""
     room = PAGE_LETTERS - GAP_LETTERS * len(indices) - sum(least[index] for index in indices)
     wanted = {index: max(natural_width(block, index) - least[index], 0) for index in indices}
     total = sum(wanted.values())
@@ -93,6 +93,7 @@ def _fitted(block: TableBlock, indices: tuple[int, ...], least: Sequence[float])
 
 
 def is_matrix(cell: Cell) -> bool:
+    """Whether a cell is a matrix."""
     return isinstance(cell, Math) and "matrix" in cell.latex
 
 
@@ -106,7 +107,7 @@ def _title(column: Heading) -> Cell:
 
 
 def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
-    """A heading in lines no wider than its column, as far as it has spaces; the unit on a line of its own."""
+    """Lines of a heading no wider than its column, as far as it has spaces; the unit has a line of its own."""
     unit = [column.bracket] if column.bracket else []
     if not isinstance(column.text, str):
         whole = _title(column)
@@ -121,7 +122,7 @@ def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
 
 
 def natural_width(block: TableBlock, index: int) -> float:
-    """Letters of the widest cell, or of the heading."""
+    """Letters of the widest cell of a column, or of its heading."""
     return max(len(visible_text(_title(block.columns[index]))), _content(block, index))
 
 
@@ -151,7 +152,7 @@ def _least(block: TableBlock, index: int) -> float:
 
 
 def _longest(cell: Cell) -> int:
-    """Letters of the longest part that cannot be broken."""
+    """Letters of the longest part of a cell that cannot be broken."""
     found = [0]
     for part in inlines(cell):
         if isinstance(part, str):
@@ -164,7 +165,7 @@ def _longest(cell: Cell) -> int:
 
 
 def visible_text(cell: Cell) -> str:
-    """Roughly what a cell looks like, for counting letters."""
+    """Text of a cell roughly as it is printed, for counting letters."""
     return "".join(map(_letters, inlines(cell)))
 
 
@@ -183,6 +184,6 @@ def _letters(part: Inline) -> str:
 
 
 def _rowed(latex: str) -> str:
-    """Letters of a formula; between the columns of a matrix there are gaps, operators stand apart."""
+    """Text of one row of a formula for counting letters, with gaps between columns and around operators."""
     bare = re.sub(_MARKUP, "", latex.replace("&", "ooo").replace(r"\cdot", "o"))
     return re.sub(r"(?<=[^ ])[-+=](?=[^ ])", "- ", bare)

@@ -1,4 +1,4 @@
-r"""How much of a page a block needs at least, so that no heading stands alone at the end of one."""
+r"""Space on a page that a block needs at least in LaTeX, so that no heading stands alone at the end of a page."""
 
 from __future__ import annotations
 
@@ -20,17 +20,18 @@ HEADING_LINES, CAPTION_LINES, TABLE_HEAD_LINES = 3.5, 2.5, 2.0
 MOST_UNBROKEN_ROWS, ROWS_BELOW_HEADING = 14, 6
 """Rows of a table that stays on one page, and of a longer one that stand below its heading."""
 LETTERS_PER_LINE, PARAGRAPH_LINES, OTHER_LINES = 100, 3, 2
+"""Letters of a line, and lines that a paragraph or another block needs at least."""
 LINE_POINTS, PAGE_POINTS, MOST_LINES = 12.0, 483.0, 48.0
 """Points of a line, of the width of a page, and lines that a figure fills at most."""
 
 
 def room_command(block: Block) -> str:
-    """What goes to the next page if less than the block needs is left of this one."""
+    """LaTeX command that begins a new page if less is left of this one than the block needs."""
     return rf"\room{{{lines_needed(block):.0f}\baselineskip}}" + "\n"
 
 
 def lines_needed(block: Block) -> float:
-    """Lines."""
+    """Number of lines that a block needs at least on the page on which it begins."""
     if isinstance(block, Section):
         return HEADING_LINES + (_beginning(block.blocks) if block.blocks else 0)
     if isinstance(block, TableBlock):
@@ -53,7 +54,7 @@ def lines_needed(block: Block) -> float:
 
 
 def _beginning(blocks: tuple[Block, ...]) -> float:
-    """The first block, and the beginning of what a sentence leads to."""
+    """Lines of the first block, and of the beginning of the next one if the first is a sentence on it."""
     first = lines_needed(blocks[0])
     if isinstance(blocks[0], Paragraph) and len(blocks) > 1 and not isinstance(blocks[1], Picture):
         first += min(lines_needed(blocks[1]), ROWS_BELOW_HEADING + CAPTION_LINES + TABLE_HEAD_LINES)
@@ -61,7 +62,7 @@ def _beginning(blocks: tuple[Block, ...]) -> float:
 
 
 def _lines(cell: object) -> float:
-    """Rows of a matrix, or of a text that breaks."""
+    """Lines of a cell: rows of a matrix, or lines of a text that breaks."""
     if isinstance(cell, Math) and "matrix" in cell.latex:
         return 1.3 * (cell.latex.count(r"\\") + 1) + 1
     text = "".join(part for part in cell if isinstance(part, str)) if isinstance(cell, tuple) else cell

@@ -1,4 +1,4 @@
-r"""Tables in LaTeX: ``longtable``, so that long ones break over pages with their head repeated."""
+r"""Tables in LaTeX as ``longtable``, so that long ones break over pages with their head repeated."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.report.writers.latex_text import breakable, display_math, escape
 
 
 def table_latex(block: TableBlock, continued: str = "(continued)") -> str:
-    """A table with caption, head and notes; one that is too wide for the page goes on below."""
+    """LaTeX of a table with caption, head and notes; one that is too wide for the page goes on below."""
     decimals = [block.decimals(index) for index in range(len(block.columns))]
     lines = []
     for place, columns in enumerate(table_pieces(block)):
@@ -44,7 +44,7 @@ def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence
 
 
 def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> list[str]:
-    """Widths of the columns that do not break, so that the table need not find them in runs of its own."""
+    """LaTeX that measures the columns that do not break, so that one run of pdfTeX is enough."""
     lines = []
     for place, (index, width, heading) in enumerate(
         zip(columns.indices, columns.widths, columns.headings, strict=True)
@@ -66,7 +66,7 @@ def _heading(lines: tuple[Cell, ...], *, numeric: bool) -> str:
 
 
 def _gap(row: tuple[Cell, ...]) -> str:
-    """Matrices need room below them."""
+    """LaTeX of the room below a row; a row with a matrix needs some."""
     return "[9pt]" if any(is_matrix(cell) for cell in row) else ""
 
 

@@ -1,4 +1,4 @@
-r"""Text in LaTeX: every character that means something there is escaped, what pdfTeX cannot print is spelt out."""
+r"""LaTeX of texts: special characters are escaped, and characters that pdfTeX cannot print are spelt out."""
 
 from __future__ import annotations
 
@@ -16,20 +16,22 @@ SPECIAL = {
     "²": r"$^2$", "³": r"$^3$", "°": r"$^\circ$", "µ": r"$\mu$", "±": r"$\pm$", "\N{NO-BREAK SPACE}": "~",
     "‘": "`", "’": "'", "“": "``", "”": "''", "≤": r"$\le$", "≥": r"$\ge$", "→": r"$\to$",
 }  # fmt: skip
+"""LaTeX of characters with a meaning in LaTeX, and of some beyond ASCII."""
 GREEK = {
     unicodedata.lookup(f"GREEK {size} LETTER {name.upper().replace('LAMBDA', 'LAMDA')}"): rf"$\{name}$"
     for name in sorted(symbol_names.GREEK)
     for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
 }
+"""LaTeX of Greek letters."""
 LONGEST_WORD, PIECE_LETTERS = 20, 10
 """Letters of a word that stays in one piece, and after which a longer one may break."""
 _BREAK = r"\allowbreak{}"
 FIRST_UNKNOWN_LETTER = 0x180
-"""Code points below are letters that T1 fonts have, or are taken apart into such."""
+"""Code points below are letters that T1 fonts have, or can be composed from these."""
 
 
 def escaped(text: str) -> str:
-    r"""Text as LaTeX prints it.
+    r"""LaTeX that prints a text as it stands.
 
     >>> print(escaped("<b>A & B</b> $x_1$ 100%"))
     \textless{}b\textgreater{}A \& B\textless{}/b\textgreater{} \$x\_1\$ 100\%
@@ -49,7 +51,7 @@ def _char(char: str) -> str:
 
 
 def inline(cell: Cell) -> str:
-    r"""A cell, caption or paragraph; a long word may break behind its signs.
+    r"""LaTeX of a cell, caption or paragraph; a long word may break after its signs.
 
     >>> print(inline("in water=dry,coupling=warm"))
     in water=\allowbreak{}dry,\allowbreak{}coupling=\allowbreak{}warm
@@ -58,7 +60,7 @@ def inline(cell: Cell) -> str:
 
 
 def breakable(part: Inline) -> str:
-    r"""A part of a cell in a narrow column: words may also break behind signs, and very long ones anywhere.
+    r"""LaTeX of a part of a cell in a narrow column: words may also break after signs, and long ones anywhere.
 
     >>> print(breakable("gear=V,clutch=open"))
     gear=\allowbreak{}V,\allowbreak{}clutch=\allowbreak{}open
@@ -98,7 +100,7 @@ def _part(part: Inline) -> str:
 
 
 def number(value: NumberText, decimals: int = 0) -> str:
-    """A number; a gap makes up for the decimals that others in its column have."""
+    """LaTeX of a number; a gap makes up for the decimals that others in its column have."""
     text = value.mantissa
     if not text[-1:].isdigit():
         return escaped(text)
@@ -110,6 +112,6 @@ def number(value: NumberText, decimals: int = 0) -> str:
 
 
 def display_math(latex: str) -> str:
-    """A formula on a line of its own: fractions within fractions as large as the others, room between rows of them."""
+    """LaTeX of a formula on a line of its own: inner fractions in full size, room between rows of fractions."""
     large = re.sub(r"\\frac(?![a-z])", r"\\dfrac", latex)
     return large.replace(r" \\ ", r" \\[5pt] ") if r"\dfrac" in large and "matrix" in large else large

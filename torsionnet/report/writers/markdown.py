@@ -1,4 +1,4 @@
-"""A report as Markdown with formulas between dollar signs, its figures as SVG in a folder beside it."""
+"""Writing of a report as Markdown with formulas between dollar signs, and its figures as SVG beside it."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
-    """Write the text and its figures."""
+    """Write a report as Markdown with its figures, and return the paths."""
     return write_beside(report, path, "svg", markdown_text(report, figure_folder(path).name))
 
 
 def markdown_text(report: Report, folder: str) -> str:
-    """The text; ``folder`` holds the figures."""
+    """Text of the Markdown file of a report; ``folder`` holds the figures."""
     return render(report, FORMAT, figures_beside(folder, "svg"))
 
 
 def escaped(text: str) -> str:
-    r"""Text in which no mark means anything.
+    r"""Text with all marks of Markdown escaped.
 
     >>> print(escaped("<b>A</b> $x_1$"))
     \<b\>A\</b\> \$x\_1\$
@@ -44,6 +44,7 @@ def escaped(text: str) -> str:
 
 
 def inline(cell: Cell) -> str:
+    """Markdown of a cell, caption or paragraph."""
     return "".join(map(_part, inlines(cell)))
 
 
@@ -63,7 +64,7 @@ def _part(part: Inline) -> str:
 
 
 def _safe(latex: str) -> str:
-    r"""Without ``\\`` and ``\,``, which Markdown takes for escapes, and without bars, which end a cell."""
+    r"""LaTeX without double backslashes, thin spaces and bars, which Markdown takes for escapes or ends of cells."""
     text = latex.replace(r" \\ ", r" \cr ").replace(r"\\", r"\cr ").replace(r"\,", r"\thinspace ")
     return text.replace(r"\left|", r"\left\vert ").replace(r"\right|", r"\right\vert ").replace("|", r"\vert ")
 
@@ -93,3 +94,4 @@ FORMAT = TextFormat(
     {"display": _display, "equation": lambda row: _display(" ".join(row.parts)), "table": _table},
     (".svg", ".png", ".jpg", ".jpeg"),
 )
+"""Functions that turn the parts of a report into Markdown."""

@@ -1,4 +1,4 @@
-"""LaTeX to MathML."""
+"""MathML of formulas that are written in LaTeX."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _MATHRM = re.compile(r"\\mathrm\{([^{}\\]{2,})\}")
 
 @lru_cache(maxsize=4096)
 def mathml(latex: str, *, block: bool = False) -> str:
-    r"""A ``<math>`` element.
+    r"""MathML element ``<math>`` of a formula in LaTeX.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The numbers of sections, tables, figures and formulas, the same in every form of a report."""
+"""Numbers of sections, tables, figures and formulas, the same in every file format of a report."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torsionnet.report.document_tree import Block, Details, Formula, Picture, Se
 
 @dataclass(frozen=True)
 class NumberedBlock:
-    """A block where it stands.
+    """Block of a report with its number and the blocks inside.
 
     Attributes
     ----------
@@ -28,23 +28,23 @@ class NumberedBlock:
 
     @property
     def kind(self) -> str:
-        """Class of the block, by which templates tell it."""
+        """Name of the block's class, by which templates choose what to write."""
         return type(self.block).__name__
 
     @property
     def level(self) -> int:
-        """Sections above a section."""
+        """Depth of a section: the number of sections around it."""
         return self.number.count(".")
 
 
 def number_blocks(blocks: Sequence[Block], *, folds: bool = False) -> tuple[NumberedBlock, ...]:
-    """The blocks with their numbers; without ``folds`` nothing stands in what is folded away."""
+    """Blocks with their numbers; without ``folds`` the blocks that are folded away are left out."""
     return _Numbers(Counter(), folds).of(blocks)
 
 
 @dataclass(frozen=True)
 class _Numbers:
-    """Counts in the order of the text.
+    """Counter of tables, figures and formulas in the order of the text.
 
     What is folded away counts for itself, after an S: paper, which leaves it out, has the same numbers without it.
     """

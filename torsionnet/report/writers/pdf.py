@@ -1,4 +1,4 @@
-"""A report as PDF: its page, printed by a browser."""
+"""Writing of a report as PDF: its HTML page, printed by a browser."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from torsionnet.report.document_tree import Report
 from torsionnet.report.writers.html import html_page
 
 BROWSER_TIMEOUT = 120
-"""Seconds after which the browser is given up."""
+"""Seconds that the browser may take to print."""
 _DATE = re.compile(rb"/(CreationDate|ModDate) \(D:\d{14}")
 _FIXED = b"20000101000000"
 
 
 BROWSER_ENV = "TORSIONNET_BROWSER"
+"""Environment variable that names the browser's program file."""
 BROWSER_COMMANDS = (
     "chromium",
     "chromium-browser",
@@ -34,21 +35,25 @@ BROWSER_COMMANDS = (
     "msedge",
     "brave-browser",
 )
+"""Commands of browsers that are looked for on the search path."""
 MAC_BROWSERS = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
 )
+"""Program files of browsers on Macs."""
 WINDOWS_BROWSERS = (
     r"Google\Chrome\Application\chrome.exe",
     r"Chromium\Application\chrome.exe",
     r"Microsoft\Edge\Application\msedge.exe",
 )
+"""Program files of browsers below the program folders of Windows."""
 WINDOWS_FOLDER_VARIABLES = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")
+"""Environment variables that name the program folders of Windows."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
-    """Print the page into a file."""
+    """Print the page of a report into a PDF file and return its path."""
     browser = find_browser()
     with tempfile.TemporaryDirectory(prefix="torsionnet-") as folder:
         page, printed = Path(folder, "report.html"), Path(folder, "report.pdf")
@@ -81,7 +86,7 @@ def _print(browser: str, page: Path, printed: Path) -> None:
 
 
 def _is_root() -> bool:
-    """Chromium's sandbox refuses to run as root, as in containers."""
+    """Whether the program runs as root, as in containers, where Chromium's sandbox refuses to run."""
     return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
@@ -90,7 +95,7 @@ def _failed(browser: str, reason: str) -> SolveError:
 
 
 def undated(data: bytes) -> bytes:
-    """A PDF without the time of its printing, byte for byte of the same length.
+    """PDF without the time of its printing, with the same length in bytes.
 
     >>> undated(b"/CreationDate (D:20250331120000+00'00')")
     b"/CreationDate (D:20000101000000+00'00')"
@@ -99,7 +104,7 @@ def undated(data: bytes) -> bytes:
 
 
 def find_browser() -> str:
-    """Path of the program.
+    """Path of the browser's program file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A report through the templates of one format. All they show passes the format's own function for text.
+"""Rendering of a report through the Jinja templates of one format; all text passes the format's own function.
 
 A page of a template folder replaces blocks of the page that is shipped. It sees text only, nothing of the model or the
 program, and runs in Jinja's sandbox.
@@ -25,6 +25,7 @@ from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFol
 from torsionnet.report.writers.numbering import number_blocks
 
 SHIPPED = files("torsionnet.report.writers") / "templates"
+"""Folder of the templates of this package."""
 ALLOWED_FILTERS = (
     "capitalize",
     "default",
@@ -38,7 +39,7 @@ ALLOWED_FILTERS = (
     "truncate",
     "upper",
 )
-"""What gives no text that would pass for one of the format."""
+"""Filters that a template may use: none returns a text that would pass for markup."""
 PAGE_NAMES = (
     "title",
     "subtitle",
@@ -52,7 +53,7 @@ PAGE_NAMES = (
     "word",
     "image",
 )
-"""What a page can show or call."""
+"""Names that a page can show or call."""
 TEMPLATE_TAGS = {
     ".tex": {
         "block_start_string": "<%", "block_end_string": "%>",
@@ -60,14 +61,14 @@ TEMPLATE_TAGS = {
         "comment_start_string": "<!--", "comment_end_string": "-->",
     }
 }  # fmt: skip
-"""How templates are told from text, where braces mean something else."""
+"""Signs around template statements, for formats in which braces have another meaning."""
 _WRONG = (TemplateError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RuntimeError, MemoryError)
-"""What an expression in a template can bring about."""
+"""Exceptions that an expression in a template can cause."""
 
 
 @dataclass(frozen=True)
 class TextFormat:
-    """One way to write a report.
+    """File format of a report: functions that turn its parts into text.
 
     Attributes
     ----------
@@ -87,7 +88,7 @@ class TextFormat:
     images: tuple[str, ...]
 
     def shown(self, value: Any) -> Markup:
-        """A value as text of the format; what a template has made is that already."""
+        """Value as text of the format; what a template has rendered is that already."""
         if isinstance(value, Markup):
             return value
         return Markup(self.inline(value if isinstance(value, Inline | tuple) else str(value)))
@@ -95,7 +96,7 @@ class TextFormat:
 
 @dataclass(frozen=True)
 class Illustrations:
-    """How figures and images stand in a file.
+    """Functions that give the text by which figures and images stand in a file.
 
     Attributes
     ----------
@@ -110,7 +111,7 @@ class Illustrations:
 
 
 def render(report: Report, target: TextFormat, figures: Illustrations, *, folds: bool = False) -> str:
-    """The text of a report."""
+    """Text of a report in a format."""
     template = report.template or TemplateFolder()
     environment = environment_of(target.ending, template, target.shown)
     tools = {name: _marked(tool) for name, tool in {**target.tools, "drawing": figures.drawing}.items()}
@@ -136,7 +137,7 @@ def render(report: Report, target: TextFormat, figures: Illustrations, *, folds:
 
 
 def environment_of(ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None) -> Environment:
-    """The templates of one format, those of the folder first."""
+    """Jinja environment with the templates of one format, those of the template folder first."""
 
     def source(name: str) -> tuple[str, str, Callable[[], bool]]:
         text = template.texts.get(name)
@@ -161,7 +162,7 @@ def environment_of(ending: str, template: TemplateFolder, shown: Callable[[Any],
 
 
 def shipped_blocks(name: str) -> tuple[str, ...]:
-    """The blocks of a page that a template folder may replace."""
+    """Names of the blocks of a page that a template folder may replace."""
     return tuple(environment_of(name.removeprefix("page"), TemplateFolder()).get_template(name).blocks)
 
 
@@ -184,7 +185,7 @@ def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> byt
 
 
 def _located(error: Exception, template: TemplateFolder, name: str) -> Exception:
-    """What failed in the page of the folder, with its line."""
+    """Error of a template with its line in the page of the template folder."""
     if name not in template.texts:
         return error
     lines = [
@@ -196,7 +197,7 @@ def _located(error: Exception, template: TemplateFolder, name: str) -> Exception
 
 
 class _Sandbox(ImmutableSandboxedEnvironment):
-    """Nothing joins a text with one of the format: it would be escaped as in HTML, whatever the format."""
+    """Jinja sandbox that refuses to join texts, which would be escaped as in HTML in any format."""
 
     intercepted_binops = frozenset("+*%")
 
@@ -210,7 +211,7 @@ class _Sandbox(ImmutableSandboxedEnvironment):
 
 
 class _Unknown(StrictUndefined):
-    """A name that nothing has."""
+    """Undefined name in a template, with suggestions in its error message."""
 
     __slots__ = ()
 

@@ -1,4 +1,4 @@
-"""Many frequencies at once: periodic multisines and bursts of noise."""
+"""Broadband test signals: periodic multisines and bursts of noise."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 ComplexArray = NDArray[np.complex128]
 
-WHOLE = 1e-9
-OVERSAMPLING = 8
-"""Points per cycle of the highest line when peaks are looked for."""
-ROUNDS = 200
-"""Clipping and restoring; the crest factor hardly falls any further."""
+WHOLE_PERIOD_TOLERANCE = 1e-9
+"""Relative distance of a period from a whole number of samples below which it is one."""
+PEAK_POINTS_PER_CYCLE = 8
+"""Points per cycle of the highest line when the peak of a multisine is searched."""
+CLIPPING_ITERATIONS = 200
+"""Iterations of clipping and restoring; the crest factor hardly falls any further."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Periodic(Excitation):
-    """A signal of several equal periods.
+    """Periodic test signal of several periods, with lines at multiples of 1/period in a band.
 
     Attributes
     ----------
@@ -55,7 +56,7 @@ class _Periodic(Excitation):
 
     @property
     def lines(self) -> FloatArray:
-        """Frequencies in Hz that are excited."""
+        """Frequencies of the excited lines, Hz, (n_lines,)."""
         return np.asarray(self._numbers / self.period)
 
     @property
@@ -65,17 +66,18 @@ class _Periodic(Excitation):
         return np.arange(max(int(first), 1), int(last) + 1)
 
     def _count(self, sampling_rate: float) -> int:
-        """Samples of one period.
+        """Number of samples of one period.
 
         Raises
         ------
         UsageError
-            It is no whole number: the lines would leak.
+            It is not a whole number, so that the lines would leak.
         """
         count = round(self.period * sampling_rate)
-        if abs(count - self.period * sampling_rate) > WHOLE * count:
+        if abs(count - self.period * sampling_rate) > WHOLE_PERIOD_TOLERANCE * count:
             raise UsageError(
-                f"{self.kind}: a period of {self.period:g} s is no whole number of samples at {sampling_rate:g} Hz"
+                f"{self.kind}: a period of {self.period:g} s is not a whole number of samples at {sampling_rate:g} Hz; "
+                "change one of them"
             )
         return count
 
@@ -89,7 +91,7 @@ class _Periodic(Excitation):
 
 @dataclass(frozen=True, kw_only=True)
 class Multisine(_Periodic):
-    """Equal amplitudes at all lines of a band, with phases that keep the peak low for its power.
+    """Multisine with equal amplitudes at all lines of a band, and phases for a low peak at a given power.
 
     From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
     Schoukens and Renneboog 1988).
@@ -108,10 +110,10 @@ class Multisine(_Periodic):
     def _spectrum(self) -> ComplexArray:
         """Complex amplitudes of the lines for a peak of 1."""
         numbers = self._numbers
-        size, order = int(OVERSAMPLING * numbers[-1]), np.arange(len(numbers))
+        size, order = int(PEAK_POINTS_PER_CYCLE * numbers[-1]), np.arange(len(numbers))
         values = np.exp(-1j * np.pi * order * (order - 1) / len(numbers))
         best, lowest = values, np.inf
-        for level in np.linspace(0.75, 0.95, ROUNDS):
+        for level in np.linspace(0.75, 0.95, CLIPPING_ITERATIONS):
             signal = _periodic(numbers, values, size)
             peak = np.abs(signal).max()
             if peak < lowest:
@@ -126,7 +128,7 @@ class Multisine(_Periodic):
 
 @dataclass(frozen=True, kw_only=True)
 class BurstRandom(_Periodic):
-    """Noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+    """Burst of noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
 
     Every period has noise of its own. ``amplitude`` is the peak.
 
@@ -160,7 +162,7 @@ class BurstRandom(_Periodic):
 
 
 def _periodic(numbers: NDArray[np.int_], values: ComplexArray, size: int) -> FloatArray:
-    """One period of ``size`` samples from the complex amplitudes of its lines."""
+    """Period of a signal, ``size`` samples, from the complex amplitudes of its lines."""
     spectrum = np.zeros(size // 2 + 1, dtype=complex)
     spectrum[numbers] = values
     return np.asarray(np.fft.irfft(spectrum, size) * size / 2)

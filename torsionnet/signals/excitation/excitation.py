@@ -1,4 +1,4 @@
-"""What all excitations have in common."""
+"""Base class of test signals (excitations of a test bench)."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from torsionnet.core.errors import UsageError
 FloatArray = NDArray[np.float64]
 
 POINTS_PER_CYCLE = 2.0
-"""Sampling theorem."""
+"""Least samples per cycle of the highest frequency, by the sampling theorem."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Excitation(ABC, Declared):
-    """A signal of finite length around a mean value.
+    """Test signal of finite length around a mean value, the excitation of a test.
 
     Attributes
     ----------
     amplitude : float
         Peak of the alternating part, in the unit of the input: N m for a torque.
     mean : float
-        Added throughout.
+        Mean value, added throughout.
     """
 
     kind: ClassVar[str] = ""
 
-    # A test is nobody's with the amplitude of 1 N m that a signal has by itself: a file has to give it.
+    # The default amplitude of 1 N m is of use in Python only: a file has to state the amplitude of its test.
     amplitude: float = entry(Value("peak of the alternating torque", "torque"), 1.0, must=True)
     mean: float = entry(Value("torque added throughout; the test begins in its equilibrium", "torque", lower=None), 0.0)
 
@@ -58,7 +58,7 @@ class Excitation(ABC, Declared):
     _may_be_zero: ClassVar[tuple[str, ...]] = ("seed",)
 
     def _contradictions(self) -> list[str]:
-        """What is wrong with values that are sound one by one."""
+        """Errors in the combination of values that are valid one by one."""
         return []
 
     @property
@@ -73,14 +73,14 @@ class Excitation(ABC, Declared):
 
     @abstractmethod
     def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:
-        """The signal without its mean, for unit amplitude, at times in s."""
+        """Signal without its mean at times in s, for unit amplitude, (n,)."""
 
     def time(self, sampling_rate: float) -> FloatArray:
         """Times of the samples, s."""
         return np.arange(round(self.length * sampling_rate)) / sampling_rate
 
     def samples(self, sampling_rate: float) -> FloatArray:
-        """The signal at ``sampling_rate`` Hz, (n,) array.
+        """Samples of the signal at ``sampling_rate`` Hz, (n,) array.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Sines whose frequency changes: linearly, by equal factors, or in steps."""
+"""Test signals with a sine of changing frequency: linear chirp, logarithmic sweep, stepped sine."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from torsionnet.core.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 TURN = 2 * np.pi
-
+"""Angle of a turn in rad."""
 
 _FREQUENCY = Value("frequency", "frequency")
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Sweep(Excitation):
-    """A sine between two frequencies.
+    """Sweep of a sine between two frequencies.
 
     Attributes
     ----------
     start, stop : float
-        Hz.
+        First and last frequency, Hz.
     duration : float
-        s.
+        Length of the sweep, s.
     """
 
     start: float = entry(Value("first frequency", "frequency"))
@@ -100,7 +100,7 @@ class LogarithmicSweep(_Sweep):
 
 
 class Frequencies(Spec[tuple[float, ...]]):
-    """A list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
+    """Specification of a list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
 
     def coerce(self, raw: object) -> tuple[float, ...]:
         if isinstance(raw, Mapping):
@@ -134,7 +134,7 @@ class Frequencies(Spec[tuple[float, ...]]):
 
 
 def _steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
-    """So many frequencies in Hz at equal factors, for a stepped sine.
+    """Frequencies of a stepped sine in Hz, ``count`` of them at equal factors.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def _steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class SteppedSine(Excitation):
-    """One frequency after the other, each held for whole periods; the phase never jumps.
+    """Stepped sine, each frequency held for whole periods without jumps of the phase.
 
     Attributes
     ----------

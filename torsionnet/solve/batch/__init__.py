@@ -1,1 +1,1 @@
-"""Many variants of one drivetrain at once: arrays of parameters in, arrays of coefficients, responses and modes out."""
+"""Batches of variants of one drivetrain: arrays of parameters in, arrays of coefficients, responses and modes out."""

@@ -1,4 +1,4 @@
-"""Many variants of one drivetrain in arrays: the coefficients of all laws, on rows that all share."""
+"""Batch of variants of a drivetrain: coefficients of all laws in arrays, on rows that all variants share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Variants of a drivetrain.
+    """Variants of a drivetrain with their parameter values and the coefficients of all laws in arrays.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Batch:
         What laws have beside them.
     impossible : (n,) boolean array
         Variants that :meth:`torsionnet.Drivetrain.configured` refuses; their coefficients say nothing.
-    apart : (n,) boolean array
+    separate : (n,) boolean array
         Variants that have other acting laws, as one whose stiffness vanishes, and so another system of equations: to be
         solved by their :meth:`model`. Their coefficients say nothing.
     moduli : mapping
@@ -46,19 +46,19 @@ class Batch:
     stiffness: FloatArray
     dynamic: tuple[BatchedStiffness, ...]
     impossible: NDArray[np.bool_]
-    apart: NDArray[np.bool_]
+    separate: NDArray[np.bool_]
     moduli: Mapping[str, FloatArray]
 
     def __len__(self) -> int:
         return len(self.impossible)
 
     @property
-    def together(self) -> NDArray[np.intp]:
-        """Places of the variants whose coefficients are here."""
-        return np.flatnonzero(~(self.impossible | self.apart))
+    def stacked(self) -> NDArray[np.intp]:
+        """Places of the variants whose coefficients are in the arrays: neither impossible nor separate."""
+        return np.flatnonzero(~(self.impossible | self.separate))
 
     def model(self, index: int) -> AssembledModel:
-        """One variant by itself, with the operating point of ``drivetrain``.
+        """Model of one variant, at the operating point of ``drivetrain``.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class Batch:
         )
 
     def part(self, which: Any) -> Batch:
-        """Some variants, by their places, a slice or a mask."""
+        """Batch of selected variants, by places, a slice or a mask."""
         places = np.arange(len(self))[which]
         return Batch(
             self.drivetrain,
@@ -85,7 +85,7 @@ class Batch:
             self.stiffness[places],
             tuple(one.part(places, len(self)) for one in self.dynamic),
             self.impossible[places],
-            self.apart[places],
+            self.separate[places],
             {name: column[places] for name, column in self.moduli.items()},
         )
 
@@ -94,7 +94,7 @@ class Batch:
         return self.drivetrain.assembly.system.actions
 
     def law_stiffness(self, omega: FloatArray) -> LawStiffness:
-        """Of all laws at omega in rad/s, (n_f,)."""
+        """Dynamic stiffness of all laws of all variants at omega in rad/s, (n_f,)."""
         laws = dict.fromkeys(one.law for one in self.dynamic)
         sampled = {law: np.zeros((len(self), len(omega)), dtype=complex) for law in laws}
         for one in self.dynamic:

@@ -1,4 +1,4 @@
-"""From arrays of parameters to arrays of coefficients, without a drivetrain for each variant.
+"""Plan that turns arrays of parameters into arrays of coefficients, without a drivetrain for each variant.
 
 What depends on the parameters is evaluated by the elements themselves, in numbers of all variants
 (:mod:`torsionnet.solve.batch.variant_numbers`), and checked by the checks of single models.
@@ -23,14 +23,14 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Element, Law, Part, Values
 from torsionnet.model.parameters import evaluation_order
 from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batch_filling import Filling
+from torsionnet.solve.batch.batch_builder import BatchBuilder
 from torsionnet.solve.batch.planned_element import PlannedElement, planned_elements
 from torsionnet.solve.batch.variant_numbers import VARIANTS, Decisions, VariantNumber, passes
 
 
 @dataclass(frozen=True, eq=False)
 class BatchPlan:
-    """What of a drivetrain depends on some parameters: made once for any number of variants.
+    """Plan of the elements of a drivetrain that depend on some parameters, made once for any number of variants.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class BatchPlan:
     _fixed: Mapping[str, Any] = field(repr=False)
 
     def batch(self, values: Mapping[str, ArrayLike]) -> Batch:
-        """The variants with these values.
+        """Batch of variants with these parameter values.
 
         Parameters
         ----------
@@ -66,14 +66,14 @@ class BatchPlan:
         columns = {name: np.array(values[name], dtype=float, ndmin=1) for name in self.names}
         if len({column.shape for column in columns.values()}) > 1:
             raise UsageError("the values of all parameters are as many")
-        filling = Filling(self.drivetrain, columns)
+        filling = BatchBuilder(self.drivetrain, columns)
         with np.errstate(all="ignore"):
             for places, decisions in passes(filling.count):
                 self._pass(filling, places, decisions)
         filling.settle()
         return filling.batch()
 
-    def _pass(self, filling: Filling, places: NDArray[np.intp], decisions: Decisions) -> None:
+    def _pass(self, filling: BatchBuilder, places: NDArray[np.intp], decisions: Decisions) -> None:
         varied = {name: VariantNumber(column[places], decisions) for name, column in filling.values.items()}
         try:
             value = Values(numbers_of(self.drivetrain.definition, self.derived, self._fixed, varied), VARIANTS)
@@ -85,7 +85,7 @@ class BatchPlan:
         moduli = {one.element.name: section_modulus(one.element, value) for one in self.elements if one.is_stressed}
         here = filling.followed(places, decisions)
         if not alike:
-            here.mark_apart()
+            here.mark_separate()
             return
         for planned, parts in found:
             if planned.is_on:
@@ -105,7 +105,7 @@ def _checked(planned: PlannedElement, value: Values) -> tuple[Part, ...]:
 def numbers_of(
     definition: Definition, derived: Iterable[str], fixed: Mapping[str, Any], varied: Mapping[str, VariantNumber]
 ) -> dict[str, Any]:
-    """All parameters by name; those ``derived`` from the ``varied`` ones are of all variants, too."""
+    """Values of all parameters by name; ``derived`` parameters of varied ones hold a value for each variant."""
     numbers = {**fixed, **varied}
     for name in derived:
         number = definition.parameters[name].value.evaluate(numbers, VARIANTS)
@@ -115,12 +115,12 @@ def numbers_of(
 
 
 def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | None:
-    """The plan for variants of some parameters; None where a variant has rows of its own and is solved by itself.
+    """Plan for variants of some parameters; None where variants differ in rows and each must be solved by itself.
 
     Parameters
     ----------
     drivetrain : AssembledModel
-        In one configuration; its own values should be usual ones, since variants with other acting laws are put apart.
+        In one configuration; its own values should be usual ones: variants with other acting laws become separate.
     names : iterable of str
         Parameters.
 
@@ -158,7 +158,7 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
 
 
 def _derived_from(definition: Definition, names: Collection[str], order: Collection[str]) -> Iterator[str]:
-    """Parameters that follow others, in the ``order`` of evaluation."""
+    """Names of parameters that depend on others, in the ``order`` of evaluation."""
     moved = set(names)
     for name in order:
         if name not in moved and definition.parameters[name].value.names & moved:
@@ -167,7 +167,7 @@ def _derived_from(definition: Definition, names: Collection[str], order: Collect
 
 
 def _operating_point_moves(definition: Definition, moved: Collection[str], names: Collection[str]) -> bool:
-    """Whether mean speeds and torques, or what is read off curves at them, depend on what is varied.
+    """Whether mean speeds and torques, or values read off curves at them, depend on the varied parameters.
 
     ``moved`` are all parameters that do, ``names`` those of them that are varied themselves.
     """
@@ -184,7 +184,7 @@ def _operating_point_moves(definition: Definition, moved: Collection[str], names
 
 
 def _require_possible(element: Element, parts: Iterable[Part], value: Values, *, on: bool) -> None:
-    """Refuse what the entries of an element, or its laws, must not be; of one that is ``on`` also beyond its curves.
+    """Refuse impossible entries of an element, negative laws, and if ``on`` values beyond its curves.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Modes of many variants of a drivetrain: as stacks of matrices, and singly where those leave a doubt."""
+"""Modes of many variants of a drivetrain: as stacks of matrices, and singly where those are uncertain."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.solve.modes.modes import natural_modes
 if TYPE_CHECKING:
     from torsionnet.solve.batch.batch import Batch
 
-NUMBERS = 200_000
+STACK_ENTRIES = 200_000
 """Entries of the rows of a stack that is worked on at a time, so that it stays in a processor's cache."""
 Number = TypeVar("Number", np.float64, np.complex128)
 
@@ -62,14 +62,14 @@ class BatchedModes:
     eigenvalues: ComplexArray
     shapes: ComplexArray
     undamped_natural_frequencies: FloatArray
-    doubtful: NDArray[np.bool_]
+    uncertain: NDArray[np.bool_]
     singles: Mapping[int, Assembly] = field(repr=False)
     batch: Batch | None = None
     notes: tuple[str, ...] = ()
 
     @classmethod
     def of_drivetrain(cls, drivetrain: AssembledModel, modes: Modes) -> BatchedModes:
-        """The modes of a drivetrain with its own values, as of the only variant."""
+        """Modes of a drivetrain at its own values, as those of a batch of one variant."""
         return cls(
             drivetrain,
             {},
@@ -85,28 +85,28 @@ class BatchedModes:
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """(n, n_modes), ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes); 0 for a rigid-body mode."""
         return frequencies_of(self.eigenvalues)
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """(n, n_modes), ``-Re lambda / |lambda|``; 1 for a stable real pole, NaN for a rigid-body mode."""
+        """Damping ratios ``-Re lambda / |lambda|``, (n, n_modes); 1 for stable real poles, NaN for rigid-body modes."""
         return ratios_of(self.eigenvalues)
 
 
 def frequencies_of(eigenvalues: ComplexArray) -> FloatArray:
-    """Natural frequencies in Hz."""
+    """Natural frequencies in Hz of eigenvalues in rad/s."""
     return np.asarray(np.abs(eigenvalues) / (2 * np.pi))
 
 
 def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
-    """Damping ratios; NaN for rigid-body modes."""
+    """Damping ratios of eigenvalues; NaN for rigid-body modes."""
     with np.errstate(invalid="ignore"):
         return np.asarray(-eigenvalues.real / np.abs(eigenvalues) + 0.0)
 
 
 def batched_modes(batch: Batch) -> BatchedModes:
-    """Modes of every variant of a batch: those of ``batch.model(i).modes()`` to 1e-9.
+    """Modes of all variants of a batch, equal to ``batch.model(i).modes()`` within 1e-9.
 
     Variants that stacks of matrices leave a doubt about are solved singly, and so are all of a drivetrain with torques
     that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
@@ -123,7 +123,7 @@ def batched_modes(batch: Batch) -> BatchedModes:
 
 
 def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> BatchedModes:
-    """Modes of variants that have no batch, as their rows differ: each solved by itself."""
+    """Modes of variants that have no batch because their rows differ, each solved by itself."""
     n = len(next(iter(values.values())))
     found = _Gathered(n, len(drivetrain.assembly.nodes))
     for place in range(n):
@@ -133,7 +133,7 @@ def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -
 
 
 def stacked_coefficients(batch: Batch) -> Coefficients | None:
-    """Coefficients of all variants; None where they do not say all, as with actions and tables over frequency."""
+    """Coefficients of the laws of all variants; None with actions or with stiffness tables over frequency."""
     if batch.drivetrain.assembly.system.actions:
         return None
     stiffness, loss = batch.stiffness.copy(), np.zeros_like(batch.stiffness)
@@ -147,18 +147,18 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
 
 
 def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None:
-    assembly, places = batch.drivetrain.assembly, batch.together
+    assembly, places = batch.drivetrain.assembly, batch.stacked
     system, nodes = assembly.system, assembly.node_rows.dense
-    step = max(1, NUMBERS // (len(system.law_rows) * (system.n_coordinates + 1)))
+    step = max(1, STACK_ENTRIES // (len(system.law_rows) * (system.n_coordinates + 1)))
     for start in range(0, len(places), step):
         some = places[start : start + step]
         part = stacked_modes(system, nodes, given.of(some))
-        sure = ~part.doubtful
+        sure = ~part.uncertain
         found.put(some[sure], part.eigenvalues[sure], part.shapes[sure], part.undamped[sure])
 
 
 class _Gathered:
-    """Modes of n variants as they come in; NaN where there are none."""
+    """Modes of n variants under construction; NaN where there are none."""
 
     def __init__(self, n: int, n_nodes: int) -> None:
         self.eigenvalues = np.full((n, 0), np.nan, dtype=complex)
@@ -171,7 +171,7 @@ class _Gathered:
     def put(
         self, places: NDArray[np.intp] | list[int], values: ComplexArray, shapes: ComplexArray, undamped: FloatArray
     ) -> None:
-        """Modes of some variants: rad/s, shapes over nodes, rad/s."""
+        """Store modes of some variants: eigenvalues in rad/s, shapes over nodes, undamped frequencies in rad/s."""
         self.eigenvalues = _widened(self.eigenvalues, values.shape[-1])
         self.shapes = _widened(self.shapes, values.shape[-1])
         self.undamped = _widened(self.undamped, undamped.shape[-1])
@@ -181,7 +181,7 @@ class _Gathered:
         self.done[places] = True
 
     def solve(self, place: int, make: Callable[[], AssembledModel]) -> None:
-        """Modes of one variant as those of a single drivetrain; nothing comes in of one that cannot be."""
+        """Solve one variant as a single drivetrain and store its modes; impossible variants get a note instead."""
         try:
             model = make()
             found, doubts = natural_modes(model)
@@ -193,8 +193,8 @@ class _Gathered:
         self.notes += [f"variant {place + 1}: {doubt}" for doubt in doubts]
 
     def modes(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray], batch: Batch | None) -> BatchedModes:
-        doubtful = np.zeros(len(self.done), dtype=bool)
-        doubtful[list(self.singles)] = True
+        uncertain = np.zeros(len(self.done), dtype=bool)
+        uncertain[list(self.singles)] = True
         rates = self.undamped / (2 * np.pi)
         return BatchedModes(
             drivetrain,
@@ -202,7 +202,7 @@ class _Gathered:
             self.eigenvalues,
             self.shapes,
             rates,
-            doubtful,
+            uncertain,
             self.singles,
             batch,
             tuple(self.notes),

@@ -1,4 +1,4 @@
-"""Transfer functions of a batch of variants."""
+"""Transfer functions of all variants of a batch."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.starmesh import chosen_method
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, again
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
 from torsionnet.solve.responses.transfer import Evaluated, evaluate_laws, responses
 from torsionnet.solve.responses.zero import at_zero
 
-POINTS = 100_000
-"""Variants times frequencies that are solved together, which bounds the memory."""
+POINTS_AT_ONCE = 100_000
+"""Number of variants times frequencies that are solved together, which bounds the memory."""
 
 
 class SingleAssemblies(Sequence[Assembly]):
-    """The assembly of each variant, made when it is asked for."""
+    """Sequence of the assemblies of all variants, each made when indexed."""
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
@@ -53,9 +53,9 @@ def batched_responses(
     method: str = "auto",
     refused: Callable[[TorsionnetError], None] = _raised,
 ) -> Evaluated:
-    """Transfer functions of all variants at frequencies >= 0.
+    """Transfer functions of all variants of a batch at frequencies >= 0.
 
-    Variants that are ``apart`` are solved by themselves; those that are impossible have NaN.
+    Variants that are ``separate`` are solved by themselves; those that are impossible have NaN.
 
     Parameters
     ----------
@@ -77,20 +77,20 @@ def batched_responses(
     --------
     >>> import torsionnet as tn
     >>> from torsionnet.solve.batch.batch_plan import batch_plan
-    >>> from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
+    >>> from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
     >>> rig = tn.load("dmf_rig")
     >>> batch = batch_plan(rig, ["k_2"]).batch({"k_2": np.array([400.0, 500.0, -1.0])})
-    >>> found = batched_responses(batch, remembered(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
+    >>> found = batched_responses(batch, cached_request(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
     >>> found.values.shape, bool(np.isnan(found.values[2]).all())
     ((3, 2, 1, 1), True)
     """
     shape = (len(batch), len(frequencies))
-    method = chosen_method(request.posed.problem, len(batch) * len(frequencies), method)
+    method = chosen_method(request.reading_problem.problem, len(batch) * len(frequencies), method)
     values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
     found = Evaluated(values, np.empty(shape))
     found.values[batch.impossible], found.conditioning[batch.impossible] = complex(np.nan, np.nan), np.nan
-    singly = [np.flatnonzero(batch.apart & ~batch.impossible)]
-    for places in _blocks(batch.together, len(frequencies)):
+    singly = [np.flatnonzero(batch.separate & ~batch.impossible)]
+    for places in _blocks(batch.stacked, len(frequencies)):
         try:
             block = _together(batch.part(places), request, frequencies, method)
         except TorsionnetError:  # one of them is to blame
@@ -102,7 +102,7 @@ def batched_responses(
     for index in np.concatenate(singly).tolist():
         model = batch.model(index)
         try:
-            one = responses([model], again(model, request), frequencies, method)
+            one = responses([model], request_for_model(model, request), frequencies, method)
         except TorsionnetError as error:
             refused(error)
             one = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in found))
@@ -111,12 +111,12 @@ def batched_responses(
 
 
 def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np.intp]]:
-    size = max(1, POINTS // max(1, n_frequencies))
+    size = max(1, POINTS_AT_ONCE // max(1, n_frequencies))
     return (places[start : start + size] for start in range(0, len(places), size))
 
 
 def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
-    """Of variants with the same rows."""
+    """Transfer functions of variants with the same rows."""
     moving, shape = f > 0, (len(batch), len(f))
     if moving.all():
         found = evaluate_laws(batch.law_stiffness(2 * np.pi * f), SingleAssemblies(batch), request, f, method)
@@ -141,14 +141,14 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
     single = np.ones(len(batch), dtype=bool)
     if not rigid_motions(batch.drivetrain.assembly.kinematics):
         points = transfer_functions(request, batch.law_stiffness(np.zeros(1)), method)
-        found, single = points.values, points.doubtful | ~np.isfinite(points.values).all(axis=(1, 2))
+        found, single = points.values, points.uncertain | ~np.isfinite(points.values).all(axis=(1, 2))
     for index in np.flatnonzero(single):
         found[index] = at_zero(batch.model(int(index)), request)
     return found
 
 
 def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
-    """Stresses by the sections of the variants, in place; the request has those of the drivetrain."""
+    """Scale stresses in place by the section moduli of the variants; the request has those of the drivetrain."""
     for place, reading in enumerate((*request.outputs, *(request.measured if request.is_measured else ()))):
         sensor = reading.sensor
         if sensor is None or sensor.quantity != "stress" or sensor.of not in batch.moduli:

@@ -1,4 +1,4 @@
-"""A stiffness over frequency of many variants."""
+"""Frequency-dependent stiffness of one law in many variants."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, Dy
 
 @dataclass(frozen=True, eq=False)
 class BatchedStiffness:
-    """The dynamic stiffness of one law in some variants.
+    """Frequency-dependent stiffness of one law in some variants of a batch.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class BatchedStiffness:
     coefficients: FloatArray
 
     def single(self, place: int) -> DynamicStiffness:
-        """Of one of the variants."""
+        """Frequency-dependent stiffness of one of the variants."""
         values = self.coefficients[:, place].tolist()
         if not values:
             return self.of
@@ -55,7 +55,7 @@ class BatchedStiffness:
         return np.array([self.single(place).kappa(omega) for place in range(n)]).reshape(n, len(omega))
 
     def part(self, which: NDArray[np.intp], count: int) -> BatchedStiffness:
-        """Of the variants ``which`` out of ``count``, numbered anew."""
+        """Frequency-dependent stiffness in the variants ``which`` out of ``count``, renumbered."""
         places = np.full(count, -1)
         places[self.places] = np.arange(len(self.places))
         mine = places[which]

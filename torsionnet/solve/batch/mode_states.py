@@ -1,4 +1,4 @@
-"""Modes as states of energy, and how much of it two modes have in common.
+"""Energy states of modes, and the energy that two modes have in common.
 
 The state of a mode has for every law the velocity times the root of its inertia and the twist times the root of its
 stiffness: the square of its length is the energy of the vibration. States of different modes of an undamped drivetrain
@@ -18,7 +18,7 @@ from torsionnet.solve.batch.batched_modes import BatchedModes, stacked_coefficie
 
 
 def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
-    """States (n, n_states, n_modes) of the modes of some variants, of length 1; 0 of rigid bodies and where no mode is.
+    """Energy states (n, n_states, n_modes) of modes, of length 1; 0 for rigid bodies and missing modes.
 
     Variants whose laws are not those of the drivetrain itself, one to one, have states of zeros.
     """
@@ -43,7 +43,7 @@ def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
 
 
 def _springs(system: RowSystem) -> FloatArray:
-    """Stiffness of every law, with that of hysteretic springs."""
+    """Stiffness of all laws in N m/rad, that of hysteretic springs included."""
     stiffness = system.stiffness.copy()
     for law, table in system.dynamic:
         if isinstance(table, ComplexStiffness):
@@ -52,7 +52,7 @@ def _springs(system: RowSystem) -> FloatArray:
 
 
 def _counts(found: BatchedModes, places: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Modes of each variant."""
+    """Number of modes of each variant."""
     return np.asarray(np.sum(~np.isnan(found.eigenvalues[places]), axis=1))
 
 
@@ -64,7 +64,7 @@ def _states(
     places: NDArray[np.intp],
     count: int,
 ) -> ComplexArray:
-    """Of variants that have so many modes."""
+    """Energy states of the variants that have ``count`` modes."""
     values = found.eigenvalues[places, :count]
     nodes = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     motion = assembly.system.rows @ found.shapes[places, :, :count][:, nodes]
@@ -76,7 +76,7 @@ def _states(
 
 
 def common_energy(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Modal assurance criterion of states: (n, n_first, n_second), 1 for one mode and 0 for orthogonal ones."""
+    """Modal assurance criterion of states, shape (n, n_first, n_second): 1 for equal, 0 for orthogonal modes."""
     return np.asarray(np.abs(np.conj(np.swapaxes(first, -1, -2)) @ second) ** 2)
 
 

@@ -1,4 +1,4 @@
-"""Which mode of a variant continues which mode of a variant next to it.
+"""Matching of the modes of neighbouring variants along their eigenvalues.
 
 Modes are followed along their eigenvalues: neighbours whose states have most of their energy in common are the same
 mode. Where two modes have changed places in between and could have met, a shorter step says whether they did.
@@ -15,42 +15,43 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.mode_states import common_energy
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 
-ALIKE = 0.8
-"""Energy in common from which on neighbours are the same mode."""
-LEAST = 0.5
-"""Energy in common below which a mode has no successor."""
-NONE = -1
+SAME_MODE_ENERGY = 0.8
+"""Energy in common (MAC of states) from which modes of neighbouring variants are taken as the same mode."""
+SUCCESSOR_ENERGY = 0.5
+"""Energy in common (MAC of states) below which a mode has no successor: less than half of it is the same motion."""
+MISSING_MODE = -1
+"""Column number that marks a missing mode."""
 
 Columns = NDArray[np.intp]
 
 
-class Followed(NamedTuple):
-    """Modes of n variants in the order of those they continue: (n, m) rad/s, NaN for those lost, and their states."""
+class FollowedModes(NamedTuple):
+    """Modes of n variants in the order of those they continue: eigenvalues (n, m) in rad/s, and states."""
 
     values: ComplexArray
     states: ComplexArray
 
-    def of(self, some: NDArray[np.generic]) -> Followed:
-        return Followed(self.values[some], self.states[some])
+    def of(self, some: NDArray[np.generic]) -> FollowedModes:
+        return FollowedModes(self.values[some], self.states[some])
 
 
-def taken(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
-    """The columns along the last axis; NaN for those that are not there."""
+def take_columns(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
+    """Array with these columns of its last axis; NaN for columns marked as missing."""
     if not array.shape[-1]:
         return np.full((*array.shape[:-1], columns.shape[-1]), np.nan, dtype=array.dtype)
     found = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
-    return np.asarray(np.where(columns == NONE, np.nan, found))
+    return np.asarray(np.where(columns == MISSING_MODE, np.nan, found))
 
 
 class Successors(NamedTuple):
-    """Columns (n, m) of the modes that continue each mode, ``NONE`` for none, and where nothing else is possible."""
+    """Columns (n, m) of the modes that continue each mode, missing ones marked, and mask of unambiguous variants."""
 
     columns: Columns
     clear: NDArray[np.bool_]
 
 
-def successors(known: Followed, found: Followed) -> Successors:
-    """The modes of some variants that continue those of variants next to them, where a look tells.
+def successors(known: FollowedModes, found: FollowedModes) -> Successors:
+    """Modes of variants that continue the modes of neighbouring variants, where that is unambiguous.
 
     Parameters
     ----------
@@ -65,23 +66,23 @@ def successors(known: Followed, found: Followed) -> Successors:
     best = np.take_along_axis(alike, columns[:, :, None], axis=2)[:, :, 0]
     twice = (columns[:, :, None] == columns[:, None, :]) & followed[:, :, None] & followed[:, None, :]
     values = np.take_along_axis(found.values, columns, axis=1)
-    clear = ((best >= ALIKE) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
+    clear = ((best >= SAME_MODE_ENERGY) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
     clear &= ~_may_have_met(known.values, values).any(axis=(1, 2))
-    return Successors(np.where(followed, columns, NONE), clear)
+    return Successors(np.where(followed, columns, MISSING_MODE), clear)
 
 
-def _slower(known: Followed, found: Followed, alike: FloatArray) -> Columns:
-    """The most alike; of two real poles that a vibration falls into, when it is damped too much, the slower one."""
+def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Columns:
+    """Column of the most similar mode; the slower of two real poles into which an overdamped vibration falls."""
     best = alike.max(axis=2, keepdims=True)
     real = _is_real(found.values)[:, None, :]
     chosen = np.argmax(alike, axis=2)
     falls = (known.values.imag > 0) & (np.take_along_axis(found.values, chosen, axis=1).imag == 0)
-    slowest = np.argmax(real & (alike >= ALIKE * best), axis=2)
+    slowest = np.argmax(real & (alike >= SAME_MODE_ENERGY * best), axis=2)
     return np.asarray(np.where(falls, slowest, chosen))
 
 
 def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_]:
-    """Pairs (n, m, m) of modes that have changed places and moved far enough to have met."""
+    """Mask of pairs (n, m, m) of modes that have changed order and moved far enough to have met."""
     order = [_order(np.abs(values)) for values in (before, after)]
     kinds = [(values.imag > 0)[:, :, None] == (values.imag > 0)[:, None, :] for values in (before, after)]
     moved = np.abs(after - before)
@@ -91,7 +92,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
 
 
 def _order(sizes: FloatArray) -> FloatArray:
-    """1 or -1 for pairs of which the first or the second is larger, 0 for equal ones."""
+    """Sign of the size difference of all pairs: 1 or -1, 0 for equal ones."""
     apart = _differences(sizes)
     return np.where(np.abs(apart) > EQUAL_EIGENVALUES * sizes[:, :, None], np.sign(apart), 0.0)
 
@@ -100,26 +101,26 @@ def _differences(values: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(values[:, :, None] - values[:, None, :])
 
 
-def assigned(known: Followed, found: Followed) -> Columns:
-    """Of one variant (n = 1) the modes that continue each mode when no look tells: most energy in common in all.
+def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
+    """Columns that continue each mode of one ambiguous variant, chosen for most energy in common overall.
 
     Of two real poles that have become one vibration the slower one goes on.
     """
     from scipy.optimize import linear_sum_assignment
 
     alike = common_energy(known.states, found.states[:, :, ~np.isnan(found.values[0])])[0]
-    alike[(alike < LEAST) | np.isnan(known.values[0])[:, None]] = 0.0
-    columns = np.full(known.values.shape[1], NONE)
+    alike[(alike < SUCCESSOR_ENERGY) | np.isnan(known.values[0])[:, None]] = 0.0
+    columns = np.full(known.values.shape[1], MISSING_MODE)
     for mode, column in zip(*linear_sum_assignment(-alike), strict=True):
         if alike[mode, column] > 0:
             columns[mode] = column
     real = np.flatnonzero(_is_real(known.values[0]))
-    for slower in real[columns[real] == NONE]:
-        for faster in real[columns[real] != NONE]:
+    for slower in real[columns[real] == MISSING_MODE]:
+        for faster in real[columns[real] != MISSING_MODE]:
             column = columns[faster]
             sizes = np.abs(known.values[0, [slower, faster]])
             if found.values[0, column].imag > 0 and alike[slower, column] > 0 and sizes[0] < sizes[1]:
-                columns[slower], columns[faster] = column, NONE
+                columns[slower], columns[faster] = column, MISSING_MODE
                 break
     return columns[None]
 

@@ -1,4 +1,4 @@
-"""Which mode of each variant is which mode of the drivetrain itself.
+"""Mode tracking: the modes of variants in the order of the modes of their drivetrain.
 
 A mode is followed along its eigenvalue from the drivetrain's own values to those of the variant. Where every mode is
 most like the one of the same rank among its kind, nothing has to be followed. Otherwise the values move in steps, each
@@ -31,17 +31,17 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.response import Modes
 from torsionnet.solve.batch.batched_modes import BatchedModes, frequencies_of, ratios_of
 from torsionnet.solve.batch.mode_states import inertia_mac, mode_states
-from torsionnet.solve.batch.mode_steps import ALIKE, NONE, Columns, Followed, taken
+from torsionnet.solve.batch.mode_steps import MISSING_MODE, SAME_MODE_ENERGY, Columns, FollowedModes, take_columns
 from torsionnet.solve.batch.mode_walk import ModeWalk
 from torsionnet.solve.batch.tracking_notes import tracking_notes
 from torsionnet.solve.modes.modes import natural_modes
 
-MIXED = 0.2
-"""MAC with another mode of the drivetrain from which on a mode is marked."""
+VEERING_MAC = 0.2
+"""MAC with another mode of the drivetrain from which a mode is marked as veering: lower marks more modes."""
 
 
-AT_ONCE = 500
-"""Variants whose states are held at a time."""
+VARIANTS_AT_ONCE = 500
+"""Number of variants whose states are held in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,32 +78,32 @@ class TrackedModes:
 
     @cached_property
     def eigenvalues(self) -> ComplexArray:
-        """(n, n_modes), rad/s; NaN where a variant lacks a mode."""
-        return taken(self.found.eigenvalues, self.columns)
+        """Eigenvalues in rad/s, shape (n, n_modes); NaN where a variant lacks a mode."""
+        return take_columns(self.found.eigenvalues, self.columns)
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """(n, n_modes), ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes); 0 for a rigid-body mode."""
         return frequencies_of(self.eigenvalues)
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """(n, n_modes); 1 for a stable real pole, NaN for a rigid-body mode."""
+        """Damping ratios, shape (n, n_modes); 1 for a stable real pole, NaN for a rigid-body mode."""
         return ratios_of(self.eigenvalues)
 
     @cached_property
     def shapes(self) -> ComplexArray:
-        """(n, n_nodes, n_modes)."""
-        return taken(self.found.shapes, self.columns[:, None, :])
+        """Mode shapes, shape (n, n_nodes, n_modes)."""
+        return take_columns(self.found.shapes, self.columns[:, None, :])
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """What has happened to modes on the way to variants, in words."""
+        """Sentences on modes that come near each other, become overdamped or get lost over the variants."""
         return tracking_notes(self.reference.eigenvalues, self.eigenvalues, self.veering, self.partners)
 
 
-def tracked(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
-    """The modes of variants in the order of the modes of their drivetrain.
+def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
+    """Modes of variants in the order of the modes of their drivetrain, tracked along their eigenvalues.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def tracked(found: BatchedModes, reference: Modes | None = None) -> TrackedModes
     >>> from torsionnet.solve.batch.batched_modes import batched_modes
     >>> plan = batch_plan(tn.load("dmf_rig"), ["k_2"])
     >>> variants = batched_modes(plan.batch({"k_2": np.array([300.0, 460.0, 900.0])}))
-    >>> tracked(variants).natural_frequencies[:, 0].round(2).tolist()
+    >>> track_modes(variants).natural_frequencies[:, 0].round(2).tolist()
     [5.74, 7.11, 9.92]
     """
     known = natural_modes(found.drivetrain)[0] if reference is None else reference
@@ -126,39 +126,39 @@ def tracked(found: BatchedModes, reference: Modes | None = None) -> TrackedModes
         none = np.zeros((len(found), 0))
         return TrackedModes(found, known, none.astype(int), none, none.astype(bool), none.astype(int))
     home = BatchedModes.of_drivetrain(found.drivetrain, known)
-    there = Followed(home.eigenvalues, mode_states(home, np.zeros(1, dtype=np.intp)))
-    columns = np.full((len(found), len(known)), NONE)
+    there = FollowedModes(home.eigenvalues, mode_states(home, np.zeros(1, dtype=np.intp)))
+    columns = np.full((len(found), len(known)), MISSING_MODE)
     mac, mixed, partners = np.full(columns.shape, np.nan), np.full(columns.shape, np.nan), columns.copy()
     unclear = np.zeros(len(found), dtype=bool)
     for places, here in _parts(found, np.arange(len(found))):
         columns[places] = _of_same_rank(there.values, here.values)
         mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
         gone = np.isnan(here.values).all(axis=1)
-        unclear[places] = ~((mac[places] >= ALIKE).all(axis=1) | gone)
+        unclear[places] = ~((mac[places] >= SAME_MODE_ENERGY).all(axis=1) | gone)
     if unclear.any():
         moving = np.flatnonzero(~_rigid(there.values[0]))
-        walk = ModeWalk(found, Followed(there.values[:, moving], there.states[:, :, moving]))
+        walk = ModeWalk(found, FollowedModes(there.values[:, moving], there.states[:, :, moving]))
         for places, here in _parts(found, np.flatnonzero(unclear)):
             columns[np.ix_(places, moving)] = walk.columns(places, here)
             mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
-    return TrackedModes(found, known, columns, mac, mixed >= MIXED, partners)
+    return TrackedModes(found, known, columns, mac, mixed >= VEERING_MAC, partners)
 
 
-def _parts(found: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Followed]]:
-    """Some variants at a time, and all their modes."""
-    for start in range(0, len(places), AT_ONCE):
-        some = places[start : start + AT_ONCE]
-        yield some, Followed(found.eigenvalues[some], mode_states(found, some))
+def _parts(found: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], FollowedModes]]:
+    """Yield places of some variants at a time, with all their modes."""
+    for start in range(0, len(places), VARIANTS_AT_ONCE):
+        some = places[start : start + VARIANTS_AT_ONCE]
+        yield some, FollowedModes(found.eigenvalues[some], mode_states(found, some))
 
 
 def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:
-    """Columns (n, m) of the modes of the same kind and rank, ``NONE`` where a variant has fewer."""
-    columns = np.full((len(here), there.shape[1]), NONE)
+    """Columns (n, m) of the modes of the same kind and rank, marked as missing where a variant has fewer."""
+    columns = np.full((len(here), there.shape[1]), MISSING_MODE)
     for of_kind in (_rigid, _real, _vibrating):
         wanted, have = np.flatnonzero(of_kind(there[0])), of_kind(here)
         first = np.argsort(~have, axis=1, kind="stable")[:, : len(wanted)]
         is_there = np.arange(first.shape[1]) < have.sum(axis=1)[:, None]
-        columns[:, wanted[: first.shape[1]]] = np.where(is_there, first, NONE)
+        columns[:, wanted[: first.shape[1]]] = np.where(is_there, first, MISSING_MODE)
     return columns
 
 
@@ -174,16 +174,16 @@ def _vibrating(values: ComplexArray) -> NDArray[np.bool_]:
     return np.asarray(values.imag > 0)
 
 
-def _compared(there: Followed, here: Followed, columns: Columns) -> tuple[FloatArray, FloatArray, Columns]:
-    """MAC (n, m) with the mode of the drivetrain, the largest with another vibration of it, and with which.
+def _compared(there: FollowedModes, here: FollowedModes, columns: Columns) -> tuple[FloatArray, FloatArray, Columns]:
+    """MAC (n, m) with the own mode of the drivetrain, largest MAC with another vibration, and its number.
 
     NaN for lost modes.
     """
-    values = taken(here.values, columns)
-    alike = inertia_mac(there.states, np.nan_to_num(taken(here.states, columns[:, None, :])))
+    values = take_columns(here.values, columns)
+    alike = inertia_mac(there.states, np.nan_to_num(take_columns(here.states, columns[:, None, :])))
     own = np.diagonal(alike, axis1=1, axis2=2).copy()
     own[:, _rigid(there.values[0])] = 1.0
     vibrations = _vibrating(there.values)[:, :, None] & _vibrating(values)[:, None, :]
     others = np.where(vibrations & ~np.eye(columns.shape[1], dtype=bool), alike, 0.0)
-    lost, partners = columns == NONE, np.argmax(others, axis=1)
+    lost, partners = columns == MISSING_MODE, np.argmax(others, axis=1)
     return np.where(lost, np.nan, own), np.where(lost, np.nan, others.max(axis=1)), partners

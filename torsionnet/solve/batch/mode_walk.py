@@ -1,4 +1,4 @@
-"""Modes followed from a drivetrain to its variants, in steps of the values that are as short as they have to be."""
+"""Stepwise tracking of modes from a drivetrain to its variants, with steps as short as needed."""
 
 from __future__ import annotations
 
@@ -11,16 +11,24 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_modes import BatchedModes, batched_modes, single_modes
 from torsionnet.solve.batch.mode_states import mode_states
-from torsionnet.solve.batch.mode_steps import NONE, Columns, Followed, assigned, successors, taken
+from torsionnet.solve.batch.mode_steps import (
+    MISSING_MODE,
+    Columns,
+    FollowedModes,
+    assign_modes,
+    successors,
+    take_columns,
+)
 
 FIRST_STEP = 0.25
-SHORTEST = 2.0**-12
+"""Share of the way to a variant that the first step takes; shorter ones cost solutions, longer ones get halved."""
+SHORTEST_STEP = 2.0**-12
 """Share of the way from the drivetrain to a variant that is the shortest step, doubled for a variant whenever not even
 that told modes apart: a way along which nothing is clear is given up after a dozen of them."""
 
 
 class ModeWalk:
-    """Ways from a drivetrain to variants of it.
+    """Stepwise tracking of modes from a drivetrain to variants of it.
 
     Parameters
     ----------
@@ -29,12 +37,12 @@ class ModeWalk:
         m modes of the drivetrain itself (1, m).
     """
 
-    def __init__(self, found: BatchedModes, home: Followed) -> None:
+    def __init__(self, found: BatchedModes, home: FollowedModes) -> None:
         self._found, self._home = found, home
         self._plan = None if found.batch is None else batch_plan(found.drivetrain, found.values)
 
-    def columns(self, places: NDArray[np.intp], arrived: Followed) -> Columns:
-        """Columns (n, m) in which the modes stand that continue those of the drivetrain.
+    def columns(self, places: NDArray[np.intp], arrived: FollowedModes) -> Columns:
+        """Columns (n, m) of the variants' modes that continue those of the drivetrain.
 
         Parameters
         ----------
@@ -44,9 +52,9 @@ class ModeWalk:
             All their modes.
         """
         n, m = len(places), self._home.values.shape[1]
-        known = Followed(np.repeat(self._home.values, n, axis=0), np.repeat(self._home.states, n, axis=0))
-        columns = np.full((n, m), NONE)
-        reached, step, shortest = np.zeros(n), np.full(n, FIRST_STEP), np.full(n, SHORTEST)
+        known = FollowedModes(np.repeat(self._home.values, n, axis=0), np.repeat(self._home.states, n, axis=0))
+        columns = np.full((n, m), MISSING_MODE)
+        reached, step, shortest = np.zeros(n), np.full(n, FIRST_STEP), np.full(n, SHORTEST_STEP)
         walking = np.arange(n)
         while walking.size:
             goal = np.minimum(reached + step, 1.0)[walking]
@@ -55,7 +63,7 @@ class ModeWalk:
             chosen, clear = successors(known.of(walking), ahead)
             forced = ~(clear & there) & (step[walking] <= shortest[walking])
             for number in np.flatnonzero(forced & there):
-                chosen[number] = assigned(known.of(walking[[number]]), ahead.of(np.array([number])))[0]
+                chosen[number] = assign_modes(known.of(walking[[number]]), ahead.of(np.array([number])))[0]
             moved = (clear & there) | forced
             shortest[walking[forced]] *= 2.0
             step[walking] *= np.where(moved, 2.0, 0.5)
@@ -63,12 +71,12 @@ class ModeWalk:
             new = moved & there
             some = walking[new]
             columns[some] = chosen[new]
-            known.values[some] = taken(ahead.values[new], chosen[new])
-            known.states[some] = np.nan_to_num(taken(ahead.states[new], chosen[new][:, None, :]))
+            known.values[some] = take_columns(ahead.values[new], chosen[new])
+            known.states[some] = np.nan_to_num(take_columns(ahead.states[new], chosen[new][:, None, :]))
             walking = walking[reached[walking] < 1]
         return columns
 
-    def _at(self, places: NDArray[np.intp], shares: FloatArray, arrived: Followed) -> Followed:
+    def _at(self, places: NDArray[np.intp], shares: FloatArray, arrived: FollowedModes) -> FollowedModes:
         """All modes of variants at shares of the ways to them, 1 at their ends."""
         ended = shares >= 1
         between = self._solved(places[~ended], shares[~ended])
@@ -78,18 +86,18 @@ class ModeWalk:
         for part, mask in ((between, ~ended), (arrived.of(ended), ended)):
             values[mask, : part.values.shape[1]] = part.values
             states[mask, :, : part.values.shape[1]] = part.states
-        return Followed(values, states)
+        return FollowedModes(values, states)
 
-    def _solved(self, places: NDArray[np.intp], shares: FloatArray) -> Followed:
+    def _solved(self, places: NDArray[np.intp], shares: FloatArray) -> FollowedModes:
         drivetrain = self._found.drivetrain
         ends = {name: column[places] for name, column in self._found.values.items()}
         values = _between(drivetrain.parameters, ends, shares)
         found = single_modes(drivetrain, values) if self._plan is None else batched_modes(self._plan.batch(values))
-        return Followed(found.eigenvalues, mode_states(found, np.arange(len(found))))
+        return FollowedModes(found.eigenvalues, mode_states(found, np.arange(len(found))))
 
 
 def _between(home: Mapping[str, float], ends: Mapping[str, FloatArray], shares: FloatArray) -> dict[str, FloatArray]:
-    """Values at shares of straight ways, in logarithms where both ends have one sign."""
+    """Parameter values at shares of the ways, in logarithms where both ends have the same sign."""
     values = {}
     for name, end in ends.items():
         start = float(home[name])

@@ -1,4 +1,4 @@
-"""Transfer functions of a batch whose variants have frequencies of their own, as in a search for peaks."""
+"""Transfer functions of a batch whose variants have different frequencies, as in a search for peaks."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import numpy as np
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batched_responses import POINTS, SingleAssemblies, scale_stresses
+from torsionnet.solve.batch.batched_responses import POINTS_AT_ONCE, SingleAssemblies, scale_stresses
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, again
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
 from torsionnet.solve.responses.transfer import evaluate_laws, responses
 
 
 def responses_at_own_frequencies(
     batch: Batch, request: TransferRequest, frequencies: FloatArray, method: str = "auto"
 ) -> ComplexArray:
-    """Transfer functions (n, n_f, n_out, n_in); NaN where a variant is impossible.
+    """Transfer functions (n, n_f, n_out, n_in) at frequencies of each variant; NaN where a variant is impossible.
 
     Parameters
     ----------
@@ -29,23 +29,23 @@ def responses_at_own_frequencies(
     """
     shape = (*frequencies.shape, len(request.outputs), len(request.measured))
     found = np.full(shape, complex(np.nan, np.nan))
-    size = max(1, POINTS // max(1, frequencies.shape[1]))
-    for start in range(0, len(batch.together), size):
-        places = batch.together[start : start + size]
+    size = max(1, POINTS_AT_ONCE // max(1, frequencies.shape[1]))
+    for start in range(0, len(batch.stacked), size):
+        places = batch.stacked[start : start + size]
         part, own = batch.part(places), frequencies[places]
         values = evaluate_laws(
             _law_stiffness(part, 2 * np.pi * own), SingleAssemblies(part), request, own, method
         ).values
         scale_stresses(values, part, request)
         found[places] = values
-    for index in np.flatnonzero(batch.apart & ~batch.impossible):
+    for index in np.flatnonzero(batch.separate & ~batch.impossible):
         model = batch.model(int(index))
-        found[index] = responses([model], again(model, request), frequencies[index], method).values[0]
+        found[index] = responses([model], request_for_model(model, request), frequencies[index], method).values[0]
     return found
 
 
 def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:
-    """Of all laws at omega (n, n_f) in rad/s."""
+    """Dynamic stiffness of all laws at omega (n, n_f) in rad/s."""
     laws = dict.fromkeys(one.law for one in batch.dynamic)
     sampled = {law: np.zeros(omega.shape, dtype=complex) for law in laws}
     for one in batch.dynamic:

@@ -1,4 +1,4 @@
-"""Elements that depend on varied parameters, and where their laws stand in the arrays of a drivetrain."""
+"""Elements that depend on varied parameters, and the numbers of their laws in the arrays of a drivetrain."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.solve.batch.variant_numbers import VARIANTS, VariantNumber
 
 @dataclass(frozen=True, eq=False)
 class PlannedElement:
-    """An element that depends on varied parameters.
+    """Element that depends on varied parameters, with the numbers of its laws.
 
     Attributes
     ----------
@@ -36,15 +36,15 @@ class PlannedElement:
         return bool(self.parts)
 
     def has_rows_of(self, found: tuple[Part, ...]) -> bool:
-        """Whether these parts act on the same rows, so that only coefficients of laws may differ."""
+        """Whether parts act on the same rows as those of the element, so that only coefficients differ."""
         return len(self.parts) == len(found) and all(
             type(one) is type(other) and (one.row == other.row if isinstance(one, Law) else one == other)
             for one, other in zip(self.parts, found, strict=True)
         )
 
 
-class _Asked(dict[str, Any]):
-    """Numbers that remember which of them were asked for."""
+class _RecordedLookups(dict[str, Any]):
+    """Dictionary of numbers that records which names were looked up."""
 
     def __init__(self, numbers: Mapping[str, Any]) -> None:
         super().__init__(numbers)
@@ -58,14 +58,14 @@ class _Asked(dict[str, Any]):
 def planned_elements(
     drivetrain: AssembledModel, numbers: Mapping[str, Any], moved: frozenset[str]
 ) -> list[PlannedElement] | None:
-    """All elements that depend on the parameters ``moved``; None if a row does, or a torque that follows a motion.
+    """Elements that depend on the parameters ``moved``; None if a row or an action depends on them.
 
     ``numbers`` are the values of all parameters, those ``moved`` as :class:`VariantNumber`.
     """
     definition, known = drivetrain.definition, _numbered(drivetrain)
     active, found = {element.name: element for element in definition.active}, []
     for name, declared in definition.elements.items():
-        element, asked = active.get(name, declared), _Asked(numbers)
+        element, asked = active.get(name, declared), _RecordedLookups(numbers)
         parts = element.parts(Values(asked, VARIANTS))
         entries = (expression.names for _, _, expression, _ in element.expressions())
         if not asked.names.union(*entries) & moved:
@@ -80,7 +80,7 @@ def planned_elements(
 
 
 def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | None]]]:
-    """Parts of the drivetrain by element; of a law that acts its number."""
+    """Parts of the drivetrain by element, each with the number of its law, or None if it is no acting law."""
     found: dict[str, list[tuple[Part, int | None]]] = {}
     count = 0
     for owned in drivetrain.assembly.kinematics.parts:

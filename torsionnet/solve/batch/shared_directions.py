@@ -1,4 +1,4 @@
-"""What variants with the same rows and the same acting laws have in common: which directions are rigid or massless."""
+"""Rigid and massless directions common to variants with the same rows and the same acting laws."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
-from torsionnet.solve.dynamic_stiffness.reduction import beside, echelon, require_resistance, stiff_laws
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.reduction import complement_within, echelon, require_resistance, stiff_laws
 
 
 @dataclass(frozen=True, eq=False)
 class SharedDirections:
-    """Bases (n_q, ...) of coordinate directions that follow from the rows and never from sizes of coefficients.
+    """Bases (n_q, ...) of coordinate directions that follow from rows alone, never from sizes of coefficients.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class SharedDirections:
 
     @property
     def n_moving(self) -> int:
-        """Coordinates with inertia."""
+        """Number of directions with inertia."""
         return int(self.rows.shape[1] - self.damped.shape[1] - self.held.shape[1])
 
     @property
@@ -47,12 +47,12 @@ class SharedDirections:
 
     @property
     def vibrations(self) -> int:
-        """Those of inertias and springs without dampers."""
+        """Number of vibrations of inertias and springs without dampers."""
         return int(min(self.n_moving - self.undamped_rigid.shape[1], self.spring_rank - self.held.shape[1]))
 
     @classmethod
     def of(cls, system: RowSystem) -> SharedDirections:
-        """Of a system of which only the signs of the coefficients count.
+        """Shared directions of a system, of which only the signs of the coefficients count.
 
         Raises
         ------
@@ -62,14 +62,14 @@ class SharedDirections:
         moves = system.rows.any(axis=1)  # laws on clamped nodes alone have empty rows
         heavy, stiff, damped = (laws & moves for laws in (system.inertia > 0, stiff_laws(system), system.damping != 0))
         require_resistance(system, heavy | stiff | damped)
-        massless, held = (unresisted(system, laws).basis() for laws in (heavy, heavy | damped))
+        massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
         return cls(
             rows=system.rows,
             heavy=np.flatnonzero(heavy),
             stiff=np.flatnonzero(stiff),
             dissipating=np.flatnonzero(damped),
-            rigid=echelon(unresisted(system, stiff).basis()),
-            undamped_rigid=unresisted(system, stiff | damped).basis(),
-            damped=beside(held, massless),
+            rigid=echelon(unresisted_motions(system, stiff).basis()),
+            undamped_rigid=unresisted_motions(system, stiff | damped).basis(),
+            damped=complement_within(held, massless),
             held=held,
         )

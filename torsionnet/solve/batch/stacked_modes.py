@@ -1,4 +1,4 @@
-"""Modes of variants that share rows, in double precision, and which of them have to be solved by themselves.
+"""Modes of variants that share rows, in double precision, with a mask of variants to be solved by themselves.
 
 Doubtful is what the solver of single drivetrains would go on with in many digits, and what does not say for certain in
 which order modes come.
@@ -33,15 +33,15 @@ from torsionnet.solve.batch.stacked_vibrations import (
     residuals,
     undamped_vibrations,
 )
-from torsionnet.solve.dynamic_stiffness.reduction import resisting, restricted
+from torsionnet.solve.dynamic_stiffness.reduction import resisted_coordinates, restrict_to
 from torsionnet.solve.modes.eigen import unit_shapes
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
-TIED = 1 - 1e-9
-"""Share of the largest component of a shape from which on another is equally large."""
+EQUAL_COMPONENT_RATIO = 1 - 1e-9
+"""Ratio to the largest component of a shape from which another component counts as equally large."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +63,11 @@ class StackedModes:
     eigenvalues: ComplexArray
     shapes: ComplexArray
     undamped: FloatArray
-    doubtful: Flags
+    uncertain: Flags
 
 
 def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
-    """Modes of variants of a system.
+    """Modes of variants of a system, solved as stacks of matrices.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> 
 
 
 def _alike(given: Coefficients, variants: Places) -> list[Places]:
-    """Variants in groups in which the same laws act."""
+    """Groups of variants in which the same laws act."""
     signs = _signs(given)[variants]
     if not len(variants) or (signs == signs[0]).all():
         return [variants] if len(variants) else []
@@ -103,7 +103,7 @@ def _signs(given: Coefficients) -> NDArray[np.int8]:
 
 
 class _Directions(NamedTuple):
-    """Those of a drivetrain, and those of its inertias and springs alone without what only dampers hold."""
+    """Shared directions of a drivetrain, and of its inertias and springs alone without massless damped coordinates."""
 
     damped: SharedDirections
     alone: SharedDirections
@@ -112,11 +112,13 @@ class _Directions(NamedTuple):
     def of(cls, system: RowSystem, given: Coefficients) -> _Directions:
         pattern = RowSystem(system.law_rows, *(np.sign(part[0]) for part in given[:3]))
         springs = RowSystem(system.law_rows, pattern.inertia, np.zeros_like(pattern.damping), pattern.stiffness)
-        return cls(SharedDirections.of(pattern), SharedDirections.of(restricted(springs, resisting(springs))))
+        return cls(
+            SharedDirections.of(pattern), SharedDirections.of(restrict_to(springs, resisted_coordinates(springs)))
+        )
 
 
 def _of_one_kind(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
-    """Of variants in which the same laws act; halved where LAPACK gives up on one of them."""
+    """Modes of variants in which the same laws act; the stack is halved where LAPACK fails on one of them."""
     try:
         return _solved(system, nodes, given)
     except (np.linalg.LinAlgError, SolveError):
@@ -141,7 +143,7 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
         parts, places = [], []
         for some, found in (hysteretic_vibrations if lossy else damped_vibrations)(directions, given):
             part = _judged(directions, nodes, given.of(some), found, rates[some])
-            part.doubtful[~_settled(springs.errors[some])] = True
+            part.uncertain[~_settled(springs.errors[some])] = True
             parts.append(part)
             places.append(some)
     return _together(parts, places)
@@ -150,7 +152,7 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
 def _judged(
     directions: SharedDirections, nodes: FloatArray, given: Coefficients, found: StackedVibrations, rates: FloatArray
 ) -> StackedModes:
-    """The modes, rigid bodies first, and whether they can stay as they are."""
+    """Modes with rigid bodies first, and mask of the variants whose modes are uncertain."""
     n, rigid = given.n_variants, unit_shapes(nodes @ directions.rigid)
     sure = _settled(found.errors) & ~_close(np.abs(found.values))
     sure &= (residuals(directions.rows, given, found) <= POLISH_ABOVE).all(axis=1)
@@ -163,47 +165,47 @@ def _judged(
 
 
 def _scaled(shapes: ComplexArray) -> ComplexArray:
-    """Shapes (n, n_nodes, m) with 1 at the node that moves most; of equally large ones at the first."""
+    """Shapes (n, n_nodes, m) scaled to 1 at the node that moves most; the first of equally large ones."""
     size = np.abs(shapes)
-    first = np.argmax(size >= size.max(axis=1, keepdims=True, initial=0.0) * TIED, axis=1)[:, None, :]
+    first = np.argmax(size >= size.max(axis=1, keepdims=True, initial=0.0) * EQUAL_COMPONENT_RATIO, axis=1)[:, None, :]
     largest = np.take_along_axis(shapes, first, axis=1)
     return np.asarray(shapes / np.where(largest == 0, 1, largest))
 
 
 def _settled(errors: FloatArray) -> Flags:
-    """Variants of which every eigenvalue is certain enough to be left as it is."""
+    """Mask of variants whose eigenvalues are all certain enough to need no refinement."""
     return np.asarray((errors <= REFINE_ABOVE).all(axis=1), dtype=bool)
 
 
 def _close(sizes: FloatArray) -> Flags:
-    """Variants with modes so close to each other that their order or their shapes are a matter of rounding."""
+    """Mask of variants with modes so close to each other that their order or shapes depend on rounding."""
     return np.asarray((np.diff(sizes, axis=1) <= EQUAL_EIGENVALUES * sizes[:, 1:]).any(axis=1), dtype=bool)
 
 
 def _nothing(n_nodes: int, n: int) -> StackedModes:
-    """No modes of variants that all have to be solved singly."""
+    """Empty modes of n variants that all have to be solved singly."""
     none = np.zeros((n, 0))
     return StackedModes(none.astype(complex), np.zeros((n, n_nodes, 0), complex), none, np.ones(n, bool))
 
 
 def _together(parts: Sequence[StackedModes], places: Sequence[Places]) -> StackedModes:
-    """The variants of all parts, each at its place."""
+    """Modes of all variants from parts, each at its place."""
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, places))
-    doubtful = np.ones(n, dtype=bool)
+    uncertain = np.ones(n, dtype=bool)
     for part, some in zip(parts, places, strict=True):
-        doubtful[some] = part.doubtful
+        uncertain[some] = part.uncertain
     return StackedModes(
         _spread([part.eigenvalues for part in parts], places, n),
         _spread([part.shapes for part in parts], places, n),
         _spread([part.undamped for part in parts], places, n),
-        doubtful,
+        uncertain,
     )
 
 
 def _spread(arrays: Sequence[NDArray[Any]], places: Sequence[Places], n: int) -> NDArray[Any]:
-    """Arrays of the same variants in one; NaN after the last column of each."""
+    """Array of all variants from arrays of parts; NaN after the last column of each."""
     width = max(array.shape[-1] for array in arrays)
     whole = np.full((n, *arrays[0].shape[1:-1], width), np.nan, dtype=arrays[0].dtype)
     for array, some in zip(arrays, places, strict=True):

@@ -20,19 +20,21 @@ from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 from torsionnet.solve.modes.spectrum import on_real_axis
 
 _EPS = float(np.finfo(float).eps)
-SAFETY = 4.0
-SAFETY_MASSLESS = 100.0
+ERROR_SAFETY = 4.0
+"""Factor on the error estimate of eigenvalues; a larger value sends more variants to the single solver."""
+ERROR_SAFETY_MASSLESS = 100.0
+"""Factor on the error estimate with massless directions, whose elimination adds rounding errors."""
 
 
 class StackedVibrations(NamedTuple):
-    """Nonzero eigenvalues (n, m) by size, their vectors (n, n_q, m), and relative errors (n, m)."""
+    """Nonzero eigenvalues (n, m) ordered by size, their vectors (n, n_q, m), and relative errors (n, m)."""
 
     values: ComplexArray
     vectors: ComplexArray
     errors: FloatArray
 
-    def taken(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
-        """Of some variants these columns (n, m)."""
+    def columns_of(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
+        """Vibrations of some variants in these columns (n, m)."""
         return StackedVibrations(
             np.take_along_axis(self.values[some], columns, axis=1),
             np.take_along_axis(self.vectors[some], columns[:, None, :], axis=2),
@@ -44,6 +46,7 @@ Some: TypeAlias = tuple[NDArray[np.intp], StackedVibrations]
 
 
 def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
+    """Vibrations of variants without damping, in ascending order of frequency."""
     form = stacked_form(directions, given)
     _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
     rates, states = sigma[:, ::-1], vt.mT[:, :, ::-1]
@@ -52,7 +55,7 @@ def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> St
 
 
 def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """Variants with as many modes as each other: a product's bits may depend on the number of its columns."""
+    """Yield vibrations of variants with viscous damping, grouped by their number of modes."""
     found = _every(directions, given)
     real = on_real_axis(found.values)
     kept = (found.values.imag > 0) | real
@@ -63,11 +66,11 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
     counts = kept.sum(axis=1)
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
-        yield some, found.taken(some, order[some, :count])
+        yield some, found.columns_of(some, order[some, :count])
 
 
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """The same where springs have a loss factor, as ``frozen_stiffness`` sees them.
+    """Yield vibrations of variants with hysteretic springs, as ``frozen_stiffness`` defines them, grouped likewise.
 
     Real poles are those of the elastic springs. There are as many vibrations as these have; of the eigenvalues above
     the real axis they are the least damped ones, since the loss moves real poles off that axis.
@@ -86,22 +89,22 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
     total = 2 * directions.vibrations if not directions.dissipating.size else found.values.shape[1]
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
-        vibrating = found.taken(some, least[some, : (total - count) // 2])
-        still = rest.taken(some, first_real[some, :count])
+        vibrating = found.columns_of(some, least[some, : (total - count) // 2])
+        still = rest.columns_of(some, first_real[some, :count])
         still.values.imag[:] = 0.0
         both = StackedVibrations(*(np.concatenate(pair, axis=-1) for pair in zip(vibrating, still, strict=True)))
         both = both._replace(values=_settling(both.values, given.of(some)))
-        yield some, both.taken(np.arange(len(some)), np.argsort(np.abs(both.values), axis=1, kind="stable"))
+        yield some, both.columns_of(np.arange(len(some)), np.argsort(np.abs(both.values), axis=1, kind="stable"))
 
 
 def _settling(values: ComplexArray, given: Coefficients) -> ComplexArray:
-    """Growth of variants that nothing drives is rounding."""
+    """Eigenvalues in which the growth of passive variants, which is rounding, is set to zero."""
     passive = ((given.damping >= 0) & (given.loss >= 0)).all(axis=1, keepdims=True)
     return np.asarray(np.where(passive, np.minimum(values.real, 0.0), values.real) + 1j * values.imag)
 
 
 def _every(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
-    """All eigenvalues, conjugates included."""
+    """All eigenvalues of the first-order forms, conjugates included."""
     form = stacked_form(directions, given)
     values, states = (np.asarray(found, dtype=complex) for found in np.linalg.eig(form.matrix))
     sign = np.where(np.arange(states.shape[1]) < form.coupling.shape[2], 1.0, -1.0)[:, None]
@@ -111,11 +114,11 @@ def _every(directions: SharedDirections, given: Coefficients) -> StackedVibratio
 
 
 def _safety(directions: SharedDirections) -> float:
-    return SAFETY_MASSLESS if directions.damped.size or directions.held.size else SAFETY
+    return ERROR_SAFETY_MASSLESS if directions.damped.size or directions.held.size else ERROR_SAFETY
 
 
 def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -> FloatArray:
-    """Torques (n, m) that remain in each mode, of the sum of the magnitudes of their terms."""
+    """Residual torques (n, m) of each mode, relative to the sum of the magnitudes of their terms."""
     z, motion, sizes = found.values[:, None, :], rows @ found.vectors, np.abs(rows)
     J, c, elastic, loss = (part[:, :, None] for part in given)
     k: AnyArray = elastic

@@ -1,4 +1,4 @@
-"""Words on modes that are followed over variants: which come near each other, are damped too much, or get lost.
+"""Sentences on tracked modes: which come near each other, are overdamped, or get lost.
 
 >>> here, there = np.array([2j, 3j]), np.array([[2j, 3j], [2.9j, 3.1j]])
 >>> mixed = np.array([[False, False], [True, True]])
@@ -20,7 +20,7 @@ from torsionnet.response.mode_numbers import OSCILLATORY, REAL, mode_numbers
 def tracking_notes(
     home: ComplexArray, followed: ComplexArray, veering: NDArray[np.bool_], partners: NDArray[np.intp]
 ) -> tuple[str, ...]:
-    """Sentences about the modes of variants.
+    """Sentences about the tracked modes of variants.
 
     Parameters
     ----------
@@ -80,6 +80,6 @@ def _name(number: int | None) -> str:
 
 
 def _both(first: str, second: str) -> str:
-    """``modes 1 and 2``."""
+    """Text for two modes, such as ``modes 1 and 2``."""
     one, other = first.removeprefix("mode "), second.removeprefix("mode ")
     return f"modes {one} and {other}" if first != one and second != other else f"{first} and {second}"

@@ -1,4 +1,4 @@
-"""One number of many variants at a time: every element's law becomes that of all variants.
+"""Numbers that hold the value of a parameter in all variants, with which elements evaluate their laws at once.
 
 Elements decide by values now and then. Such a decision falls as the first variant has it; those of which it would fall
 otherwise are left for another pass, in which one of them is the first. No decision is guessed at.
@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.expressions import Algebra
 
-CANCELLED = 1e-3
-"""A sum that is this much smaller than its terms has lost digits that exact fractions would have kept."""
+CANCELLATION_RATIO = 1e-3
+"""Ratio of a sum to its terms below which the sum has lost digits that exact fractions would have kept."""
 MOST_PASSES = 64
-"""Kinds of decisions; variants with still others are looked at one by one."""
+"""Largest number of passes, one per kind of decisions; variants of further kinds are looked at one by one."""
 
 
 class Decisions:
-    """What a pass has decided so far, over its variants.
+    """Decisions of elements in a pass, as they fall for the first variant.
 
     Attributes
     ----------
@@ -39,15 +39,15 @@ class Decisions:
         self.follows = np.ones(count, dtype=bool)
         self.unsure = np.zeros(count, dtype=bool)
 
-    def fallen(self, answers: Any) -> bool:
-        """How the first variant decides."""
+    def decide(self, answers: Any) -> bool:
+        """Decision of the first variant; variants that would decide otherwise are marked as not following."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first
 
 
 class VariantNumber:
-    """A number of every variant, (n,)."""
+    """Number with a value for each variant, shape (n,)."""
 
     __slots__ = ("decisions", "values")
     __array_ufunc__ = None  # numpy leaves arithmetic with it to the methods below
@@ -61,7 +61,7 @@ class VariantNumber:
 
     def _sum(self, first: Any, second: Any) -> VariantNumber:
         total = first + second
-        self.decisions.unsure |= (np.abs(total) < CANCELLED * np.abs(first)) & (total != 0)
+        self.decisions.unsure |= (np.abs(total) < CANCELLATION_RATIO * np.abs(first)) & (total != 0)
         return self._new(total)
 
     def __add__(self, other: Any) -> VariantNumber:
@@ -97,7 +97,7 @@ class VariantNumber:
     def _compared(self, other: Any, how: Callable[[Any, Any], Any]) -> Any:
         if not isinstance(other, VariantNumber | Fraction | int | float):
             return NotImplemented
-        return self.decisions.fallen(how(self.values, _plain(other)))
+        return self.decisions.decide(how(self.values, _plain(other)))
 
     def __eq__(self, other: object) -> Any:
         return self._compared(other, operator.eq)
@@ -115,10 +115,10 @@ class VariantNumber:
         return self._compared(other, operator.ge)
 
     def __bool__(self) -> bool:
-        return self.decisions.fallen(self.values != 0)
+        return self.decisions.decide(self.values != 0)
 
     def __float__(self) -> float:
-        self.decisions.fallen(self.values == self.values[0])
+        self.decisions.decide(self.values == self.values[0])
         return float(self.values[0])
 
     def __hash__(self) -> int:
@@ -141,13 +141,13 @@ VARIANTS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
 """Algebra of expressions in which some parameters are a :class:`VariantNumber`."""
 
 
-def column(number: Any, count: int) -> FloatArray:
-    """A number of every variant, (count,)."""
+def variant_column(number: Any, count: int) -> FloatArray:
+    """Values of a number in every variant, shape (count,)."""
     return number.values if isinstance(number, VariantNumber) else np.full(count, float(number))
 
 
 def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
-    """Places of variants and the decisions of a pass over them, until every variant has followed one.
+    """Yield places of variants and the decisions of a pass over them, until every variant has followed one.
 
     Those of a kind beyond :data:`MOST_PASSES` come in no pass.
     """

@@ -1,4 +1,4 @@
-"""Transfer functions of many variants of a drivetrain: those with the same rows are solved together."""
+"""Transfer functions of many variants of a drivetrain, with those of the same rows solved together."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.response import FrequencyResponses
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.solve.responses.grid import Adaptive
 from torsionnet.solve.responses.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
 
@@ -31,16 +31,16 @@ def frequency_responses(
     excitation: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponses:
-    """See :meth:`torsionnet.Drivetrain.frequency_responses`."""
+    """Frequency responses of variants of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_responses`."""
     known_method(method)
     parameters = _columns(variants)
-    request = remembered(drivetrain, output, input, excitation)
+    request = cached_request(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
     batch = _batch(drivetrain, parameters)
     if batch is None:
 
         def ask(copy: AssembledModel) -> TransferRequest:
-            return remembered(copy, output, input, excitation)
+            return cached_request(copy, output, input, excitation)
 
         values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)
     else:
@@ -59,7 +59,7 @@ def frequency_responses(
 
 
 def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> Batch | None:
-    """All variants in arrays, or None where most have rows or acting laws of their own.
+    """Batch of all variants, or None where most have rows or acting laws of their own.
 
     Raises
     ------
@@ -72,13 +72,13 @@ def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> 
     batch = plan.batch(parameters)
     if batch.impossible.any():
         batch.model(int(np.argmax(batch.impossible)))
-    return None if 2 * batch.apart.sum() > len(batch) else batch
+    return None if 2 * batch.separate.sum() > len(batch) else batch
 
 
 def _grouped(
     copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
 ) -> Evaluated:
-    """Variants made one by one; neighbours with the same request are solved together."""
+    """Transfer functions of variants made one by one; neighbours with the same request are solved together."""
     parts: list[Evaluated] = []
     requests = [ask(copy) for copy in copies]
     for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):

@@ -1,4 +1,4 @@
-"""Dampers that make the largest vibration smallest."""
+"""Design of dampers for the smallest maximum of a vibration."""
 
 from torsionnet.solve.design.damper_design import damper_design
 

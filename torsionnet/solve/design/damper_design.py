@@ -1,4 +1,4 @@
-"""Damping and stiffness of dampers: the values within bounds whose largest vibration is smallest."""
+"""Damper design: damping and stiffness within bounds for which the largest vibration is smallest."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import parse_unit
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.response.damper_optimum import (
     EQUAL_PEAK_DIFFERENCE,
     DamperOptimum,
@@ -34,13 +34,14 @@ from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
-DECADE = 10.0
-"""Bounds, where none are given: a tenth to ten times the value."""
+DEFAULT_BOUNDS_FACTOR = 10.0
+"""Factor of the default bounds: a tenth to ten times the value."""
 EFFECT_POINTS = 33
+"""Number of values over the bounds of one parameter at which its effect is calculated: more give a smoother curve."""
 FREE, LOCKED = 1e-6, 1e6
 """Times the best film: as good as none, which would have infinite peaks, and one that lets nothing slip."""
-MEET = 0.02
-"""Spread of levels over films up to which a crossing counts as a fixed point."""
+FIXED_POINT_SPREAD = 0.02
+"""Spread of levels over dampings up to which a crossing counts as a fixed point: 2 %, about the width of a curve."""
 
 Bounds = Mapping[str, Sequence[Any] | None]
 
@@ -56,7 +57,7 @@ def damper_design(
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
 ) -> DamperOptimum:
-    """See :meth:`torsionnet.Drivetrain.damper_design`."""
+    """Optimum of dampers in a drivetrain; see :meth:`torsionnet.Drivetrain.damper_design`."""
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names:
         raise UsageError("say which parameter is sought, such as the damping of a film")
@@ -101,7 +102,7 @@ def levels_of(
     speed_of: str | None,
     excitations: Iterable[str] | None,
 ) -> Levels:
-    """Over a band of frequencies from an input, or over the speeds of what excites the drivetrain."""
+    """Levels to be made small: over a band of frequencies from an input, or over speeds under the excitations."""
     if input is None:
         if band is not None:
             raise UsageError("a band of frequencies needs the input whose response is meant; over speed give speeds")
@@ -120,19 +121,23 @@ def levels_of(
 
 
 def sought_units(varied: Unknowns) -> list[str]:
-    """Of the values sought."""
+    """Units of the parameters sought."""
     known = parameter_units(varied.definition)
     return [known[name] for name in varied.parameters]
 
 
 def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
-    """Bounds as given, else those of the model, else a decade to each side."""
+    """Bounds of the parameters sought: as given, else those of the model, else a decade to each side."""
     ends = []
     for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
         written = given.get(name) or varied.definition.parameters[parameter].bounds
         if written is None and not start > 0:
             raise UsageError(f"{name} is {start:g}: say between which bounds it is sought")
-        low, high = (start / DECADE, start * DECADE) if written is None else _pair(name, written, unit)
+        low, high = (
+            (start / DEFAULT_BOUNDS_FACTOR, start * DEFAULT_BOUNDS_FACTOR)
+            if written is None
+            else _pair(name, written, unit)
+        )
         if not (np.isfinite([low, high]).all() and low < high):
             raise UsageError(f"{name}: bounds are a lower and a higher value, got {low:g} and {high:g}")
         if low < 0:
@@ -162,7 +167,7 @@ def _number(name: str, written: Any, unit: str) -> float:
 
 
 def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
-    """Maxima as high as the highest but for a thousandth."""
+    """Peaks whose level is within a thousandth of the highest one."""
     points = levels.maxima(values)
     sizes = levels.at(values, points)
     found = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
@@ -170,7 +175,7 @@ def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
 
 
 def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArray:
-    """The largest level over the range of one parameter, (n, 2)."""
+    """Largest level over the range of one parameter, (n, 2)."""
     own = box.place(best)
     along = np.union1d(np.linspace(0.0, 1.0, EFFECT_POINTS), own[place])
     every = [box.inside(np.where(np.arange(len(own)) == place, x, own)) for x in along]
@@ -185,7 +190,7 @@ def _curve(levels: Levels, label: str, values: FloatArray) -> LevelCurve:
 def _fixed_points(
     levels: Levels, free: FloatArray, locked: FloatArray, films: Sequence[FloatArray]
 ) -> tuple[FixedPoint, ...]:
-    """Where no damping and endless damping give one level, and all films between them too, the highest first."""
+    """Fixed points, highest first: where all dampings from none to infinite give nearly the same level."""
 
     def apart(points: FloatArray) -> FloatArray:
         return np.log(levels.at(free, points) / levels.at(locked, points))
@@ -197,6 +202,6 @@ def _fixed_points(
         point = brentq(lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12)
         sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
         spread = float(sizes.max() / sizes.min() - 1)
-        if spread < MEET:
+        if spread < FIXED_POINT_SPREAD:
             found.append(FixedPoint(float(point), float(sizes.max()), spread))
     return tuple(sorted(found, key=lambda one: -one.level))

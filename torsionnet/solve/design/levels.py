@@ -1,4 +1,4 @@
-"""What a damper is to make small, over frequency or over speed, with its derivatives to the values sought."""
+"""Levels that a damper is to make small, over frequency or speed, with derivatives to the parameters sought."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 ROUNDS, POINTS = 4, 21
 """Refinement of a maximum: each round divides its interval by ten."""
-STEP = 1e-4
-"""Of a value: the difference from which the slope of a half range is taken."""
+SLOPE_STEP = 1e-4
+"""Relative step of a parameter for the central difference that gives the slope of a half range."""
 
 
 @dataclass(frozen=True, eq=False)
 class VariedModel:
-    """A model with other values of its unknowns; what does not depend on them is worked out once for all of them."""
+    """Model at varying values of its unknowns; all that does not depend on them is worked out once."""
 
     unknowns: Unknowns
 
@@ -43,17 +43,17 @@ class VariedModel:
 
 
 class Levels(Protocol):
-    """Levels over points, which are frequencies in Hz or speeds in rad/s."""
+    """Protocol of levels over points, which are frequencies in Hz or speeds in rad/s."""
 
     @property
     def precision(self) -> float:
-        """Relative, of levels and of what follows from them."""
+        """Relative precision of the levels and of results derived from them."""
 
     def grid(self, values: FloatArray) -> FloatArray:
-        """Points (n,) that show every maximum, rising."""
+        """Points (n,) in ascending order that show every maximum."""
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        """Levels (n,)."""
+        """Levels (n,) at the points."""
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         """Derivatives (n, n_p) of the levels."""
@@ -62,15 +62,15 @@ class Levels(Protocol):
         """Points of local maxima, the highest first; the ends of the range count."""
 
     def shown(self, points: FloatArray) -> FloatArray:
-        """Points in the unit of ``of``."""
+        """Points converted to the unit of ``of``."""
 
     @property
     def of(self) -> tuple[str, str]:
-        """What points are when shown, and their unit."""
+        """Quantity of the points as displayed, and its unit."""
 
     @property
     def channel(self) -> Channel:
-        """What the level is."""
+        """Channel of the level: name and unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ class OrderLevels:
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         found = np.empty((len(points), len(values)))
         for place, value in enumerate(values):
-            step = STEP * (abs(value) or 1.0)
+            step = SLOPE_STEP * (abs(value) or 1.0)
             above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
             found[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
         return found
@@ -178,7 +178,7 @@ class OrderLevels:
 
 
 def _with_ends(levels: FloatArray) -> list[int]:
-    """Places of local maxima and of ends that are higher than their neighbour."""
+    """Indices of local maxima, and of ends that are higher than their neighbour."""
     if len(levels) < 2:
         return [0]
     first = [0] if levels[0] >= levels[1] else []

@@ -1,4 +1,4 @@
-"""The values within bounds whose largest level is smallest.
+"""Minimax search: parameter values within bounds for which the largest level is smallest.
 
 Levels at some points become constraints, log level <= t with t to be made small, which sequential quadratic programming
 solves; the maxima of the curve for its answer are new points, until none is higher than t.
@@ -21,18 +21,19 @@ ROUNDS, STEPS = 40, 60
 """Rounds of new points, and steps of the programming in each."""
 SAMPLES, BEST = 16, 2
 """Sets of values, times 2 for each after the first, from which the search may begin, and from how many it does."""
-SAMPLED = 40
-"""Points of the range that are constraints from the beginning."""
-WIDE = 3.0
-"""Bounds whose ratio is larger are searched by equal factors."""
-TINY = 1e-300
+FIRST_CONSTRAINTS = 40
+"""Number of points of the range that are constraints from the beginning; fewer cost more rounds."""
+WIDE_BOUNDS_RATIO = 3.0
+"""Ratio of bounds above which a parameter is searched by equal factors."""
+SMALLEST_LEVEL = 1e-300
+"""Smallest level for logarithms, near the smallest double, so that a level of zero has one."""
 FINE, FTOL = 1e-8, 1.3
 """Levels that are known better are worth slopes; power of their precision to which the programming goes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Bounds, and the unit cube in which is searched.
+    """Bounds of the parameters, mapped to the unit cube in which the search runs.
 
     >>> Box(np.array([1.0, -1.0]), np.array([100.0, 1.0])).inside(np.array([0.5, 0.25])).tolist()
     [10.0, -0.5]
@@ -43,41 +44,41 @@ class Box:
 
     @property
     def _by_factors(self) -> NDArray[np.bool_]:
-        return np.asarray((self.lower > 0) & (self.upper > WIDE * self.lower))
+        return np.asarray((self.lower > 0) & (self.upper > WIDE_BOUNDS_RATIO * self.lower))
 
     def inside(self, place: FloatArray) -> FloatArray:
-        """Values at a place in the cube."""
+        """Parameter values at a place in the cube."""
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = self.lower * (self.upper / self.lower) ** place
         found = np.where(self._by_factors, factors, self.lower + place * (self.upper - self.lower))
         return np.clip(found, self.lower, self.upper)
 
     def place(self, values: FloatArray) -> FloatArray:
-        """The place of values, of the nearest ones in the box."""
+        """Place in the cube of parameter values, or of the nearest ones within the bounds."""
         clipped = np.clip(values, self.lower, self.upper)
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = np.log(clipped / self.lower) / np.log(self.upper / self.lower)
         return np.where(self._by_factors, factors, (clipped - self.lower) / (self.upper - self.lower))
 
     def rates(self, place: FloatArray) -> FloatArray:
-        """Derivatives of the values to the place."""
+        """Derivatives of the parameter values to the place in the cube."""
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = self.inside(place) * np.log(self.upper / self.lower)
         return np.where(self._by_factors, factors, self.upper - self.lower)
 
 
 def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
-    """The values (n_p,), searched from the start and from samples of the box."""
+    """Parameter values (n_p,) with the smallest maximum, searched from the start and from samples of the box."""
     if len(start) == 1 and levels.precision > FINE:
         return _along_one(levels, box, start)
     places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
-    found = [searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
+    found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
 
 
 def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
-    """Of one value, without slopes: the lowest of some places, then by parabolas between its neighbours."""
+    """Value of a single parameter with the smallest maximum, by sampling and parabolas, without slopes."""
     places = np.union1d(np.linspace(0, 1, SAMPLES + 1), box.place(start))
 
     def level(place: float) -> float:
@@ -93,24 +94,24 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
 
 
 def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> float:
-    """The largest level for these values."""
+    """Largest level for these parameter values."""
     points = levels.maxima(values)[:1] if refined else levels.grid(values)
     return float(levels.at(values, points).max())
 
 
-def searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
-    """The best place in the cube that is found from one; maxima of every answer are points of the next question."""
+def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
+    """Best place in the cube reached from a starting place; maxima of every step become constraints of the next."""
     grid = levels.grid(box.inside(place))
-    points = grid[:: max(len(grid) // SAMPLED, 1)]
+    points = grid[:: max(len(grid) // FIRST_CONSTRAINTS, 1)]
     best, least = place, np.inf
     for _ in range(ROUNDS):
         maxima = levels.maxima(box.inside(place))
-        level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + TINY))
+        level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + SMALLEST_LEVEL))
         if level < least:
             best, least = place, level
         points = np.union1d(points, maxima)
         place, bound = _solved(levels, box, points, place)
-        top = float(np.log(largest(levels, box.inside(place)) + TINY))
+        top = float(np.log(largest(levels, box.inside(place)) + SMALLEST_LEVEL))
         if top < least:
             best, least = place, top
         if top <= bound + levels.precision:
@@ -119,14 +120,14 @@ def searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
 
 
 def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
-    """The place at which the largest of the levels at these points is smallest, and its logarithm."""
+    """Place at which the largest of the levels at these points is smallest, and the logarithm of that level."""
 
     def logs(x: FloatArray) -> FloatArray:
-        return np.log(levels.at(box.inside(x[:-1]), points) + TINY)
+        return np.log(levels.at(box.inside(x[:-1]), points) + SMALLEST_LEVEL)
 
     def slopes(x: FloatArray) -> FloatArray:
         values = box.inside(x[:-1])
-        by_value = levels.slopes(values, points) / (levels.at(values, points) + TINY)[:, None]
+        by_value = levels.slopes(values, points) / (levels.at(values, points) + SMALLEST_LEVEL)[:, None]
         return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
 
     search: Any = minimize  # its published types know no constraints that are functions

@@ -1,4 +1,4 @@
-"""Levels of several conditions of one drivetrain, of which the largest counts."""
+"""Levels over several conditions of one drivetrain, of which the largest counts."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from torsionnet.response import Channel
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
 
-ROOM = 2.0
-"""Times the highest point: what lies between equal points of two conditions."""
+CONDITION_OFFSET = 2.0
+"""Offset between equal points of two conditions, in multiples of the highest point, so that conditions never
+overlap."""
 
 
 @dataclass(frozen=True, eq=False)
 class WorstLevels:
-    """Levels whose points are those of all conditions, one condition behind the other.
+    """Levels over the points of all conditions, one condition behind the other.
 
     Attributes
     ----------
@@ -32,7 +33,7 @@ class WorstLevels:
 
     @property
     def precision(self) -> float:
-        """That of the least precise condition."""
+        """Precision of the least precise condition."""
         return max(one.precision for one in self.parts)
 
     @property
@@ -45,10 +46,10 @@ class WorstLevels:
 
     @property
     def _room(self) -> float:
-        return ROOM * self.highest
+        return CONDITION_OFFSET * self.highest
 
     def condition(self, points: FloatArray) -> NDArray[np.intp]:
-        """Place of the condition of each point."""
+        """Index of the condition of each point."""
         return np.asarray(np.floor_divide(points, self._room), dtype=np.intp)
 
     def grid(self, values: FloatArray) -> FloatArray:
@@ -74,7 +75,7 @@ class WorstLevels:
         return self.parts[0].shown(points - self._room * self.condition(points))
 
     def _split(self, points: FloatArray) -> list[tuple[Levels, NDArray[np.bool_], FloatArray]]:
-        """Conditions that have some of the points, which these are, and the points as the condition has them."""
+        """Conditions that have some of the points, masks of these points, and the points within each condition."""
         places = self.condition(points)
         return [
             (part, places == at, points[places == at] - at * self._room)

@@ -22,7 +22,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 
-HIGHEST = 2
+HIGHEST_POWER = 2
 """Highest power of s with which an action may feed a motion straight through: its acceleration."""
 
 
@@ -62,10 +62,10 @@ def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
         A law that grows quicker with frequency than can be followed in time.
     """
     whole, rest = divide_polynomials(action.numerator, action.denominator)
-    if len(whole) > HIGHEST + 1:
+    if len(whole) > HIGHEST_POWER + 1:
         text = "its law grows quicker with frequency than the acceleration of what it senses; give it a filter"
         raise UsageError(f"{action.owner}: {text}")
-    P = np.array([float(value) for value in (*whole, 0, 0, 0)[: HIGHEST + 1]])
+    P = np.array([float(value) for value in (*whole, 0, 0, 0)[: HIGHEST_POWER + 1]])
     F, w, h = companion(rest, action.denominator)
     G = np.zeros((len(F), 2))
     G[-1:, 0] = w
@@ -93,7 +93,7 @@ def refuse_delayed_acceleration(law: LawStates) -> None:
     UsageError
         The law hands on an acceleration at once.
     """
-    if law.at_once[HIGHEST]:
+    if law.at_once[HIGHEST_POWER]:
         text = "what follows an acceleration with a delay and without a filter has infinitely many fast poles"
         raise UsageError(f"{law.action.owner}: {text}; give it a filter")
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.doubt import SHARE
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem
+from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem
 
 
 class ClosedLoops(NamedTuple):
@@ -27,30 +27,32 @@ class ClosedLoops(NamedTuple):
 
     values: ComplexArray
     torques: ComplexArray
-    doubtful: NDArray[np.bool_]
+    uncertain: NDArray[np.bool_]
 
 
-def closed(posed: PosedProblem, kappa: LawStiffness, values: ComplexArray, doubtful: NDArray[np.bool_]) -> ClosedLoops:
+def close_loops(
+    reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray, uncertain: NDArray[np.bool_]
+) -> ClosedLoops:
     """Responses with the actions at work, from those of the laws alone to excitations and action torques."""
-    n_exc, n_act = posed.n_excitations, len(posed.sensed)
+    n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
     if not n_act:
-        return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), doubtful)
+        return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), uncertain)
     if len(kappa.actions) != n_act:
         raise SolveError("the torques of controllers are not known here")
     gains = np.array([values_.ravel() for values_ in kappa.actions])
-    sensed = gains[:, None, :] * values[list(posed.sensed)]
+    sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
     by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)
     with np.errstate(all="ignore"):
         loop = np.eye(n_act) - by_torque
         torques, lost = _solved(loop, by_excitation)
-        lost |= (SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
+        lost |= (LARGE_SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
         torques = np.moveaxis(torques, 0, 2)
         alone, added = values[:, :n_exc], values[:, n_exc:]
         total = alone + np.einsum("rap,aep->rep", added, torques)
         size = np.abs(alone) + np.einsum("rap,aep->rep", np.abs(added), np.abs(torques))
-        lost |= (SHARE * np.abs(total) < size).any(axis=(0, 1))
+        lost |= (LARGE_SHARE * np.abs(total) < size).any(axis=(0, 1))
     finite = np.isfinite(total).all(axis=(0, 1)) & np.isfinite(torques).all(axis=(0, 1))
-    return ClosedLoops(total, torques, doubtful | lost | ~finite)
+    return ClosedLoops(total, torques, uncertain | lost | ~finite)
 
 
 def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
@@ -63,7 +65,7 @@ def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDAr
     for point in np.flatnonzero(finite):
         rows = np.abs(loop[point]).max(axis=1, keepdims=True)
         scaled = loop[point] / np.where(rows > 0, rows, 1.0)
-        if np.linalg.cond(scaled) > SHARE:
+        if np.linalg.cond(scaled) > LARGE_SHARE:
             lost[point] = True
         try:
             found[point] = np.linalg.solve(loop[point], right[point])

@@ -17,7 +17,7 @@ import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.solve.dynamic_stiffness.doubt import LARGE, SHARE
+from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_CANCELLATION, LARGE_SHARE
 from torsionnet.solve.dynamic_stiffness.reading_table import ReadingTable
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
@@ -28,23 +28,23 @@ except ModuleNotFoundError as error:
 except ImportError as error:
     raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
 
-POINTS = 128
+POINTS_AT_ONCE = 128
 """Number of points worked on at once: enough for vector instructions, few enough for a thousand registers in the
 cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
-SQUARE, SHARE_SQUARE = LARGE * LARGE, SHARE * SHARE
-LEAST, MOST = 1e-290, 1e290
+SQUARE, SHARE_SQUARE = LARGE_CANCELLATION * LARGE_CANCELLATION, LARGE_SHARE * LARGE_SHARE
+LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 """Squares beyond which a quotient is NaN: numpy, which scales it, does better."""
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
     """Values (n_values, n_points) of a tape and mask of uncertain points, by the compiled loop."""
     values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
-    doubtful = np.zeros(kappa.n_points, dtype=bool)
-    _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, doubtful)
-    return values, doubtful
+    uncertain = np.zeros(kappa.n_points, dtype=bool)
+    _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, uncertain)
+    return values, uncertain
 
 
 def read(
@@ -65,16 +65,16 @@ def read(
         Readings, or quotients by the last one where it is measured; the conditioning of that; points in doubt.
     """
     values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
-    conditioning, doubtful = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
+    conditioning, uncertain = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
     own = _numbers(kappa)
     _read(tape.operations, tape.factors, *_numbers(slots), *own[:-1], _registers(tape), tape.n_values,
           table.n_excitations, table.is_measured, table.whole, table.factors, table.applied,
-          values, conditioning, doubtful)  # fmt: skip
-    return values, conditioning, doubtful
+          values, conditioning, uncertain)  # fmt: skip
+    return values, conditioning, uncertain
 
 
 def _registers(tape: Tape) -> FloatArray:
-    return np.empty((tape.n_registers, 2, POINTS))
+    return np.empty((tape.n_registers, 2, POINTS_AT_ONCE))
 
 
 def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
@@ -104,13 +104,13 @@ def _walk(
         code, t, a, b = operations[number]
         f = factors[number]
         if code == PRODUCT:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
                 imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
         elif code == SUM:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 more, beside = f * r[b, 0, i], f * r[b, 1, i]
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
@@ -118,65 +118,65 @@ def _walk(
                 spare = SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
                 left[i] = spare if spare < left[i] else left[i]
         elif code == PIVOT:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
                 r[t, 1, i] = r[a, 1, i] + f * r[b, 1, i]
         elif code == LAW:
             k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
             if at < 0:
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     r[t, 0, i] = k - J * w2[i]
                     r[t, 1, i] = c * w[i]
             else:
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     value = sampled[at, first + min(i, n - 1)]
                     r[t, 0, i] = k - J * w2[i] + value.real
                     r[t, 1, i] = c * w[i] + value.imag
             if J != 0.0 and (k != 0.0 or at >= 0):
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
                     spare = SQUARE * size - (J * w2[i]) * (J * w2[i])
                     left[i] = spare if spare < left[i] else left[i]
         elif code == QUOTIENT:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
                 real = r[a, 0, i] * r[b, 0, i] + r[a, 1, i] * r[b, 1, i]
                 imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
                 r[t, 0, i] = real * scale
                 r[t, 1, i] = imag * scale
         elif code == WATCH:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
                 spare = SHARE_SQUARE - f * f * size
                 left[i] = spare if spare < left[i] else left[i]
         elif code == INVERSE:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
         elif code == CONSTANT:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = f
                 r[t, 1, i] = 0.0
         else:
-            for i in range(POINTS):
+            for i in range(POINTS_AT_ONCE):
                 y[t, 0, i] = f * r[a, 0, i]
                 y[t, 1, i] = f * r[a, 1, i]
 
 
 def _sweeping(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
-    r: Any, values: Any, doubtful: Any,
+    r: Any, values: Any, uncertain: Any,
 ) -> None:  # fmt: skip
     """Run a tape at all points of all variants."""
     n_variants, n_f = inertia.shape[0], omega.shape[1]
-    w, w2, left = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
-    y = np.zeros((values.shape[0], 2, POINTS))
+    w, w2, left = np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE)
+    y = np.zeros((values.shape[0], 2, POINTS_AT_ONCE))
     for variant in range(n_variants):
         offset = variant * n_f
-        for first in range(0, n_f, POINTS):
-            n = min(POINTS, n_f - first)
+        for first in range(0, n_f, POINTS_AT_ONCE):
+            n = min(POINTS_AT_ONCE, n_f - first)
             _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
                     sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
@@ -184,12 +184,12 @@ def _sweeping(
                 for i in range(n):
                     values[t, offset + first + i] = complex(y[t, 0, i], y[t, 1, i])
             for i in range(n):
-                doubtful[offset + first + i] = left[i] < 0.0
+                uncertain[offset + first + i] = left[i] < 0.0
 
 
 def _starting(omega: Any, first: int, n: int, w: Any, w2: Any, left: Any) -> None:
     """Fill in the frequencies of a block of points, repeating the last one for points that do not count."""
-    for i in range(POINTS):
+    for i in range(POINTS_AT_ONCE):
         w[i] = omega[first + min(i, n - 1)]
         w2[i] = w[i] * w[i]
         left[i] = 0.0
@@ -199,7 +199,7 @@ def _reading(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     own_inertia: Any, own_damping: Any, own_stiffness: Any, own_place: Any, own_sampled: Any,
     r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
-    values: Any, conditioning: Any, doubtful: Any,
+    values: Any, conditioning: Any, uncertain: Any,
 ) -> None:  # fmt: skip
     """Run a tape at all points of all variants and form the readings.
 
@@ -209,28 +209,28 @@ def _reading(
     n_variants, n_f = inertia.shape[0], omega.shape[1]
     n_out = values.shape[1]
     n_readings = n_out + is_measured
-    w, w2, left = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
-    y, z = np.zeros((n_values, 2, POINTS)), np.empty((whole.shape[0], n_exc, 2, POINTS))
-    c, size = np.empty((2, POINTS)), np.empty(POINTS)
+    w, w2, left = np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE)
+    y, z = np.zeros((n_values, 2, POINTS_AT_ONCE)), np.empty((whole.shape[0], n_exc, 2, POINTS_AT_ONCE))
+    c, size = np.empty((2, POINTS_AT_ONCE)), np.empty(POINTS_AT_ONCE)
     for variant in range(n_variants):
-        for first in range(0, n_f, POINTS):
-            n = min(POINTS, n_f - first)
+        for first in range(0, n_f, POINTS_AT_ONCE):
+            n = min(POINTS_AT_ONCE, n_f - first)
             _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
                     sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
             for t in range(n_values):
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     total = abs(y[t, 0, i]) + abs(y[t, 1, i])
-                    left[i] = left[i] if total <= MOST else -1.0
+                    left[i] = left[i] if total <= MOST_SQUARE else -1.0
             for number in range(whole.shape[0]):
                 solved, power, law = whole[number]
                 f = shares[number]
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     c[0, i] = f if power <= 0 else 0.0 if power == 1 else -f * w2[i]
                     c[1, i] = f * w[i] if power == 1 else 0.0
                 if law >= 0:
                     k, J, d = own_stiffness[variant, law], own_inertia[variant, law], own_damping[variant, law]
-                    for i in range(POINTS):
+                    for i in range(POINTS_AT_ONCE):
                         c[0, i] = f * (k - J * w2[i])
                         c[1, i] = f * (d * w[i])
                     if own_place[law] >= 0:
@@ -240,27 +240,27 @@ def _reading(
                             c[1, i] += f * value.imag
                 for e in range(n_exc):
                     t = solved * n_exc + e
-                    for i in range(POINTS):
+                    for i in range(POINTS_AT_ONCE):
                         real = c[0, i] * y[t, 0, i] - c[1, i] * y[t, 1, i]
                         imag = c[0, i] * y[t, 1, i] + c[1, i] * y[t, 0, i]
                         z[number, e, 0, i] = real
                         z[number, e, 1, i] = imag
             offset = variant * n_f + first
             if is_measured:
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     size[i] = applied
                 for number in range(n_readings, whole.shape[0]):
-                    for i in range(POINTS):
+                    for i in range(POINTS_AT_ONCE):
                         size[i] += math.sqrt(z[number, 0, 0, i] ** 2 + z[number, 0, 1, i] ** 2)
-                for i in range(POINTS):
+                for i in range(POINTS_AT_ONCE):
                     a, b = z[n_out, 0, 0, i], z[n_out, 0, 1, i]
                     square = a * a + b * b
                     size[i] = math.sqrt(square) / size[i] if size[i] > 0.0 else 0.0
-                    scale = 1.0 / square if LEAST < square < MOST else math.nan
+                    scale = 1.0 / square if LEAST_SQUARE < square < MOST_SQUARE else math.nan
                     left[i] = -1.0 if math.isnan(scale) else left[i]
                     c[0, i], c[1, i] = a * scale, -b * scale
                 for number in range(n_out):
-                    for i in range(POINTS):
+                    for i in range(POINTS_AT_ONCE):
                         real = z[number, 0, 0, i] * c[0, i] - z[number, 0, 1, i] * c[1, i]
                         imag = z[number, 0, 0, i] * c[1, i] + z[number, 0, 1, i] * c[0, i]
                         z[number, 0, 0, i] = real
@@ -272,7 +272,7 @@ def _reading(
                     for i in range(n):
                         values[offset + i, number, e] = complex(z[number, e, 0, i], z[number, e, 1, i])
             for i in range(n):
-                doubtful[offset + i] = left[i] < 0.0
+                uncertain[offset + i] = left[i] < 0.0
 
 
 _jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})

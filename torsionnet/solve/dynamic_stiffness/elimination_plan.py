@@ -19,7 +19,7 @@ class EliminatedPair(NamedTuple):
     target: int
 
 
-class Passed(NamedTuple):
+class PassedLoad(NamedTuple):
     """Load passed on in an elimination step: w[target] += factor (kappa_i / S) w[slot]."""
 
     slot: int
@@ -63,7 +63,7 @@ class EliminationStep:
     terms: tuple[tuple[int, float], ...]
     pairs: tuple[EliminatedPair, ...]
     loads: tuple[tuple[int, float], ...]
-    passed: tuple[Passed, ...]
+    passed: tuple[PassedLoad, ...]
     motions: tuple[MotionStep, ...]
     shared: tuple[int, ...]
 

@@ -30,7 +30,7 @@ from torsionnet.solve.dynamic_stiffness.elimination_plan import (
     EliminationPlan,
     EliminationStep,
     MotionStep,
-    Passed,
+    PassedLoad,
     ReactionStep,
 )
 from torsionnet.solve.dynamic_stiffness.row_algebra import (
@@ -38,14 +38,14 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import (
     Accuracy,
     Row,
     RowTable,
-    clique,
-    combined,
+    combine_rows,
     common_motion,
+    equivalent_links,
 )
 
-MOST_ROWS = 2
+SPLIT_ROW_MULTIPLE = 2
 """Rows on one coordinate, as a multiple of what links and grounds would need, above which rows are split into these."""
-ALWAYS = 30
+MOST_UNSPLIT_ROWS = 30
 """Number of rows on a coordinate up to which rows are never split: splitting subtracts, which costs digits."""
 
 
@@ -57,7 +57,7 @@ def make_plan(
     outputs: Sequence[Row],
     reactions: Sequence[int],
     *,
-    turned: bool = False,
+    other_order: bool = False,
     accuracy: Accuracy = DOUBLE,
 ) -> EliminationPlan:
     """Elimination plan for the motion of ``outputs`` and the torque on given columns.
@@ -78,8 +78,8 @@ def make_plan(
         Of the coefficients.
     """
     planner = _Planner(laws, n_free, loads, motions, outputs, reactions, accuracy)
-    if turned:
-        planner.turn()
+    if other_order:
+        planner.choose_other_root()
     return planner.plan()
 
 
@@ -105,7 +105,7 @@ class _Planner:
         self.outputs = tuple(self._output(row) for row in outputs)
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
 
-    def turn(self) -> None:
+    def choose_other_root(self) -> None:
         """Choose as root another coordinate than that of the first load."""
         free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
         self.last = next(free, None) if self.last is None else None
@@ -225,21 +225,21 @@ class _Planner:
     def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[EliminatedPair]:
         for i, first in enumerate(rows):
             for j in range(i + 1, len(rows)):
-                found = self._law(combined(first, rows[j], v, self.accuracy))
+                found = self._law(combine_rows(first, rows[j], v, self.accuracy))
                 if found:
                     yield EliminatedPair(i, j, found[1] * found[1], found[0])
 
-    def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[Passed]:
+    def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[PassedLoad]:
         row = self.loads.rows[slot]
         for i, law in enumerate(rows):
-            found = self._load(combined(row, law, v, self.accuracy))
+            found = self._load(combine_rows(row, law, v, self.accuracy))
             if found:
-                yield Passed(slot, i, law[v] * found[1], found[0])
+                yield PassedLoad(slot, i, law[v] * found[1], found[0])
 
     def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> MotionStep:
         row, parts = self.motions.rows[number], []
         for i, law in enumerate(rows):
-            found = self._motion(combined(row, law, v, self.accuracy))
+            found = self._motion(combine_rows(row, law, v, self.accuracy))
             if found:
                 parts.append((i, law[v] * found[1], found[0]))
         return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
@@ -247,13 +247,13 @@ class _Planner:
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Split rows on a coordinate with too many rows into links and grounds, save those along the common motion."""
         numbers = self.laws.touching.get(v, set())
-        if len(numbers) <= max(ALWAYS, MOST_ROWS * (len(self._neighbours(v)) + 1)):
+        if len(numbers) <= max(MOST_UNSPLIT_ROWS, SPLIT_ROW_MULTIPLE * (len(self._neighbours(v)) + 1)):
             return
         if self.scale is None:
             self.scale = collections.defaultdict(lambda: 1.0, common_motion(self.laws.rows))
         for number in sorted(numbers):
             row = self.laws.rows[number]
-            shares = list(clique(row, self.scale, self.accuracy)) if len(row) > 1 else []
+            shares = list(equivalent_links(row, self.scale, self.accuracy)) if len(row) > 1 else []
             if len(shares) > 1:
                 yield self._handed_on(number, shares)
 

@@ -16,16 +16,16 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 from torsionnet.model.elements import Law
 from torsionnet.model.elimination import exact
-from torsionnet.solve.dynamic_stiffness.posed import ReadingPart, pose
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingPart, make_reading_problem
 from torsionnet.solve.dynamic_stiffness.row_algebra import Accuracy
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-DIGITS = 200
+CALCULATION_DIGITS = 200
 """Decimal digits of a calculation in many digits: far more than the cancellation of any drivetrain met so far."""
-TRUSTED = 0.55
+TRUSTED_SHARE = 0.55
 """Share of the digits that are trusted in a sum: the others allow for poles near s and for spreads of the values."""
-CERTAIN = 0.9
+KNOWN_SHARE = 0.9
 """Share of the digits of coefficients in rows that are known: products around a loop lose few."""
 
 
@@ -37,7 +37,9 @@ class ManyDigits:
         self.laws: tuple[Law, ...] = assembly.laws
         self.actions: tuple[ActionLaw, ...] = assembly.system.actions
         measured = request.measured if request.is_measured else ()
-        self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
+        self.reading_problem = make_reading_problem(
+            assembly, request.outputs, measured, request.excitations, in_many_digits, _accuracy()
+        )
 
     def transfer(self, s: Any) -> list[list[Any]] | None:
         """Outputs over inputs at one s; None where the measured inputs depend on each other.
@@ -53,26 +55,33 @@ class ManyDigits:
 
     def _readings(self, kappa: Sequence[Any], s: Any) -> list[list[Any]]:
         """All readings under all excitations at one s."""
-        problem = self.posed.problem
-        solved = [[number(0)] * len(problem.excitations) for _ in range(problem.n_read)]
+        problem = self.reading_problem.problem
+        solved = [[in_many_digits(0)] * len(problem.excitations) for _ in range(problem.n_read)]
         for excitations, part in problem.parts:
             slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
-            for value, found in walked(part.tape, slots).items():
+            for value, found in run_tape(part.tape, slots).items():
                 reading, place = divmod(value, len(excitations))
                 solved[reading][excitations[place]] = found
         solved, torques = self._closed(solved, s) if self.actions else (solved, [])
-        readings = [[_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.posed.parts]
-        for values, driven in zip(readings, self.posed.driven, strict=True):
+        readings = [
+            [_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.reading_problem.parts
+        ]
+        for values, driven in zip(readings, self.reading_problem.driven, strict=True):
             for action, factor in driven.items():
-                values[:] = [value + number(factor) * t for value, t in zip(values, torques[action], strict=True)]
+                values[:] = [
+                    value + in_many_digits(factor) * t for value, t in zip(values, torques[action], strict=True)
+                ]
         return readings
 
     def _closed(self, solved: list[list[Any]], s: Any) -> tuple[list[list[Any]], list[list[Any]]]:
         """Solved motions with the actions at work, and the torques of the actions."""
-        n, gains = self.posed.n_excitations, [_action_gain(one, s) for one in self.actions]
-        sensed = [[gain * value for value in solved[row]] for gain, row in zip(gains, self.posed.sensed, strict=True)]
+        n, gains = self.reading_problem.n_excitations, [_action_gain(one, s) for one in self.actions]
+        sensed = [
+            [gain * value for value in solved[row]]
+            for gain, row in zip(gains, self.reading_problem.sensed, strict=True)
+        ]
         places = range(len(gains))
-        loop = [[_left([number(int(i == j)), -sensed[i][n + j]]) for j in places] for i in places]
+        loop = [[_left([in_many_digits(int(i == j)), -sensed[i][n + j]]) for j in places] for i in places]
         transposed = [[loop[j][i] for j in places] for i in places]
         excited = [[sensed[i][e] for i in places] for e in range(n)]
         by_excitation = _quotient(excited, transposed)
@@ -87,11 +96,11 @@ def _accuracy() -> Accuracy:
     """Accuracy of rows with the present number of digits of mpmath."""
     import mpmath
 
-    digits = round(CERTAIN * mpmath.mp.dps)
+    digits = round(KNOWN_SHARE * mpmath.mp.dps)
     return Accuracy(mpmath.mpf(10) ** -digits, lambda value: mpmath.nstr(value, digits))
 
 
-def walked(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
+def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     """Values of a tape, by number, in many digits for dynamic stiffnesses of its slots.
 
     Raises
@@ -105,7 +114,7 @@ def walked(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
         if code == ops.LAW:
             r[t] = kappa[a]
         elif code == ops.CONSTANT:
-            r[t] = number(0) + factor
+            r[t] = in_many_digits(0) + factor
         elif code in (ops.SUM, ops.PIVOT):
             r[t] = _left([r[a], factor * r[b]])
         elif code == ops.PRODUCT:
@@ -123,31 +132,35 @@ def walked(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
 def _factor(part: ReadingPart, kappa: Sequence[Any], s: Any) -> Any:
     """Factor between a solved motion or reaction and a reading."""
     if part.term is None:
-        return number(part.factor)
-    return number(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
+        return in_many_digits(part.factor)
+    return in_many_digits(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
 
 
 def _action_gain(action: ActionLaw, s: Any) -> Any:
     """Transfer function torque / sensed angle of an action at s in many digits."""
     import mpmath
 
-    above, below = (polynomial([number(value) for value in part], s) for part in (action.numerator, action.denominator))
+    above, below = (
+        polynomial([in_many_digits(value) for value in part], s) for part in (action.numerator, action.denominator)
+    )
     if not below:
         raise SolveError(f"the law of {action.owner} has a pole here; ask for another frequency")
-    return above / below * (mpmath.exp(-s * number(action.delay)) if action.delay else 1)
+    return above / below * (mpmath.exp(-s * in_many_digits(action.delay)) if action.delay else 1)
 
 
 def _dynamic_stiffness(law: Law, s: Any) -> Any:
     import mpmath
 
-    loss = mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0
-    total = number(law.stiffness) * (1 + loss) + s * (number(law.damping) + s * number(law.inertia))
+    loss = mpmath.mpc(0, in_many_digits(law.loss_factor)) if law.loss_factor else 0
+    total = in_many_digits(law.stiffness) * (1 + loss) + s * (
+        in_many_digits(law.damping) + s * in_many_digits(law.inertia)
+    )
     if law.table is not None:
         total += law.table.in_many_digits(s)
     return total
 
 
-def number(value: Any) -> Any:
+def in_many_digits(value: Any) -> Any:
     """Mpmath number of a rational or float with all its digits; a ratio of two integers, so that 10 * 0.1 is 1."""
     import mpmath
 
@@ -162,21 +175,21 @@ def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[
     """
     places = range(len(measured))
     every = (1 << len(measured)) - 1
-    whole = _minors(measured).get(every, number(0))
+    whole = _minors(measured).get(every, in_many_digits(0))
     if not whole:
         return None
-    inverse: list[list[Any]] = [[number(0)] * len(measured) for _ in places]
+    inverse: list[list[Any]] = [[in_many_digits(0)] * len(measured) for _ in places]
     for j in places:
         minors = _minors([*measured[:j], *measured[j + 1 :]])
         for k in places:
-            inverse[k][j] = (-1) ** (k + j) * minors.get(every ^ (1 << k), number(0)) / whole
+            inverse[k][j] = (-1) ** (k + j) * minors.get(every ^ (1 << k), in_many_digits(0)) / whole
     parts = [[[row[k] * inverse[k][j] for k in places] for j in places] for row in outputs]
     return [[_left(terms) for terms in row] for row in parts]
 
 
 def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
     """Determinants of the rows on each choice of as many columns, by the bits of the columns; those missing are 0."""
-    found = {0: number(1)}
+    found = {0: in_many_digits(1)}
     for row in rows:
         terms: dict[int, list[Any]] = {}
         for chosen, minor in found.items():
@@ -193,5 +206,5 @@ def _left(terms: Sequence[Any]) -> Any:
     import mpmath
 
     total = sum(terms)
-    least = mpmath.mpf(10) ** -round(TRUSTED * mpmath.mp.dps) * sum(abs(term) for term in terms)
-    return total if abs(total) > least else number(0)
+    least = mpmath.mpf(10) ** -round(TRUSTED_SHARE * mpmath.mp.dps) * sum(abs(term) for term in terms)
+    return total if abs(total) > least else in_many_digits(0)

@@ -26,9 +26,9 @@ from torsionnet.model.elimination import reduce_rows
 
 SparseRow: TypeAlias = Mapping[int, float]
 
-LOOP = 1e-11
+CLOSED_LOOP_TOLERANCE = 1e-11
 """Relative residual below which a row closes its loop; consistent ratios meet to about 1e-15."""
-ROUNDING = 1e-13
+WIDE_ROW_ROUNDING = 1e-13
 """Relative rounding assumed in coefficients of wider rows: entries are right to 1e-16, long products nearly."""
 
 
@@ -106,7 +106,7 @@ class Rounded:
     __hash__ = None  # type: ignore[assignment]
 
 
-def unresisted(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
+def unresisted_motions(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
     """Motions of a system that none of the selected laws resists, as a null space."""
     return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
@@ -115,12 +115,12 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
     """Null space of sparse rows over ``size`` coordinates, each a map from coordinate to coefficient."""
     parts = _Parts(rows, size)
     turning = [number for number in range(len(parts.members)) if number not in parts.held]
-    wide = [row for row in (parts.collected(row) for row in rows if len(row) > 2) if row]
+    wide = [row for row in (parts.over_parts(row) for row in rows if len(row) > 2) if row]
     solved = reduce_rows(wide, {part: part for part in turning}).solved
-    columns = {part: parts.turned(part, 1.0) for part in turning if part not in solved}
+    columns = {part: parts.part_angles(part, 1.0) for part in turning if part not in solved}
     for part, free in solved.items():
         for other, ratio in free.items():
-            columns[other] |= parts.turned(part, Rounded.of(ratio).value)
+            columns[other] |= parts.part_angles(part, Rounded.of(ratio).value)
     return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))
 
 
@@ -144,7 +144,7 @@ class _Parts:
         self.held = {self.part[column] for row in rows if len(row) == 1 for column in row}
         for (a, x), (b, y) in ties:
             first, second = x * self.angle[a], y * self.angle[b]
-            if abs(first + second) > LOOP * max(abs(first), abs(second)):
+            if abs(first + second) > CLOSED_LOOP_TOLERANCE * max(abs(first), abs(second)):
                 self.held.add(self.part[a])
 
     def _walk(self, root: int, links: list[list[tuple[int, float]]]) -> None:
@@ -157,17 +157,17 @@ class _Parts:
                     members.append(other)
         self.members.append(members)
 
-    def collected(self, row: SparseRow) -> dict[int, Any]:
+    def over_parts(self, row: SparseRow) -> dict[int, Any]:
         """Row over the parts that can turn, from a row over coordinates."""
         result: dict[int, Rounded] = {}
         for column, value in row.items():
             part, factor = self.part[column], value * self.angle[column]
             if part in self.held:
                 continue
-            term = Rounded(factor, ROUNDING * abs(factor))
+            term = Rounded(factor, WIDE_ROW_ROUNDING * abs(factor))
             result[part] = result[part] + term if part in result else term
         return result
 
-    def turned(self, part: int, ratio: float) -> dict[int, float]:
+    def part_angles(self, part: int, ratio: float) -> dict[int, float]:
         """Angles of the coordinates of a part at this ratio of its first coordinate."""
         return {column: ratio * self.angle[column] for column in self.members[part]}

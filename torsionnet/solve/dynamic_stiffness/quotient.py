@@ -13,9 +13,9 @@ import torsionnet.solve.dynamic_stiffness.dense as dense
 import torsionnet.solve.dynamic_stiffness.starmesh as starmesh
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.solve.dynamic_stiffness.closed_loops import ClosedLoops, closed
-from torsionnet.solve.dynamic_stiffness.doubt import SHARE
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem
+from torsionnet.solve.dynamic_stiffness.closed_loops import ClosedLoops, close_loops
+from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem
 from torsionnet.solve.dynamic_stiffness.reading_table import reading_table
 from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep
@@ -36,73 +36,78 @@ class FrequencyPoints:
 
     values: ComplexArray
     conditioning: FloatArray
-    doubtful: NDArray[np.bool_]
+    uncertain: NDArray[np.bool_]
 
 
 def transfer_functions(
-    request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, turned: bool = False
+    request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, other_order: bool = False
 ) -> FrequencyPoints:
-    """Transfer functions of a request at all points of ``kappa``; ``turned`` uses another order of elimination."""
-    posed, n_out = request.posed.turned if turned else request.posed, len(request.outputs)
-    method = starmesh.chosen_method(posed.problem, kappa.n_points, method)
-    if method == "compiled" and (whole := _compiled(request, posed, kappa)) is not None:
+    """Transfer functions of a request at all points of ``kappa``; ``other_order`` uses another order of elimination."""
+    reading_problem, n_out = (
+        request.reading_problem.in_other_order if other_order else request.reading_problem,
+        len(request.outputs),
+    )
+    method = starmesh.chosen_method(reading_problem.problem, kappa.n_points, method)
+    if method == "compiled" and (whole := _compiled(request, reading_problem, kappa)) is not None:
         points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
         if len(points):  # beyond its range, or infinite
-            again = transfer_functions(request, kappa.at(points), "graph", turned=turned)
+            again = transfer_functions(request, kappa.at(points), "graph", other_order=other_order)
             whole.values[points], whole.conditioning[points] = again.values, again.conditioning
         return whole
-    found = METHODS[method](posed.problem, kappa)
-    loops = closed(posed, kappa, found.values, found.doubtful)
+    found = METHODS[method](reading_problem.problem, kappa)
+    loops = close_loops(reading_problem, kappa, found.values, found.uncertain)
     with np.errstate(invalid="ignore"):
-        readings = _readings(posed, kappa, loops)
-    values, doubtful, conditioning = readings[:, :n_out], loops.doubtful, np.ones(kappa.n_points)
+        readings = _readings(reading_problem, kappa, loops)
+    values, uncertain, conditioning = readings[:, :n_out], loops.uncertain, np.ones(kappa.n_points)
     if request.is_measured:
         measured = readings[:, n_out:]
         values, lost, apart = _divide(values, measured)
-        conditioning = _shares(posed, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
-        doubtful = doubtful | lost
-    return FrequencyPoints(values, conditioning, doubtful)
+        conditioning = _shares(reading_problem, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
+        uncertain = uncertain | lost
+    return FrequencyPoints(values, conditioning, uncertain)
 
 
-def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness) -> FrequencyPoints | None:
+def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
     """Transfer functions by one compiled loop; None for requests which that loop cannot handle."""
     import torsionnet.solve.dynamic_stiffness.compiled as compiled
 
-    parts, n_out = posed.problem.parts, len(request.outputs)
-    tables = [reading_table(posed, n_out, len(excitations)) for excitations, _ in parts]
-    values = np.empty((kappa.n_points, n_out, posed.n_excitations), dtype=complex)
-    conditioning, doubtful = np.ones(kappa.n_points), np.zeros(kappa.n_points, dtype=bool)
+    parts, n_out = reading_problem.problem.parts, len(request.outputs)
+    tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]
+    values = np.empty((kappa.n_points, n_out, reading_problem.n_excitations), dtype=complex)
+    conditioning, uncertain = np.ones(kappa.n_points), np.zeros(kappa.n_points, dtype=bool)
     for (excitations, part), table in zip(parts, tables, strict=True):
         if table is None:
             return None
         slots = kappa.law_sums(part.plan.sources)
         found, conditioning, lost = compiled.read(part.tape, slots, table, kappa.only(table.laws))
-        doubtful |= lost | part.plan.subtracts
+        uncertain |= lost | part.plan.subtracts
         if len(parts) == 1:
             values = found
         else:
             values[:, :, excitations] = found
-    return FrequencyPoints(values, conditioning, doubtful)
+    return FrequencyPoints(values, conditioning, uncertain)
 
 
-def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
+def _readings(reading_problem: ReadingProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
     """Readings of all outputs and measured inputs, shape (n_points, n_readings, n_exc)."""
-    values = np.empty((kappa.n_points, len(posed.parts), loops.values.shape[1]), dtype=complex)
-    for number, part in enumerate(posed.parts):
+    values = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
+    for number, part in enumerate(reading_problem.parts):
         values[:, number] = part.of(kappa, loops.values).T
-        for action, factor in posed.driven[number].items():
+        for action, factor in reading_problem.driven[number].items():
             values[:, number] += float(factor) * loops.torques[action].T
     return values
 
 
-def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
+def _shares(
+    reading_problem: ReadingProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray
+) -> FloatArray:
     """Magnitude of measured inputs over the sum of their terms' magnitudes, shape (n_points, n_in, n_exc)."""
     sizes = np.zeros(measured.shape)
-    first = len(posed.parts) - measured.shape[1]
+    first = len(reading_problem.parts) - measured.shape[1]
     with np.errstate(all="ignore"):
         for number in range(measured.shape[1]):
-            terms = (np.abs(part.of(kappa, solved)).T for part in posed.terms[first + number])
-            sizes[:, number] = sum(terms, start=np.abs(posed.applied[first + number]))
+            terms = (np.abs(part.of(kappa, solved)).T for part in reading_problem.terms[first + number])
+            sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[first + number]))
         return np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
 
 
@@ -125,8 +130,8 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
         inverse, size = _inverse(normed)
         scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
         quotient = outputs @ (inverse * scale)
-        lost = (SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
-        return quotient, lost | ~(apart * SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+        lost = (LARGE_SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * LARGE_SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
 
 
 def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem, ReadingPart
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingPart, ReadingProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,18 +39,18 @@ class ReadingTable:
     is_measured: bool
 
 
-def reading_table(posed: PosedProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
+def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
     """Table for excitations that are solved together; None with several measured inputs, or with actions."""
-    n_measured = len(posed.parts) - n_out
-    if posed.sensed or n_measured > 1:
+    n_measured = len(reading_problem.parts) - n_out
+    if reading_problem.sensed or n_measured > 1:
         return None
-    parts = [*posed.parts, *(posed.terms[-1] if n_measured else ())]
+    parts = [*reading_problem.parts, *(reading_problem.terms[-1] if n_measured else ())]
     laws = tuple(dict.fromkeys(one.term.law for one in parts if one.term is not None and one.term.law is not None))
     return ReadingTable(
         np.array([_entry(one, laws) for one in parts], dtype=np.int64).reshape(-1, 3),
         np.array([float(one.factor if one.term is None else one.term.factor) for one in parts]),
         laws,
-        float(np.abs(posed.applied[-1]).sum()) if n_measured else 0.0,
+        float(np.abs(reading_problem.applied[-1]).sum()) if n_measured else 0.0,
         n_out,
         n_excitations,
         is_measured=bool(n_measured),

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
-LARGE = 60
+LARGE_SYSTEM = 60
 """Number of coordinates above which a system is large: methods that follow its structure then pay off."""
 RANK_TOLERANCE = 1e-11
 """Relative tolerance of ranks of normalised rows, with ratios of 1 to 100: consistent loops meet to about 1e-15."""
@@ -94,7 +94,7 @@ def orthogonal_complement(columns: AnyArray, size: int) -> AnyArray:
     return np.asarray(np.linalg.qr(columns.conj(), mode="complete")[0][:, columns.shape[1] :])
 
 
-def beside(part: FloatArray, whole: FloatArray) -> FloatArray:
+def complement_within(part: FloatArray, whole: FloatArray) -> FloatArray:
     """Orthonormal basis of the complement of ``part`` within the span of ``whole``; the columns of both orthonormal."""
     return np.asarray(whole @ orthogonal_complement(whole.T @ part, whole.shape[1]), dtype=float)
 
@@ -113,7 +113,7 @@ def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
     return basis
 
 
-def acting(system: RowSystem) -> RowSystem:
+def without_empty_laws(system: RowSystem) -> RowSystem:
     """System without laws whose row is empty: on clamped nodes alone they neither move nor load anything."""
     rows = system.law_rows
     kept = [index for index, row in enumerate(rows.maps) if row]
@@ -129,7 +129,7 @@ def acting(system: RowSystem) -> RowSystem:
     )
 
 
-def restricted(system: RowSystem, kept: Sequence[int]) -> RowSystem:
+def restrict_to(system: RowSystem, kept: Sequence[int]) -> RowSystem:
     """System with the kept coordinates only, all others at rest."""
     if len(kept) == system.n_coordinates:
         return system
@@ -145,16 +145,16 @@ def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
     return np.asarray(stiff)
 
 
-def resisting(system: RowSystem) -> list[int]:
+def resisted_coordinates(system: RowSystem) -> list[int]:
     """Coordinates to keep: all but one of each motion that neither inertias nor springs resist."""
-    floating = unresisted(system, stiff_laws(system) | (system.inertia > 0))
+    floating = unresisted_motions(system, stiff_laws(system) | (system.inertia > 0))
     loose = {next(iter(motion)) for motion in floating.columns}
     return [column for column in range(system.n_coordinates) if column not in loose]
 
 
 def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
     """Refuse a system in which the selected laws leave a motion free."""
-    free = unresisted(system, laws).dimension
+    free = unresisted_motions(system, laws).dimension
     if free:
         raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
 
@@ -169,9 +169,9 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     """
     heavy = system.inertia > 0
     require_resistance(system, heavy | stiff | damped)
-    massless, held = (unresisted(system, laws).basis() for laws in (heavy, heavy | damped))
-    rigid = echelon(unresisted(system, stiff).basis())
-    undamped_rigid = unresisted(system, stiff | damped).basis()
+    massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
+    rigid = echelon(unresisted_motions(system, stiff).basis())
+    undamped_rigid = unresisted_motions(system, stiff | damped).basis()
     scaled = np.sqrt(system.inertia[heavy])[:, None] * system.rows[heavy]
     moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])
     deflated = (scaled @ moving).T @ (scaled @ undamped_rigid)
@@ -180,7 +180,7 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     return Subspaces(
         rigid=rigid,
         moving=moving,
-        damped=beside(held, massless),
+        damped=complement_within(held, massless),
         held=held,
         springs=np.flatnonzero(stiff),
         spring_rank=system.n_coordinates - rigid.shape[1],

@@ -17,7 +17,7 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 
-ALONE = 4
+MOST_SINGLE_TORQUES = 4
 """Largest number of torques that are solved one by one, each with its own coordinate at the root of the tree."""
 GOLDEN = (math.sqrt(5) - 1) / 2
 """Golden ratio minus one, whose multiples modulo 1 are spread most evenly."""
@@ -57,7 +57,7 @@ class ResponseProblem:
     excitations: tuple[Loading, ...]
     outputs: tuple[Row, ...]
     reactions: tuple[int, ...] = ()
-    turned: bool = False
+    other_order: bool = False
     accuracy: Accuracy = DOUBLE
 
     @property
@@ -69,26 +69,26 @@ class ResponseProblem:
         """Groups of excitations solved together: few torques one by one, and all imposed motions at once."""
         loads = [number for number, one in enumerate(self.excitations) if not one.motion]
         motions = [number for number, one in enumerate(self.excitations) if one.motion]
-        groups = [[number] for number in loads] if len(loads) <= ALONE else [loads]
+        groups = [[number] for number in loads] if len(loads) <= MOST_SINGLE_TORQUES else [loads]
         groups += [motions] if motions else []
         if len(groups) == 1:
             return ((groups[0], self),)
         return tuple((group, self._only([self.excitations[number] for number in group])) for group in groups)
 
     @cached_property
-    def otherwise(self) -> ResponseProblem:
+    def in_other_order(self) -> ResponseProblem:
         """Response problem with another order of elimination and rescaled coordinates, for other rounding errors.
 
         Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
         however the stiffnesses are moved. In other sizes it is no longer 1.
         """
-        return replace(self, turned=True)
+        return replace(self, other_order=True)
 
     def _only(self, excitations: Sequence[Loading]) -> ResponseProblem:
         return replace(self, excitations=tuple(excitations))
 
     def _sized(self, row: Row) -> Row:
-        if not self.turned:
+        if not self.other_order:
             return row
         return {column: value * _odd(column) if column < self.n_free else value for column, value in row.items()}
 
@@ -101,7 +101,7 @@ class ResponseProblem:
             [excitation.motion for excitation in self.excitations],
             [self._sized(output) for output in self.outputs],
             self.reactions,
-            turned=self.turned,
+            other_order=self.other_order,
             accuracy=self.accuracy,
         )
 

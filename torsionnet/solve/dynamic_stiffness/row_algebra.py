@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 Row: TypeAlias = dict[int, float]
 Key: TypeAlias = tuple[tuple[int, Any], ...]
 
-PAIR = 2
+LINK_ENTRIES = 2
 
 
 def _rounded(coefficient: float) -> float:
@@ -33,7 +33,7 @@ DOUBLE = Accuracy(1e-13, _rounded)
 """Accuracy of rows in double precision: ratios multiplied around a consistent loop meet to about 1e-15 per gear."""
 
 
-def combined(
+def combine_rows(
     first: Mapping[int, float], second: Mapping[int, float], coordinate: int, accuracy: Accuracy = DOUBLE
 ) -> Row:
     """Combined row b = second_v first - first_v second, which has no entry on coordinate v."""
@@ -56,7 +56,7 @@ def normalised(row: Mapping[int, float], accuracy: Accuracy = DOUBLE) -> tuple[K
     return tuple((j, accuracy.rounded(coefficient)) for j, coefficient in unit.items()), unit, factor
 
 
-def clique(
+def equivalent_links(
     row: Mapping[int, float], scale: Mapping[int, float], accuracy: Accuracy = DOUBLE
 ) -> Iterator[tuple[Row, float]]:
     """Links and grounds that together are equivalent to one row: a a^T = sum of weight * b b^T.
@@ -80,7 +80,7 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
 
     Links whose ends turn the same way come first: those of the opposite kind may be the inertia of a shaft.
     """
-    links = sorted((row for row in rows if len(row) == PAIR), key=lambda row: math.prod(row.values()) > 0)
+    links = sorted((row for row in rows if len(row) == LINK_ENTRIES), key=lambda row: math.prod(row.values()) > 0)
     around: dict[int, list[tuple[int, float]]] = {}
     for row in links:
         (i, a), (j, b) = row.items()

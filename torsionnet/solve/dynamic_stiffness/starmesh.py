@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness.doubt import Array
+from torsionnet.solve.dynamic_stiffness.lost_digits import Array
 from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep, sweep
 from torsionnet.solve.dynamic_stiffness.tape import Tape
@@ -31,13 +31,13 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]]
 
 
-WORTH = 1e9
+COMPILED_WORK = 1e9
 """Operations times points above which the compiled loop saves more than the second or two that starting it takes."""
 
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """Name of the solver method; ``auto`` chooses the compiled loop for many points wherever numba works."""
-    if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < WORTH:
+    if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < COMPILED_WORK:
         return method
     return "compiled" if compiled_works() else "graph"
 
@@ -86,10 +86,10 @@ def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 def _respond(problem: ResponseProblem, kappa: LawStiffness, walk: Walk) -> Sweep:
     values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_points), dtype=complex)
-    doubtful = np.zeros(kappa.n_points, dtype=bool)
+    uncertain = np.zeros(kappa.n_points, dtype=bool)
     with np.errstate(all="ignore"):
         for excitations, part in problem.parts:
             found, lost = walk(part.tape, kappa.law_sums(part.plan.sources))
             values[:, excitations] = found.reshape(problem.n_read, len(excitations), kappa.n_points)
-            doubtful |= lost | part.plan.subtracts
-    return Sweep(values, doubtful | ~np.isfinite(values).all(axis=(0, 1)))
+            uncertain |= lost | part.plan.subtracts
+    return Sweep(values, uncertain | ~np.isfinite(values).all(axis=(0, 1)))

@@ -22,15 +22,15 @@ from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.solve.dynamic_stiffness.action_states import HIGHEST, LawStates, law_states
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
-from torsionnet.solve.dynamic_stiffness.reduction import beside
-from torsionnet.solve.dynamic_stiffness.transfer_request import usable
+from torsionnet.solve.dynamic_stiffness.action_states import HIGHEST_POWER, LawStates, law_states
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.reduction import complement_within
+from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 
 if TYPE_CHECKING:
     import control
 
-NEGLIGIBLE = 1e-9
+NEGLIGIBLE_COEFFICIENT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class Channels:
 
 def active_channels(drivetrain: AssembledModel) -> Channels:
     """Inputs and sensors of a drivetrain without those on parts that are switched off or locked."""
-    inputs, sensors = usable(drivetrain)
+    inputs, sensors = usable_channels(drivetrain)
     return Channels(
         {name: drivetrain.inputs[name] for name in inputs}, {name: drivetrain.sensors[name] for name in sensors}
     )
@@ -162,7 +162,7 @@ def first_order(
         form = _condensed(_matrices(system, actions, kinds), *kinds, columns, states)
     except np.linalg.LinAlgError:
         raise UsageError("the torques that follow the motion leave no unique motion of what has no inertia") from None
-    return closed(form, actions) if actions else form
+    return close_loops_in_states(form, actions) if actions else form
 
 
 def _matrices(
@@ -180,8 +180,8 @@ def _matrices(
     for power, without in ((1, static), (2, np.hstack([damped, static]))):
         for one in actions:
             touched = max(float(np.abs(row @ without).max(initial=0.0)) for row in (one.row, one.sensed))
-            if one.at_once[power] and touched > NEGLIGIBLE:
-                what = "inertia" if power == HIGHEST else "inertia or damper"
+            if one.at_once[power] and touched > NEGLIGIBLE_COEFFICIENT:
+                what = "inertia" if power == HIGHEST_POWER else "inertia or damper"
                 raise UsageError(
                     f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter"
                 )
@@ -192,7 +192,7 @@ def _matrices(
     return found[2], found[1], found[0]
 
 
-def closed(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
+def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
     """State equations with closed loops, from those whose last inputs are the torques of ``actions``."""
     n_act, n_x = len(actions), len(form.A)
     n_u = form.B.shape[1] - n_act
@@ -236,8 +236,12 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
     heavy = system.inertia != 0
-    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
-    return _upright(beside(massless, np.eye(system.n_coordinates))), _upright(beside(static, massless)), static
+    massless, static = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
+    return (
+        _upright(complement_within(massless, np.eye(system.n_coordinates))),
+        _upright(complement_within(static, massless)),
+        static,
+    )
 
 
 def _upright(basis: FloatArray) -> FloatArray:
@@ -321,7 +325,7 @@ def _output_rows(
         for order, part in enumerate(improper):
             rates[order] += gain * part
             sizes[order] += float(np.abs(gain * part).max(initial=0.0))
-    if np.any(np.abs(rates) > NEGLIGIBLE * np.maximum(sizes, 1e-300)[:, None]):
+    if np.any(np.abs(rates) > NEGLIGIBLE_COEFFICIENT * np.maximum(sizes, 1e-300)[:, None]):
         raise UsageError(
             f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
         )

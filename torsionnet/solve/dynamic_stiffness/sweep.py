@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness.doubt import Array, Doubt
+from torsionnet.solve.dynamic_stiffness.lost_digits import Array, LostDigits
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
@@ -24,7 +24,7 @@ class Sweep:
     """Solution of a response problem: values (n_read, n_exc, n_points), and a mask (n_points,) of uncertain points."""
 
     values: Array
-    doubtful: NDArray[np.bool_]
+    uncertain: NDArray[np.bool_]
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
@@ -43,20 +43,24 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
     """
     kind = float if kappa.is_real else complex
     values = np.zeros((tape.n_values, kappa.n_points), dtype=kind)
-    doubtful = np.zeros(kappa.n_points, dtype=bool)
+    uncertain = np.zeros(kappa.n_points, dtype=bool)
     walk = list(zip(*tape.operations.T.tolist(), tape.factors.tolist(), strict=True))
     start = 0
     for part in kappa.blocks(min(MOST, max(FEWEST, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
         here = slice(start, start + part.n_points)
-        doubt = Doubt(part.n_points)
-        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], doubt)
-        doubtful[here] = doubt.marked
+        lost_digits = LostDigits(part.n_points)
+        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], lost_digits)
+        uncertain[here] = lost_digits.marked
         start = here.stop
-    return values, doubtful
+    return values, uncertain
 
 
 def _walk(
-    walk: list[tuple[int, int, int, int, float]], kappa: LawStiffness, registers: Array, values: Array, doubt: Doubt
+    walk: list[tuple[int, int, int, int, float]],
+    kappa: LawStiffness,
+    registers: Array,
+    values: Array,
+    lost_digits: LostDigits,
 ) -> None:
     *r, spare = registers
     parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
@@ -68,16 +72,16 @@ def _walk(
             term: Any = r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare)
             np.add(r[a], term, out=r[t])
             if code == ops.SUM:
-                doubt.sums(term, r[t])
+                lost_digits.check_sum(term, r[t])
         elif code == ops.LAW:
             kappa.write(a, real[t], imag[t])
             against = kappa.inertial(a)
             if against is not None:
-                doubt.sums(against, r[t])
+                lost_digits.check_sum(against, r[t])
         elif code == ops.QUOTIENT:
             np.divide(r[a], r[b], out=r[t])
         elif code == ops.WATCH:
-            doubt.shares(r[a], factor)
+            lost_digits.check_share(r[a], factor)
         elif code == ops.INVERSE:
             np.divide(1.0, r[a], out=r[t])
         elif code == ops.CONSTANT:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan, EliminationStep
 from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, PIVOT, SUM, Tape, TapeQuantity, Writer
 
-FEW = 2
+MOST_FORWARD_READINGS = 2
 """Largest number of readings solved by carrying them forward, which then takes fewer operations than back-
 substitution."""
 _ONE = TapeQuantity(-1, 1.0)
@@ -30,7 +30,7 @@ def make_tape(plan: EliminationPlan) -> Tape:
     (8, 4)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
-    return (_Forward if n_read <= FEW else _Back)(plan).tape(n_read)
+    return (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan).tape(n_read)
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, nam
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.imposed_twist import twist_fault
-from torsionnet.solve.dynamic_stiffness.posed import PosedProblem, pose
+from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
 
-NOTHING = "name at least one output and one input"
+NO_CHANNELS_MESSAGE = "name at least one output and one input"
 """Message for a request without outputs or without inputs."""
 
 
@@ -46,11 +46,13 @@ class TransferRequest:
         return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
 
     @cached_property
-    def posed(self) -> PosedProblem:
+    def reading_problem(self) -> ReadingProblem:
         """Response problem of the request in rows."""
-        return pose(self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations)
+        return make_reading_problem(
+            self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
+        )
 
-    def require_felt(self) -> None:
+    def require_reached_inputs(self) -> None:
         """Refuse measured inputs that stay zero whatever the values.
 
         Raises
@@ -60,7 +62,10 @@ class TransferRequest:
         """
         if not self.is_measured:
             return
-        felt = [self.posed.felt_by(len(self.outputs) + number) for number in range(len(self.measured))]
+        felt = [
+            self.reading_problem.excitations_reaching(len(self.outputs) + number)
+            for number in range(len(self.measured))
+        ]
         driven = " and ".join(str(excitation) for excitation in self.excitations)
         for reading, reached in zip(self.measured, felt, strict=True):
             if not reached:
@@ -72,7 +77,7 @@ class TransferRequest:
                 where = f"under a {excitation} at every frequency"
                 raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
 
-    def dependent(self) -> UsageError:
+    def dependent_inputs_error(self) -> UsageError:
         """Error for measured inputs that depend on each other under the excitations at all frequencies."""
         names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
         if len(self.measured) == 1:
@@ -80,7 +85,7 @@ class TransferRequest:
         return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
 
 
-def remembered(
+def cached_request(
     drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
@@ -90,19 +95,19 @@ def remembered(
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
 
     def asked() -> TransferRequest:
-        request = ask(drivetrain, output, input, excitation)
-        request.require_felt()
+        request = resolve_request(drivetrain, output, input, excitation)
+        request.require_reached_inputs()
         return request
 
     try:
         hash(parts)
     except TypeError:  # something that is no name, for ask to refuse in words
         return asked()
-    sections = stressed_sections(drivetrain, (output, input))
+    sections = stress_section_moduli(drivetrain, (output, input))
     return drivetrain.assembly.system.memo.once(TransferRequest, (parts, sections), asked)
 
 
-def again(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
+def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
     """Transfer request for another model, such as a variant with rows of its own.
 
     Raises
@@ -116,14 +121,14 @@ def again(drivetrain: AssembledModel, request: TransferRequest) -> TransferReque
 
     sensors = [one.sensor for one in request.measured if one.sensor is not None]
     inputs: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
-    found = driven(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
+    found = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
     outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
     found = replace(found, outputs=outputs, measured=measured, notes=request.notes)
-    found.require_felt()
+    found.require_reached_inputs()
     return found
 
 
-def stressed_sections(
+def stress_section_moduli(
     drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
 ) -> tuple[Any, ...]:
     """Section moduli of the shafts whose stress is requested, on which a reading depends besides the rows."""
@@ -136,7 +141,7 @@ def stressed_sections(
     return tuple(found)
 
 
-def ask(
+def resolve_request(
     drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
@@ -151,19 +156,19 @@ def ask(
     """
     outputs = tuple(named_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
     if not outputs:
-        raise UsageError(NOTHING)
-    return replace(driven(drivetrain, input, excitation), outputs=outputs)
+        raise UsageError(NO_CHANNELS_MESSAGE)
+    return replace(resolve_inputs(drivetrain, input, excitation), outputs=outputs)
 
 
-def driven(
+def resolve_inputs(
     drivetrain: AssembledModel,
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """Transfer request of inputs and excitations without outputs, see :func:`ask`."""
+    """Transfer request of inputs and excitations without outputs, see :func:`resolve_request`."""
     entries = _listed(input, "an input", (str, Sensor, Input))
     if not entries:
-        raise UsageError(NOTHING)
+        raise UsageError(NO_CHANNELS_MESSAGE)
     resolved = [_input(drivetrain, entry) for entry in entries]
     excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
     if len(excitations) < len(resolved):
@@ -316,11 +321,11 @@ def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
     raise UsageError(f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}')
 
 
-def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
+def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     """Names of the inputs and of the sensors on parts that are present and not locked.
 
     >>> import torsionnet as tn
-    >>> usable(tn.load("dmf_rig"))
+    >>> usable_channels(tn.load("dmf_rig"))
     (['T_M'], ['theta_1', 'T_T'])
     """
     nodes, holds_row = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds_row

@@ -15,9 +15,9 @@ from scipy import linalg
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
-AT_REST = 1e-7
+REST_POLE_RATIO = 1e-7
 """Ratio to the largest pole below which poles are grouped with those at zero."""
-CONDITION = 1e7
+MOST_EIGENVECTOR_CONDITION = 1e7
 """Condition number of the eigenvectors up to which the block is diagonalised; beyond, too many digits are lost."""
 
 
@@ -41,7 +41,7 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
     balanced, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
     size = np.abs(linalg.eigvals(balanced)).max()
     schur: Any = linalg.schur
-    T, Q, resting = schur(balanced, output="complex", sort=lambda pole: abs(pole) <= AT_REST * size)
+    T, Q, resting = schur(balanced, output="complex", sort=lambda pole: abs(pole) <= REST_POLE_RATIO * size)
     inputs, outputs = Q.conj().T @ (B / scale[:, None]), (C * scale) @ Q
     rest = slice(0, resting), slice(resting, None)
     if 0 < resting < len(A):
@@ -55,12 +55,12 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
 def _diagonal(block: DiagonalBlock) -> DiagonalBlock:
     """Block in its eigenvectors, if these are well conditioned; else unchanged."""
     poles, vectors = np.linalg.eig(block.T)
-    if np.linalg.cond(vectors) > CONDITION:
+    if np.linalg.cond(vectors) > MOST_EIGENVECTOR_CONDITION:
         return block
     inputs: ComplexArray = np.asarray(np.linalg.solve(vectors, block.B), dtype=np.complex128)
     outputs = block.C @ vectors
-    upper = poles.imag > AT_REST * np.abs(poles)
-    real = np.abs(poles.imag) <= AT_REST * np.abs(poles)
+    upper = poles.imag > REST_POLE_RATIO * np.abs(poles)
+    real = np.abs(poles.imag) <= REST_POLE_RATIO * np.abs(poles)
     if 2 * upper.sum() + real.sum() != len(poles):
         return DiagonalBlock(np.diag(poles).astype(complex), inputs, outputs)
     kept = upper | real

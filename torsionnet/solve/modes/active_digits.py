@@ -9,7 +9,7 @@ import numpy as np
 from torsionnet.assembly.action_law import polynomial
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.solve.dynamic_stiffness.many_digits import number
+from torsionnet.solve.dynamic_stiffness.many_digits import in_many_digits
 
 DIGITS = 60
 """Decimal digits of all sums, against cancellation between stiff and soft springs; more take longer."""
@@ -34,11 +34,11 @@ class ManyDigitPencil:
         self.size: int = n + len(self.actions)
         self.powers: list[Any] = [mpmath.zeros(n, n) for _ in range(3)]
         for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
-            ours = [(self.index[name], number(value)) for name, value in row.items() if name in self.index]
+            ours = [(self.index[name], in_many_digits(value)) for name, value in row.items() if name in self.index]
             for power, value in zip(self.powers, (law.stiffness, law.damping, law.inertia), strict=True):
                 for i, a in ours if value else ():
                     for j, b in ours:
-                        power[i, j] += number(value) * a * b
+                        power[i, j] += in_many_digits(value) * a * b
 
     def at(self, s: Any, rate: bool = False) -> Any:
         """Matrix P(s), or its derivative dP/ds, as an mpmath matrix."""
@@ -48,17 +48,19 @@ class ManyDigitPencil:
         n, whole = len(self.index), mpmath.zeros(self.size, self.size)
         whole[:n, :n] = C + 2 * s * M if rate else K + s * (C + s * M)
         for place, action in enumerate(self.actions, n):
-            above, below = ([number(value) for value in part] for part in (action.numerator, action.denominator))
-            tau = number(action.delay)
+            above, below = (
+                [in_many_digits(value) for value in part] for part in (action.numerator, action.denominator)
+            )
+            tau = in_many_digits(action.delay)
             factor, own = polynomial(above, s), polynomial(below, s)
             if rate:
                 factor, own = polynomial(_slope(above), s) - tau * factor, polynomial(_slope(below), s)
             for name, value in action.sensed.items():
                 if name in self.index:
-                    whole[place, self.index[name]] = -factor * mpmath.exp(-s * tau) * number(value)
+                    whole[place, self.index[name]] = -factor * mpmath.exp(-s * tau) * in_many_digits(value)
             for name, value in action.row.items() if not rate else ():
                 if name in self.index:
-                    whole[self.index[name], place] = -number(value)
+                    whole[self.index[name], place] = -in_many_digits(value)
             whole[place, place] = own
         return whole
 

@@ -22,7 +22,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.response import Modes
 from torsionnet.response.modes import OSCILLATORY, REAL, RIGID
-from torsionnet.solve.dynamic_stiffness.reduction import acting
+from torsionnet.solve.dynamic_stiffness.reduction import without_empty_laws
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.bordered_system import Bordered
 from torsionnet.solve.modes.eigen import unit_shapes
@@ -57,7 +57,9 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
     refuse_actions(
         assembly.system.actions, "poles against a measured input that does not cut the drivetrain in two are"
     )
-    if acting(assembly.system).dynamic or any(excitation.quantity != "torque" for excitation in request.excitations):
+    if without_empty_laws(assembly.system).dynamic or any(
+        excitation.quantity != "torque" for excitation in request.excitations
+    ):
         raise UsageError(
             "the measured input does not cut the drivetrain in two; then poles are calculated only without "
             "frequency-dependent stiffness and with torques as excitation"

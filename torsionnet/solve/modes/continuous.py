@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import (
-    acting,
     echelon,
-    resisting,
-    restricted,
+    resisted_coordinates,
+    restrict_to,
+    without_empty_laws,
 )
 from torsionnet.solve.modes.wittrick_williams import ModeCount
 
@@ -49,13 +49,13 @@ def elastic(system: RowSystem) -> Mask:
 
 def rigid_motions(system: RowSystem) -> FloatArray:
     """Shapes (n_q, n_rigid) of motions that no spring resists."""
-    return echelon(unresisted(system, elastic(system)).basis())
+    return echelon(unresisted_motions(system, elastic(system)).basis())
 
 
 def number_below(system: RowSystem, omega: float) -> int:
     """Number of modes without damping below omega in rad/s, rigid bodies included."""
-    system = acting(system)
-    system = acting(restricted(system, resisting(system)))
+    system = without_empty_laws(system)
+    system = without_empty_laws(restrict_to(system, resisted_coordinates(system)))
     return max(int(ModeCount(system).below(np.array([omega])).item()), int(rigid_motions(system).shape[1]))
 
 
@@ -95,9 +95,9 @@ def first_rate(system: RowSystem) -> float:
 
 def undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArray]:
     """Natural frequencies (count,) in rad/s without damping and real shapes (n_q, count), rigid bodies first."""
-    system = acting(system)
-    kept = resisting(system)
-    rates, shapes = _undamped_modes(acting(restricted(system, kept)), count)
+    system = without_empty_laws(system)
+    kept = resisted_coordinates(system)
+    rates, shapes = _undamped_modes(without_empty_laws(restrict_to(system, kept)), count)
     every = np.zeros((system.n_coordinates, len(rates)))
     every[kept] = shapes
     return rates, every

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, require_resistance, stiff_laws
 from torsionnet.solve.modes.continuous import (
     SAME_FREQUENCY,
@@ -105,7 +105,7 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs,
     require_resistance(system, (system.inertia > 0) | (system.damping != 0) | stiff_laws(system))
     rates, shapes = undamped_modes(system, count)
     rigid = rigid_motions(system)
-    turning = rigid.shape[1] - unresisted(system, elastic(system) | (system.damping != 0)).dimension
+    turning = rigid.shape[1] - unresisted_motions(system, elastic(system) | (system.damping != 0)).dimension
     vibrating = [group for group in equal_rates(rates) if rates[group[0]] > 0]
     if not _is_damped(system, rates):
         places = [place for group in vibrating for place in group]

@@ -24,13 +24,13 @@ import torsionnet.solve.modes.frozen_stiffness as frozen_stiffness
 from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.dynamic_stiffness.reduction import (
-    LARGE,
+    LARGE_SYSTEM,
     AnyArray,
-    acting,
-    resisting,
-    restricted,
+    resisted_coordinates,
+    restrict_to,
     stiff_laws,
     subspaces,
+    without_empty_laws,
 )
 from torsionnet.solve.modes import continuous, continuous_damped
 from torsionnet.solve.modes.lowest_modes import RigidMotions, lowest_vibrations
@@ -100,7 +100,7 @@ def complex_modes(
         Where coordinates have neither inertia nor spring nor damper.
     """
     refuse_actions(system.actions, "these modes are")
-    system = acting(system)
+    system = without_empty_laws(system)
     if continuous.is_continuous(system):
         return _of_continuous(system, lowest or continuous.DEFAULT_COUNT)
     stiff = stiff_laws(system)
@@ -130,7 +130,7 @@ def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
     """Lowest modes of a large system by sparse methods, or None where these do not apply."""
-    if system.n_coordinates <= LARGE or system.dynamic:
+    if system.n_coordinates <= LARGE_SYSTEM or system.dynamic:
         return None
     damped = system.damping != 0
     motions = RigidMotions.of(system, stiff, damped, lowest)
@@ -207,11 +207,11 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
         Real shapes; the largest component of each is 1.
     """
     refuse_actions(system.actions, "undamped modes are")
-    system = acting(system)
+    system = without_empty_laws(system)
     if continuous.is_continuous(system):
         return continuous.undamped_modes(system, lowest or continuous.DEFAULT_COUNT)
-    kept = resisting(system)
-    omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
+    kept = resisted_coordinates(system)
+    omega, shapes = _undamped_modes(without_empty_laws(restrict_to(system, kept)), lowest)
     every = np.zeros((system.n_coordinates, len(omega)))
     every[kept] = shapes
     return omega, every
@@ -220,7 +220,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
 def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, FloatArray]:
     stiff = stiff_laws(system)
     undamped = np.zeros_like(stiff)
-    if lowest is not None and system.n_coordinates > LARGE and not system.dynamic:
+    if lowest is not None and system.n_coordinates > LARGE_SYSTEM and not system.dynamic:
         motions = RigidMotions.of(system, stiff, undamped, lowest)
         few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
         if few is not None:

@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import (
     AnyArray,
-    acting,
     echelon,
     require_resistance,
-    resisting,
-    restricted,
+    resisted_coordinates,
+    restrict_to,
+    without_empty_laws,
 )
 from torsionnet.solve.modes.frozen_stiffness import Eigenpairs
 from torsionnet.solve.modes.spectrum import MAX_OPERATIONS
@@ -85,8 +85,8 @@ class RigidMotions:
         """
         heavy = system.inertia > 0
         require_resistance(system, heavy | stiff | damped)
-        rigid, undamped = (unresisted(system, laws).first(count) for laws in (stiff, stiff | damped))
-        massless = unresisted(system, heavy).dimension
+        rigid, undamped = (unresisted_motions(system, laws).first(count) for laws in (stiff, stiff | damped))
+        massless = unresisted_motions(system, heavy).dimension
         return cls(echelon(rigid.basis()), undamped.basis(), system.n_coordinates - massless)
 
 
@@ -283,11 +283,11 @@ def _inertia_rows(pencil: _Pencil) -> Any:
 
 def _slowest_undamped(system: RowSystem, motions: RigidMotions) -> float:
     """Rough lowest nonzero natural frequency in rad/s, without damping."""
-    kept = resisting(system)
+    kept = resisted_coordinates(system)
     if len(kept) == system.n_coordinates:
         return _slowest(_Pencil.of(system, undamped=True), motions.rigid)
-    system = acting(restricted(system, kept))
-    rigid = unresisted(system, system.stiffness > 0).basis()
+    system = without_empty_laws(restrict_to(system, kept))
+    rigid = unresisted_motions(system, system.stiffness > 0).basis()
     return _slowest(_Pencil.of(system, undamped=True), rigid)
 
 

@@ -19,8 +19,8 @@ from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Modes
 from torsionnet.solve.dynamic_stiffness.action_states import over_coordinates
-from torsionnet.solve.dynamic_stiffness.reduction import LARGE
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, driven
+from torsionnet.solve.dynamic_stiffness.reduction import LARGE_SYSTEM
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_inputs
 from torsionnet.solve.modes import continuous
 from torsionnet.solve.modes.active_modes import active_modes, is_active
 from torsionnet.solve.modes.cut_drivetrain import poles_against_measured
@@ -49,7 +49,7 @@ def modes(
         raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
     if measured_input is None and excitation is not None:
         raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
-    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
     return modes_against(drivetrain, request, lowest, up_to)
 
 
@@ -111,7 +111,7 @@ def natural_modes(
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
     """Product of rows and vectors, sparse where that pays for the import of scipy."""
-    return np.asarray((rows.csr if rows.n_columns > LARGE else rows.dense) @ vectors)
+    return np.asarray((rows.csr if rows.n_columns > LARGE_SYSTEM else rows.dense) @ vectors)
 
 
 def _undamped_rates(

@@ -1,4 +1,4 @@
-"""Frequencies that resolve every peak: equal steps of phase across each resonance, between evenly spaced ones."""
+"""Frequency grids that resolve every peak: equal steps of phase across each resonance, between evenly spaced points."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 
-STEEPEST = 85.0
-"""Degrees of phase to either side of a resonance; beyond, the flanks are smooth."""
-NARROWEST = 1e-6
+PEAK_PHASE_RANGE = 85.0
+"""Degrees of phase to either side of a resonance that get dense points; beyond, the flanks are smooth."""
+UNDAMPED_HALF_WIDTH = 1e-6
 """Half-width of a peak without damping, as a share of its frequency."""
 BELOW, ABOVE = 10.0, 2.0
 FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
 WITHOUT_MODES = (0.1, 100.0)
-CLOSEST = 1e-10
-"""Of a frequency: points nearer to each other than this count as one."""
+EQUAL_FREQUENCY_DISTANCE = 1e-10
+"""Relative distance of frequencies below which two points count as one: rounding would show as peaks between them."""
 
 
 @dataclass(frozen=True)
 class Adaptive:
-    """A range of frequencies with as many points as its peaks need; pass it as ``frequencies=``.
+    """Frequency range with as many points as its peaks need; pass it as ``frequencies=``.
 
     Parameters
     ----------
@@ -54,23 +54,23 @@ class Adaptive:
             raise UsageError(f"a range of frequencies needs 0 <= start < stop and points, got {self}")
 
     def frequencies(self, *modes: Modes) -> FloatArray:
-        """All of them in Hz, ascending, for the modes of a drivetrain."""
+        """Frequencies in Hz, ascending, that resolve the peaks of these modes."""
         spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
-        phase = np.radians(np.linspace(-STEEPEST, STEEPEST, self.per_peak))
+        phase = np.radians(np.linspace(-PEAK_PHASE_RANGE, PEAK_PHASE_RANGE, self.per_peak))
         found = [np.asarray(spaced(self.start, self.stop, self.points))]
         for mode in modes:
             eigenvalues = mode.eigenvalues[mode.eigenvalues.imag > 0]
             peak = eigenvalues.imag / (2 * np.pi)
-            width = np.maximum(-eigenvalues.real / (2 * np.pi), NARROWEST * peak)
+            width = np.maximum(-eigenvalues.real / (2 * np.pi), UNDAMPED_HALF_WIDTH * peak)
             found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
         f = np.unique(np.concatenate(found))
         # Two systems may have a mode in common but for rounding: points that close would show noise as peaks.
-        apart = np.append(True, np.diff(f) > CLOSEST * f[1:])
+        apart = np.append(True, np.diff(f) > EQUAL_FREQUENCY_DISTANCE * f[1:])
         return np.asarray(f[apart & (f >= self.start) & (f <= self.stop)])
 
 
 def vibration_range(*modes: Modes) -> tuple[float, float]:
-    """Hz: from a tenth of the lowest to twice the highest vibration of all, on round numbers.
+    """Frequency range in Hz from a tenth of the lowest to twice the highest vibration of all modes, on round numbers.
 
     >>> import torsionnet as tn
     >>> vibration_range(tn.load("dmf_rig").modes())
@@ -83,7 +83,7 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:
-    """Hz: what to look at first, around the lowest few vibrations of each, on round numbers.
+    """Frequency range in Hz to be shown first, around the lowest few vibrations of each drivetrain, on round numbers.
 
     >>> import torsionnet as tn
     >>> opening_range(tn.load("six_cylinder_diesel").modes())
@@ -97,7 +97,7 @@ def opening_range(*modes: Modes) -> tuple[float, float]:
 
 
 def rounded(value: float, *, up: bool) -> float:
-    """The next 1, 2 or 5 times a power of ten.
+    """Next round number of the series 1, 2, 5 times a power of ten, up or down from a value.
 
     >>> rounded(0.71, up=False), rounded(162, up=True)
     (0.5, 200.0)

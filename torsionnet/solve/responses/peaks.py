@@ -1,4 +1,4 @@
-"""The few numbers one reads off a frequency response: its static value and its peaks."""
+"""Static value and peaks of a frequency response."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import FloatArray
 
 Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
-"""The response at frequencies in Hz."""
+"""Function that returns the frequency response at frequencies in Hz."""
 
 ROUNDS, POINTS = 3, 41
-ROUNDING = 1e-9
-"""Share of a magnitude by which a peak rises at least above the valleys beside it."""
+PEAK_PROMINENCE = 1e-9
+"""Share of a magnitude by which a peak must exceed the valleys beside it: less may be rounding."""
 
 
 @dataclass(frozen=True)
 class Peak:
-    """A local maximum of the magnitude: Hz, SI value and phase in degrees."""
+    """Local maximum of the magnitude: frequency in Hz, SI value and phase in degrees."""
 
     frequency: float
     magnitude: float
@@ -31,7 +31,7 @@ class Peak:
 
 
 def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -> Iterator[Peak]:
-    """Local maxima inside the range, each found again on ever finer grids."""
+    """Yield local maxima of the magnitude inside the frequency range, each refined on ever finer grids."""
     magnitude = response.magnitude[:, output, input]
     for index in _standing_out(magnitude):
         low, high = response.frequencies[index - 1], response.frequencies[index + 1]
@@ -55,7 +55,7 @@ def inner_maxima(values: FloatArray) -> list[int]:
 
 
 def _standing_out(values: FloatArray) -> list[int]:
-    """Inner maxima that are more than rounding: a constant has none.
+    """Indices of inner maxima that are more than rounding: a constant has none.
 
     >>> _standing_out(np.array([1.0, 1 + 2e-16, 1.0, 1 + 4e-16, 1.0, 2.0, 1.5]))
     [5]
@@ -66,13 +66,13 @@ def _standing_out(values: FloatArray) -> list[int]:
         for side in (values[index::-1], values[index:]):
             higher = np.flatnonzero(side > values[index])
             valleys.append(side[: higher[0] if len(higher) else None].min())
-        if max(valleys) < (1 - ROUNDING) * values[index]:
+        if max(valleys) < (1 - PEAK_PROMINENCE) * values[index]:
             found.append(index)
     return found
 
 
 def static_value(solve: Solver, output: int, input: int) -> complex:
-    """The value at 0 Hz; nan where the request has no answer there."""
+    """Value of the response at 0 Hz; nan where the request has no answer there."""
     try:
         return complex(solve(np.zeros(1)).values[0, output, input])
     except UsageError:

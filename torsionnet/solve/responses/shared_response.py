@@ -1,4 +1,4 @@
-"""Results that conditions share which change excitations and nothing else: a misfire changes torques, not the rows."""
+"""Cache of the latest frequency response, for conditions that change excitations and nothing else."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def shared_response(
     inputs: Sequence[Any],
     frequencies: FloatArray,
 ) -> FrequencyResponse:
-    """Frequency response as :func:`frequency_response` gives it, solved once for conditions with the same mechanics."""
+    """Frequency response, solved once for repeated requests with the same values."""
 
     def solved() -> FrequencyResponse:
         return frequency_response(drivetrain, outputs, inputs, frequencies)

@@ -22,14 +22,14 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import METHODS, transfer_functions
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.responses.grid import Adaptive
-from torsionnet.solve.responses.uncertain import settled
+from torsionnet.solve.responses.uncertain import refine_uncertain_points
 from torsionnet.solve.responses.zero import at_zero
 
-POOR = 1e-10
-"""A measured input smaller than this share of its own terms all but vanishes."""
+VANISHING_INPUT_RATIO = 1e-10
+"""Ratio of a measured input to the sum of its terms' magnitudes below which it all but vanishes and is warned of."""
 
 
 def frequency_response(
@@ -41,9 +41,9 @@ def frequency_response(
     excitation: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponse:
-    """See :meth:`torsionnet.Drivetrain.frequency_response`."""
+    """Frequency response of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_response`."""
     known_method(method)
-    request = remembered(drivetrain, output, input, excitation)
+    request = cached_request(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
     values, conditioning = responses([drivetrain], request, f, method)
     warn_infinite(values, conditioning, f)
@@ -59,7 +59,7 @@ def frequency_response(
 
 
 def known_method(method: str) -> None:
-    """Refuse a method that does not exist."""
+    """Refuse a solver method that does not exist."""
     if method not in METHODS:
         raise UsageError(f'no method is named "{method}"; choose {", ".join(METHODS)}')
 
@@ -67,7 +67,7 @@ def known_method(method: str) -> None:
 def chosen_frequencies(
     drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
-    """The frequencies asked for, Hz."""
+    """Frequencies in Hz of a request, as given or as an adaptive range resolves them."""
     return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
 
@@ -93,10 +93,10 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 
 
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
-    """Values at zero frequency: the static solution where it is finite and beyond doubt, else the limit."""
+    """Values at zero frequency: the static solution where finite and certain, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
-        if np.isfinite(found.values).all() and not found.doubtful[0]:
+        if np.isfinite(found.values).all() and not found.uncertain[0]:
             return np.asarray(found.values[0])
     return at_zero(drivetrain, request)
 
@@ -144,10 +144,10 @@ def evaluate_laws(
     frequencies: FloatArray,
     method: str = "auto",
 ) -> Evaluated:
-    """As :func:`evaluate` for the laws of the variants; assemblies are asked for where a point has lost digits."""
+    """Transfer functions for given dynamic stiffnesses of the laws; assemblies are used for uncertain points."""
     found = transfer_functions(request, kappa, method)
     if method != "dense":
-        found = settled(assemblies, request, frequencies, kappa, found, method)
+        found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
     if request.is_measured:
         _warn_poor(found.conditioning, request, np.broadcast_to(frequencies, shape).ravel())
@@ -155,7 +155,7 @@ def evaluate_laws(
 
 
 def _warn_poor(conditioning: FloatArray, request: TransferRequest, frequencies: FloatArray) -> None:
-    poor = np.flatnonzero(conditioning < POOR)
+    poor = np.flatnonzero(conditioning < VANISHING_INPUT_RATIO)
     if len(poor):
         names = ", ".join(reading.name for reading in request.measured)
         where = f"{len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
@@ -170,7 +170,7 @@ def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray)
         return
     for points, where in (
         (f == 0, "at 0 Hz: the drivetrain turns freely"),
-        ((f > 0) & (conditioning >= POOR), "at a frequency above 0"),
+        ((f > 0) & (conditioning >= VANISHING_INPUT_RATIO), "at a frequency above 0"),
     ):
         if (points & ~finite).any():
             warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=4)

@@ -1,4 +1,4 @@
-"""FrequencyPoints that have lost digits on the way: how many, and the right values where it matters."""
+"""Error estimates of uncertain points, and their values in many digits where rounding would show."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError, TorsionnetWarning
-from torsionnet.solve.dynamic_stiffness.many_digits import DIGITS, ManyDigits
+from torsionnet.solve.dynamic_stiffness.many_digits import CALCULATION_DIGITS, ManyDigits
 from torsionnet.solve.dynamic_stiffness.quotient import FrequencyPoints, transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-PROMISED = 1e-9
-"""Relative error of every value that is returned without a warning."""
-ENOUGH = PROMISED / 5
+PROMISED_ERROR = 1e-9
+"""Largest relative error of values that are returned without a warning."""
+ACCEPTED_ERROR = PROMISED_ERROR / 5
+"""Estimated relative error up to which a value is kept: a fifth of the promised one, as the estimate is statistical."""
 DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
 MOST_WORK = 20_000
-"""Coordinates times points that are solved in many digits: a few seconds."""
+"""Largest number of laws times points that are solved in many digits: a few seconds."""
 
 
-def settled(
+def refine_uncertain_points(
     assemblies: Sequence[Assembly],
     request: TransferRequest,
     frequencies: FloatArray,
@@ -32,7 +33,7 @@ def settled(
     found: FrequencyPoints,
     method: str = "auto",
 ) -> FrequencyPoints:
-    """The same with points in doubt estimated, and solved in many digits where rounding would show.
+    """Transfer functions with uncertain points estimated, and solved in many digits where rounding would show.
 
     Parameters
     ----------
@@ -52,16 +53,16 @@ def settled(
     UsageError
         The measured inputs depend on each other at every frequency.
     """
-    points = np.flatnonzero(found.doubtful)
+    points = np.flatnonzero(found.uncertain)
     if not len(points):
         return found
     errors = expected_errors(
-        lambda some, turned: transfer_functions(request, some, method, turned=turned).values,
+        lambda some, other_order: transfer_functions(request, some, method, other_order=other_order).values,
         kappa.at(points),
         found.values[points],
     )
     worst = errors.max(axis=(1, 2), initial=0.0)
-    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
+    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ACCEPTED_ERROR]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))
     values = found.values.copy()
     exact = _ManyPoints(assemblies, request, frequencies)
@@ -71,7 +72,7 @@ def settled(
         if known is None:
             uncertain.append((points[place], worst[place]))
         else:
-            values[points[place]] = np.where(errors[place] > ENOUGH, known, values[points[place]])
+            values[points[place]] = np.where(errors[place] > ACCEPTED_ERROR, known, values[points[place]])
     if uncertain:
         _warn(uncertain, exact.frequencies.ravel())
     return replace(found, values=values)
@@ -80,7 +81,7 @@ def settled(
 def expected_errors(
     evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
 ) -> FloatArray:
-    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_points, ...): what some rounding changes.
+    """Relative errors of ``values`` (n_points, ...), from repeated solutions with stiffnesses changed by roundings.
 
     All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
     later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
@@ -100,7 +101,7 @@ def expected_errors(
 
 
 class _ManyPoints:
-    """FrequencyPoints in many digits."""
+    """Transfer functions of single points in many digits."""
 
     def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
         self.assemblies, self.request = assemblies, request
@@ -108,7 +109,7 @@ class _ManyPoints:
         self.asked: dict[int, ManyDigits] = {}
 
     def transfer_function(self, point: int) -> ComplexArray | None:
-        """Exact to double precision, (n_out, n_in); None where even many digits are not enough.
+        """Transfer functions (n_out, n_in) exact to double precision; None where even many digits are not enough.
 
         Raises
         ------
@@ -118,7 +119,7 @@ class _ManyPoints:
         import mpmath
 
         variant, number = divmod(point, self.frequencies.shape[1])
-        with mpmath.workdps(DIGITS):
+        with mpmath.workdps(CALCULATION_DIGITS):
             if variant not in self.asked:
                 self.asked[variant] = ManyDigits(self.assemblies[variant], self.request)
             omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[variant, number])
@@ -127,7 +128,7 @@ class _ManyPoints:
             except SolveError:
                 return None
             if found is None:
-                raise self.request.dependent()
+                raise self.request.dependent_inputs_error()
             return np.array([[complex(value) for value in row] for row in found])
 
 

@@ -16,13 +16,14 @@ from torsionnet.assembly.system import smallest_rate
 from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
-DIGITS = 400
-SMALL = 25
-"""s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
+LIMIT_DIGITS = 400
+"""Decimal digits of the calculation, enough for several measured inputs at s of 10^-25 to its fifth power and more."""
+LIMIT_POWER = 25
+"""Power of ten by which s lies below the slowest rate of the system; several inputs may differ by its fifth power."""
 
 
 def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArray:
-    """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
+    """Limit (n_out, n_in) of the transfer functions for s -> 0; inf where there is none.
 
     Raises
     ------
@@ -32,20 +33,20 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
     import mpmath
 
     assembly = drivetrain.assembly
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(LIMIT_DIGITS):
         rate = mpmath.mpf(smallest_rate(assembly.system))
         asked = ManyDigits(assembly, request)
-        first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (SMALL, SMALL + 1))
+        first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (LIMIT_POWER, LIMIT_POWER + 1))
         if first is not None and second is not None:
             pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
             return np.array([[_limit(*pair) for pair in row] for row in pairs])
         if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
-            raise request.dependent()
+            raise request.dependent_inputs_error()
     return np.full((len(request.outputs), len(request.measured)), complex(np.inf))
 
 
 def _limit(first: Any, second: Any) -> complex:
-    """The value two steps agree on: ten times larger at a tenth of s is a pole, ten times smaller a zero."""
+    """Limit from values at s and s / 10: ten times larger is a pole, ten times smaller a zero."""
     if abs(second) > 5 * abs(first):
         return complex(np.inf, 0.0)
     return 0j if abs(second) < abs(first) / 5 else complex(second)

@@ -19,7 +19,12 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates, refuse_delayed_acceleration, undelayed_states
-from torsionnet.solve.dynamic_stiffness.state_space import NEGLIGIBLE, StateSpaceForm, first_order, output_matrices
+from torsionnet.solve.dynamic_stiffness.state_space import (
+    NEGLIGIBLE_COEFFICIENT,
+    StateSpaceForm,
+    first_order,
+    output_matrices,
+)
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 MOST_TIME_STEPS = 400_000
@@ -111,7 +116,7 @@ def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArra
     """Matrices of the motion that a controller senses, and of its rate: each over states and over torques."""
     y, direct = law.sensed @ form.X, law.sensed @ form.U
     uses_rate = law.at_once[1] or law.G[:, 1].any()
-    if uses_rate and np.abs(direct).max(initial=0.0) > NEGLIGIBLE * np.abs(form.U).max(initial=0.0):
+    if uses_rate and np.abs(direct).max(initial=0.0) > NEGLIGIBLE_COEFFICIENT * np.abs(form.U).max(initial=0.0):
         text = "senses the rate of a motion without inertia and damper, which follows the rate of a torque"
         raise UsageError(f"{law.action.owner} {text}; give its nodes inertia or dampers")
     return y, direct, y @ form.A, y @ form.B

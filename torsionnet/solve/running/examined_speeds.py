@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.speed_refinement import added, filled
+from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds
 from torsionnet.solve.running.order_response import OrderQuestion
 from torsionnet.solve.running.resonant_speeds import around_resonances
 
@@ -61,8 +61,8 @@ class ExaminedSpeeds:
         """Speeds in rad/s of the first pass: gaps filled, more around narrow resonances, and at ``breaks``."""
         if not self.refine:
             return self.question.at
-        speeds = filled(self.question.at)
+        speeds = fill_speed_gaps(self.question.at)
         lines = self.question.loads(self.question.at[:1]).lines
         around = around_resonances(self.question.held, self.reference, lines, speeds)
-        more = added(speeds, np.concatenate([around, breaks[np.isfinite(breaks)]]))
+        more = new_speeds(speeds, np.concatenate([around, breaks[np.isfinite(breaks)]]))
         return np.sort(np.concatenate([speeds, more]))

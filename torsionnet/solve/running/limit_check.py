@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.limits_fit import limit_subject
+from torsionnet.model.checks.limit_checks import limit_subject
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Values
 from torsionnet.model.excitations.engine_phases import running_engines_text
@@ -28,7 +28,7 @@ from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitCheck, listed_names
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.speed_refinement import refined, speeds_wanted
+from torsionnet.response.speed_refinement import speeds_to_refine
 from torsionnet.response.speed_spans import spans_above
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.mean_response import mean_response
@@ -59,7 +59,7 @@ def check_limits(
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
     found = examination.at(examined.first(breaks))
     if examined.refine:
-        found = refined(found, examination.wanted, examination.with_more)
+        found = refine(found, examination.wanted, examination.with_more)
     run, evidence = found.run, found.evidence
     verdicts = tuple(
         verdict
@@ -140,8 +140,8 @@ class _Examination:
         lines = [line for group in found.lines for line in group if not line.why_not]
         used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
         tops = [column for line in lines for column in _tops(found.run.speeds, line)]
-        by_level = speeds_wanted(found.run.speeds, used, 1.0)
-        by_top = speeds_wanted(found.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
+        by_level = speeds_to_refine(found.run.speeds, used, 1.0)
+        by_top = speeds_to_refine(found.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
         return np.unique(np.concatenate([by_level, by_top]))
 
     def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:

@@ -28,7 +28,7 @@ from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.operating_groups import Places, at_speeds, in_arrays, solved_together
 
@@ -48,7 +48,7 @@ def mean_response(
         raise UsageError(
             f"mean torques act on {', '.join(torques)}, to which nothing is attached in this configuration"
         )
-    wanted = ask(drivetrain, outputs, nodes, None).outputs
+    wanted = resolve_request(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T
     held = shared_by_conditions(drivetrain, AssembledModel, "held", lambda: _held(drivetrain), lambda _: HELD_BYTES)

@@ -20,11 +20,11 @@ from torsionnet.model.excitations.engine_phases import unlocked_engines
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.worst_response import joined
+from torsionnet.response.worst_response import join_responses
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
-from torsionnet.solve.dynamic_stiffness.posed import twisted_law
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered, stressed_sections
+from torsionnet.solve.dynamic_stiffness.reading_problem import law_of_imposed_twist
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request, stress_section_moduli
 from torsionnet.solve.responses.shared_response import named, shared_by_conditions, shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
 from torsionnet.solve.running.operating_groups import SPEEDS_PER_BLOCK, Settled, at_speeds, in_arrays, solved_together
@@ -60,14 +60,15 @@ def order_response(
                 for start in range(0, len(at), SPEEDS_PER_BLOCK)
             ]
             found = [(_of_batch(batch.part(part), wanted, question.loads(at[part])), part) for part in parts]
-            return joined(found, at, drivetrain.title)
+            return join_responses(found, at, drivetrain.title)
         found = [
             (_block(rigs, wanted, question.loads(at[part])), part)
             for rigs, part in solved_together(
-                at_speeds(question.held, question.reference, at, settled), lambda rig: stressed_sections(rig, (wanted,))
+                at_speeds(question.held, question.reference, at, settled),
+                lambda rig: stress_section_moduli(rig, (wanted,)),
             )
         ]
-        return joined(found, at, drivetrain.title)
+        return join_responses(found, at, drivetrain.title)
 
     def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
         return run([Sensor("torque", name) for name in elements], settled).half_range
@@ -190,7 +191,7 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
     """
     if one.element_entry is not None:
         name = one.element_entry[1]
-        row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
+        row = drivetrain.assembly.laws[law_of_imposed_twist(drivetrain.assembly, name)].row
         return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
     holds_row = drivetrain.assembly.kinematics.holds_row
     return {node: _sense(drivetrain, node, reference) for node in one.nodes if not holds_row(one.channel(node).row)}
@@ -296,7 +297,7 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
             lambda found: found.nbytes,
         )
 
-    request = remembered(batch.drivetrain, outputs, list(loads.inputs), None)
+    request = cached_request(batch.drivetrain, outputs, list(loads.inputs), None)
     return loads.response(*_at_own(solved, request, loads.hertz))
 
 
@@ -342,7 +343,7 @@ def _each(
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         return evaluate([rig.assembly for rig in rigs], request, frequencies).values
 
-    return _at_own(solved, remembered(rigs[0], outputs, inputs, None), hertz)
+    return _at_own(solved, cached_request(rigs[0], outputs, inputs, None), hertz)
 
 
 def _at_own(

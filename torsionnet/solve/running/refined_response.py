@@ -13,8 +13,8 @@ from torsionnet.model.channels import Sensor
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import summed_sizes
-from torsionnet.response.speed_refinement import refined, speeds_wanted
-from torsionnet.response.worst_response import joined
+from torsionnet.response.speed_refinement import refine, speeds_to_refine
+from torsionnet.response.worst_response import join_responses
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.order_response import order_response
 
@@ -42,7 +42,7 @@ def refined_response(
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
     found = at(examined.first(np.empty(0)))
-    return refined(found, _wanted, lambda known, more: known.with_more(at(more))).run if examined.refine else found.run
+    return refine(found, _wanted, lambda known, more: known.with_more(at(more))).run if examined.refine else found.run
 
 
 def merged(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
@@ -51,7 +51,7 @@ def merged(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, 
     order = np.argsort(both, kind="stable")
     places = np.argsort(order, kind="stable")
     parts = [(first, places[: len(first.speeds)]), (second, places[len(first.speeds) :])]
-    return joined(parts, both[order], first.title), order
+    return join_responses(parts, both[order], first.title), order
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,4 +73,4 @@ class _Sized:
 
 def _wanted(found: _Sized) -> FloatArray:
     large = found.sizes.max(axis=0) > SMALLEST_ORDER_REFINED * found.half_range.max(axis=0)
-    return speeds_wanted(found.run.speeds, np.concatenate([found.half_range, found.sizes[:, large]], axis=1))
+    return speeds_to_refine(found.run.speeds, np.concatenate([found.half_range, found.sizes[:, large]], axis=1))

@@ -20,7 +20,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.solve.dynamic_stiffness.state_space import first_order, output_matrices
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.dynamic_stiffness.triangular import DiagonalBlock, blocks
 from torsionnet.solve.responses.by_spectrum import by_spectrum
 from torsionnet.solve.running.delayed_motion import delayed_response, first_order_hold
@@ -38,7 +38,7 @@ def simulate(
     """See :meth:`torsionnet.Drivetrain.simulate`."""
     torques = _torques(inputs)
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
-    request = ask(drivetrain, asked, list(inputs), None)
+    request = resolve_request(drivetrain, asked, list(inputs), None)
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
         raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
     motion = response_over_time(drivetrain, request, torques, sampling_rate)

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.excitations import TorqueShares
-from torsionnet.response.engine_angles import EngineAngle, settled
-from torsionnet.response.engine_blocks import is_unsettled
+from torsionnet.response.engine_angles import EngineAngle, at_worst_angles
+from torsionnet.response.engine_blocks import has_unknown_angles
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import EQUAL_HALF_RANGE, EQUAL_SEARCHED_HALF_RANGE, WorstResponse
@@ -62,7 +62,7 @@ def worst_case(
     nominal: OrderResponse, alternatives: Sequence[Contributions], scatter: Sequence[Contributions]
 ) -> OrderResponse:
     """Response with, for each output and speed, the case, signs and engine angles that give the largest half range."""
-    if not alternatives and not scatter and not is_unsettled(nominal.lines):
+    if not alternatives and not scatter and not has_unknown_angles(nominal.lines):
         return nominal
     cases = _cases(nominal, alternatives)
     largest = np.zeros(nominal.values.shape)
@@ -98,9 +98,9 @@ def _at_its_worst(
     case: OrderResponse, scatter: Sequence[Contributions]
 ) -> tuple[OrderResponse, NDArray[np.int8], tuple[EngineAngle, ...]]:
     """Case with the worst contributions, their signs (n_speeds, n_out, n_contributions), and the engine angles."""
-    if not is_unsettled(case.lines):
+    if not has_unknown_angles(case.lines):
         return *worst_combination(case, scatter), ()
-    found = settled(case.values, case.lines, [(one.lines, one.values) for one in scatter])
+    found = at_worst_angles(case.values, case.lines, [(one.lines, one.values) for one in scatter])
     none = np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)
     signs = np.concatenate([none, *found.signs], axis=2)
     return replace(case, values=found.values, lines=found.lines), signs, found.angles

@@ -1,4 +1,4 @@
-"""The equations of motion before the constraints are solved, with derivatives to chosen parameters.
+"""Augmented equations of motion, before the constraints are solved, with derivatives to chosen parameters.
 
 All node angles theta and the torques lambda of all rigid conditions are unknowns,
 
@@ -30,7 +30,7 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 @dataclass(frozen=True, eq=False)
 class LawCoefficients:
-    """One number of every law: values (n_laws,) and derivatives (n_laws, n_p)."""
+    """Coefficient of every law, such as the inertia: values (n_laws,) and derivatives (n_laws, n_p)."""
 
     values: FloatArray
     slopes: FloatArray
@@ -38,7 +38,7 @@ class LawCoefficients:
 
 @dataclass(frozen=True, eq=False)
 class Augmented:
-    """Numbers of one set of parameter values.
+    """Augmented equations for one set of parameter values: coefficients and rows with their derivatives.
 
     Attributes
     ----------
@@ -68,16 +68,16 @@ class Augmented:
 
     @cached_property
     def exact_laws(self) -> tuple[dict[str, Fraction], ...]:
-        """The rows of the laws as rationals."""
+        """Rows of the laws as rationals."""
         return tuple(map(_exact, self.law_rows))
 
     @cached_property
     def exact_conditions(self) -> tuple[dict[str, Fraction], ...]:
-        """The rows of the conditions as rationals."""
+        """Rows of the conditions as rationals."""
         return tuple(map(_exact, self.condition_rows))
 
     def kappa(self, s: ComplexArray, at: FloatArray) -> ComplexArray:
-        """Dynamic stiffness of every law, (n_laws, n_points).
+        """Dynamic stiffness of all laws, (n_laws, n_points).
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class Augmented:
         return kappa
 
     def kappa_rates(self, s: ComplexArray, at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Derivatives of that to s and to the frequency at which tables are read."""
+        """Derivatives of the dynamic stiffness of all laws to s, and to the frequency at which tables are read."""
         rates = np.asarray(self.damping.values[:, None] + 2 * s * self.inertia.values[:, None], dtype=complex)
         followed = np.zeros_like(rates)
         for law, table in self.tables:
@@ -103,7 +103,7 @@ class Augmented:
 
     @cached_property
     def varied(self) -> tuple[int, ...]:
-        """Laws in which a parameter sits."""
+        """Numbers of the laws that depend on a parameter."""
         slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
         moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.law_slopes.any(axis=(1, 2))
         moved[[law for law, gradients in self._gradients.items() if gradients.any()]] = True
@@ -111,7 +111,7 @@ class Augmented:
 
     @cached_property
     def _gradients(self) -> dict[int, FloatArray]:
-        """Derivatives (n_coefficients, n_p) of the coefficients of what depends on frequency, by law."""
+        """Derivatives (n_coefficients, n_p) of the coefficients of frequency-dependent stiffnesses, by law."""
         count = self.inertia.slopes.shape[1]
         return {
             law: np.array([gradient_of(one, count) for one in table.coefficients]).reshape(-1, count)
@@ -119,7 +119,7 @@ class Augmented:
         }
 
     def kappa_slopes(self, law: int, s: ComplexArray, at: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
-        """Derivative of the dynamic stiffness of one law, (n_points,), to every parameter that it depends on."""
+        """Yield parameter number and derivative (n_points,) of a law's dynamic stiffness, for each parameter in it."""
         J, c, k, loss = (part.slopes[law] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
         table, gradients = dict(self.tables).get(law), self._gradients.get(law, np.zeros((0, len(J))))
         slopes = None if table is None else table.slopes(s, at)
@@ -129,7 +129,7 @@ class Augmented:
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
-    """Numbers for these values of the unknowns; conditions that follow from others are left out."""
+    """Augmented equations for these values of the unknowns, without redundant conditions."""
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:
@@ -160,7 +160,7 @@ def _exact(row: Row) -> dict[str, Fraction]:
 
 
 def _conditions(unknowns: Unknowns, parts: Sequence[OwnedPart], nodes: Sequence[str]) -> tuple[list[Row], list[str]]:
-    """Rows over nodes: imposed angles first, then the elements' own, as the kinematics has them."""
+    """Rows of conditions over nodes with their owners: imposed angles first, then the elements' own."""
     imposed = imposed_rows(unknowns.definition, nodes)
     owned = constraints_of(parts)
     rows: list[Any] = [*imposed.values(), *(row for _, row in owned)]

@@ -1,4 +1,4 @@
-"""Numbers that carry their derivatives along: every element's law becomes its own derivative."""
+"""Dual numbers that carry derivatives, with which elements evaluate the derivatives of their laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.core.expressions import Algebra
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Dual:
-    """A value and its gradient, (n_p,); equal to a number only if it does not move either.
+    """Dual number, a value and its gradient (n_p,); equal to a plain number only if its gradient is zero.
 
     >>> x = Dual(3.0, np.array([1.0]))
     >>> y = 1 / x**2 - x
@@ -95,10 +95,10 @@ DUALS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
 
 
 def gradient_of(number: Any, count: int) -> FloatArray:
-    """Derivatives of a dual, zeros of anything else, (count,)."""
+    """Derivatives of a dual, (count,); zeros for any other number."""
     return number.gradient if isinstance(number, Dual) else np.zeros(count)
 
 
 def value_of(number: Any) -> Any:
-    """The number without its derivatives."""
+    """Value of a number without its derivatives."""
     return number.value if isinstance(number, Dual) else number

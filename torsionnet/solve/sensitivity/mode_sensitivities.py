@@ -1,4 +1,4 @@
-"""Derivatives of natural frequencies and damping ratios to parameters."""
+"""Derivatives of natural frequencies and damping ratios with respect to parameters."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from torsionnet.model.channels import Sensor
 from torsionnet.response import Table
 from torsionnet.response.mode_numbers import COUNTING_NOTE, MODE_NUMBER, RIGID
 from torsionnet.response.table import result_table
-from torsionnet.solve.dynamic_stiffness.transfer_request import driven
+from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs
 from torsionnet.solve.modes.modes import modes_against
 from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
 from torsionnet.solve.sensitivity.unknowns import unknowns
 
-SAME = 1e-6
-"""Poles closer than this share of their size count as repeated."""
-STRONG = 0.05
+REPEATED_POLE_DISTANCE = 1e-6
+"""Relative distance below which poles count as repeated, so that rounding does not split them."""
+NAMED_EFFECT = 0.05
+"""Percent per percent of a parameter above which an effect is named in words."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class SensitivityRecord:
 
 @dataclass(frozen=True, eq=False)
 class ModeSensitivities:
-    """How poles move with parameters.
+    """Derivatives of poles, natural frequencies and damping ratios with respect to parameters.
 
     Attributes
     ----------
@@ -92,22 +93,22 @@ class ModeSensitivities:
 
     @property
     def natural_frequencies(self) -> FloatArray:
-        """``|lambda| / 2 pi``, Hz."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n_modes,)."""
         return np.asarray(np.abs(self.poles) / (2 * np.pi))
 
     @property
     def damping_ratios(self) -> FloatArray:
-        """``-Re lambda / |lambda|``."""
+        """Damping ratios ``-Re lambda / |lambda|``, shape (n_modes,)."""
         return np.asarray(0.0 - self.poles.real / np.abs(self.poles))
 
     @property
     def frequency_slopes(self) -> FloatArray:
-        """(n_modes, n_p), Hz per SI unit of the parameter."""
+        """Derivatives of natural frequencies in Hz per SI unit of the parameter, shape (n_modes, n_p)."""
         return np.asarray(self._size_slopes / (2 * np.pi))
 
     @property
     def damping_slopes(self) -> FloatArray:
-        """(n_modes, n_p), per SI unit of the parameter; 0 for real poles, whose ratio stays 1."""
+        """Derivatives of damping ratios per SI unit of the parameter, shape (n_modes, n_p); 0 for real poles."""
         size = np.abs(self.poles)[:, None]
         moved = -self.pole_slopes.real / size + self.poles.real[:, None] * self._size_slopes / size**2
         return np.asarray(np.where(self.poles.imag[:, None] == 0, 0.0, moved))
@@ -118,23 +119,23 @@ class ModeSensitivities:
 
     @property
     def relative_frequencies(self) -> FloatArray:
-        """(n_modes, n_p): percent of natural frequency per percent of parameter."""
+        """Relative sensitivities (n_modes, n_p): percent of natural frequency per percent of parameter."""
         return np.asarray(self.frequency_slopes * self.values / self.natural_frequencies[:, None])
 
     @property
     def relative_dampings(self) -> FloatArray:
-        """(n_modes, n_p): percent of damping ratio per percent of parameter."""
+        """Relative sensitivities (n_modes, n_p): percent of damping ratio per percent of parameter."""
         ratios = self.damping_ratios[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             found = self.damping_slopes * self.values / ratios
         return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
 
     def number(self, index: int) -> int | None:
-        """Of the mode at this place; None for a real pole."""
+        """Number of the mode at this index; None for a real pole."""
         return self.numbers[index] if self.numbers else index + 1
 
     def name(self, index: int) -> str:
-        """What the mode at this place is called.
+        """Name of the mode at this index: "mode 1", or "real pole".
 
         >>> import torsionnet as tn
         >>> mode_sensitivities(tn.load("dmf_rig"), ["k_2"]).name(0)
@@ -144,7 +145,7 @@ class ModeSensitivities:
         return "real pole" if number is None else f"mode {number}"
 
     def words(self, most: int = 3) -> tuple[str, ...]:
-        """Of every mode, the parameters that move it most."""
+        """Sentences, one per mode, on the parameters that change the mode most."""
         found = []
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
             if np.isnan(self.pole_slopes[mode]).any():
@@ -156,7 +157,7 @@ class ModeSensitivities:
             parts = [
                 f"{what} by {_strongest(relative[mode], self.parameters, most)}"
                 for what, relative in (("frequency", self.relative_frequencies), ("damping", self.relative_dampings))
-                if np.abs(relative[mode]).max(initial=0.0) > STRONG
+                if np.abs(relative[mode]).max(initial=0.0) > NAMED_EFFECT
             ]
             found.append(f"{self.name(mode)} ({f:.4g} Hz{kind}): {'; '.join(parts) or 'hardly moved by any of these'}")
         return tuple(found)
@@ -166,7 +167,7 @@ class ModeSensitivities:
         return [COUNTING_NOTE] if None in self.numbers else []
 
     def table(self) -> Table:
-        """A row for each mode and parameter."""
+        """Table with a row for each mode and parameter."""
         rows = [row for mode in range(len(self.poles)) for row in self.rows(mode)]
         notes = (*self.words(), *self._counting)
         return result_table(f"{self.title}: what moves the modes", rows, ModeEffect, notes=notes)
@@ -199,7 +200,7 @@ class ModeSensitivities:
 
 def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:
     order = np.argsort(-np.abs(relative))[:most]
-    return ", ".join(f"{names[p]} ({relative[p]:+.2g})" for p in order if abs(relative[p]) > STRONG)
+    return ", ".join(f"{names[p]} ({relative[p]:+.2g})" for p in order if abs(relative[p]) > NAMED_EFFECT)
 
 
 def mode_sensitivities(
@@ -209,7 +210,7 @@ def mode_sensitivities(
     measured_input: str | Sensor | None = None,
     excitation: str | None = None,
 ) -> ModeSensitivities:
-    """Derivatives of all poles to parameters.
+    """Derivatives of all poles with respect to parameters.
 
     Parameters
     ----------
@@ -236,7 +237,7 @@ def mode_sensitivities(
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
-    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
     modes = modes_against(drivetrain, request)
     kept = [place for place, kind in enumerate(modes.kinds) if kind != RIGID]
     numbers = tuple(modes.numbers[place] for place in kept)
@@ -258,10 +259,10 @@ def _basic(drivetrain: AssembledModel) -> list[str]:
 
 
 def _groups(poles: ComplexArray) -> list[list[int]]:
-    """Places of equal poles."""
+    """Groups of indices of equal poles."""
     groups: list[list[int]] = []
     for place, pole in enumerate(poles):
-        near = [group for group in groups if abs(poles[group[0]] - pole) < SAME * abs(pole)]
+        near = [group for group in groups if abs(poles[group[0]] - pole) < REPEATED_POLE_DISTANCE * abs(pole)]
         if near:
             near[0].append(place)
         else:

@@ -1,4 +1,4 @@
-"""A transfer function as a function of parameters, with exact derivatives."""
+"""Transfer functions of parameters, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Values
 from torsionnet.model.readings import referring_factor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, ask
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.responses.transfer import frequency_response
-from torsionnet.solve.responses.uncertain import ENOUGH, expected_errors
-from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
+from torsionnet.solve.responses.uncertain import ACCEPTED_ERROR, expected_errors
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem, law_stiffness_of
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Values (n_f, n_out, n_in) and derivatives (n_f, n_out, n_in, n_p)."""
+    """Transfer functions (n_f, n_out, n_in) at one set of parameters, and derivatives (n_f, n_out, n_in, n_p)."""
 
     values: ComplexArray
     jacobian: ComplexArray
@@ -39,7 +39,7 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class ParametricResponse:
-    """Transfer functions of one drivetrain in some of its parameters.
+    """Transfer functions of one drivetrain as functions of some of its parameters.
 
     Nothing is checked again from one set of values to the next, so a fit can ask thousands of times.
 
@@ -59,7 +59,7 @@ class ParametricResponse:
     sensors: tuple[Sensor, ...]
     loads: tuple[Input, ...]
     _redundant: tuple[int, ...] = field(repr=False, default=())
-    _known: list[tuple[Any, Arranged]] = field(repr=False, default_factory=list)
+    _known: list[tuple[Any, DerivativeProblem]] = field(repr=False, default_factory=list)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -67,7 +67,7 @@ class ParametricResponse:
 
     @property
     def start(self) -> FloatArray:
-        """Values in the drivetrain as it is, SI."""
+        """Parameter values in the drivetrain as given, SI."""
         return np.array(self.unknowns.start)
 
     @cached_property
@@ -89,21 +89,21 @@ class ParametricResponse:
             whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}") from None
-        arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
+        derivatives, omega = self._problem(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
-        solved = respond(arranged.problem, kappa)
-        y = arranged.values(solved.values, kappa.s)
-        dy = arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
+        solved = respond(derivatives.problem, kappa)
+        y = derivatives.values(solved.values, kappa.s)
+        dy = derivatives.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
         found = self._quotient(*self._stressed(y, dy, numbers))
-        points = np.flatnonzero(solved.doubtful)
+        points = np.flatnonzero(solved.uncertain)
         if len(points) and np.isfinite(numbers).all():
-            found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
+            found.values[points] = self._settled(derivatives, kappa.at(points), found.values[points], points, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
             raise SolveError(f"the response is not finite at {self._given(numbers)}")
         return found
 
-    def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
-        """The problem for these rows; one for all values where no parameter moves a row."""
+    def _problem(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
+        """Response problem for these rows, kept for all values where no parameter changes a row."""
         slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
@@ -113,14 +113,14 @@ class ParametricResponse:
         values = self.unknowns.values(numbers)
         torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
         torques = [replace(one, referred_to=None) for one in torques]
-        arranged = Arranged(system, torques, elements, values, self.loads, channels, self._nodes)
-        self._known[:] = [(key, arranged)]
-        return arranged
+        derivatives = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
+        self._known[:] = [(key, derivatives)]
+        return derivatives
 
     def _stressed(
         self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Readings and their derivatives, with torques over section moduli where a stress is read, and as referred.
+        """Readings and derivatives converted from torque to stress or referred to another shaft where so requested.
 
         The section is no law, nor is the shaft referred to: they move readings, and nothing in the equations.
         """
@@ -142,20 +142,20 @@ class ParametricResponse:
 
     def _settled(
         self,
-        arranged: Arranged,
+        derivatives: DerivativeProblem,
         kappa: LawStiffness,
         values: ComplexArray,
         points: NDArray[np.intp],
         numbers: Sequence[float],
     ) -> ComplexArray:
-        """Values of points in doubt; those in which rounding would show as the drivetrain itself solves them."""
+        """Values of uncertain points, solved by the drivetrain itself where rounding would show."""
 
-        def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
-            problem = arranged.problem.otherwise if turned else arranged.problem
-            y = arranged.values(respond(problem, some).values, kappa.s)
+        def evaluate(some: LawStiffness, other_order: bool) -> ComplexArray:
+            problem = derivatives.problem.in_other_order if other_order else derivatives.problem
+            y = derivatives.values(respond(problem, some).values, kappa.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
-        poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
+        poor = (expected_errors(evaluate, kappa, values) > ACCEPTED_ERROR).any(axis=(1, 2))
         if poor.any():
             changed = AssembledModel.from_definition(self.unknowns.definition).configured(
                 **dict(zip(self.unknowns.parameters, numbers, strict=True))
@@ -211,7 +211,7 @@ def parametric_response(
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         raise UsageError("derivatives are taken at frequencies above 0, in Hz")
-    request = ask(drivetrain, output, input, excitation)
+    request = resolve_request(drivetrain, output, input, excitation)
     redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
     return ParametricResponse(
         drivetrain, request, f, unknowns(drivetrain, parameters), request.sensors, request.excitations, redundant

@@ -1,4 +1,4 @@
-"""Derivatives of poles to parameters, from the responses around them.
+"""Derivatives of poles with respect to parameters, from the responses around the poles.
 
 Around a pole a response Y(s) of some probes to themselves is c r l c^T / (s - lambda) and something smooth, and its
 derivatives, which follow from twists as everywhere, are
@@ -27,31 +27,31 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
-from torsionnet.solve.sensitivity.arranged import Arranged
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
-NEAR, NEAR_MEASURED = 1e-6, 1e-4
+CIRCLE_RADIUS, CIRCLE_RADIUS_MEASURED = 1e-6, 1e-4
 """Radius of the circle around a pole on which responses are taken, over the distance of the next one.
 
 Next to a pole small twists stand out best; what is left of a difference, as against a measured input, does farther off.
 """
-MORE = 6
-"""Nodes to try against a measured input."""
-BESIDE = 1e-9
-"""Share of a slope that is rounding where it is real or imaginary."""
-SIMPLE = 0.7
-"""Equal poles with fewer vectors than poles leave more than this share of a response that grows quicker than 1/x."""
+MEASURED_PROBES = 6
+"""Number of further nodes tried as probes against a measured input: more find the pole more surely, at more cost."""
+AXIS_ROUNDING = 1e-9
+"""Share of a slope below which its real or imaginary part is rounding where the other part alone is possible."""
+DEFECTIVE_SHARE = 0.7
+"""Share of a response growing quicker than 1/x above which equal poles have fewer vectors than poles."""
 
 
 def clearance(poles: ComplexArray, group: Sequence[int]) -> float:
-    """Distance of equal poles from all others."""
+    """Distance of a group of equal poles from all other poles."""
     others = np.concatenate([np.delete(poles, group), poles.conj()[poles.imag > 0], [0.0]])
     return float(np.abs(others - np.mean(poles[group])).min())
 
 
 class ResponsesAroundPoles:
-    """Responses around the poles, and what they say about these."""
+    """Responses of probes around poles, from which the derivatives of the poles follow."""
 
     def __init__(
         self, drivetrain: AssembledModel, chosen: Unknowns, sensors: Sequence[Sensor], loads: Sequence[Input]
@@ -63,11 +63,11 @@ class ResponsesAroundPoles:
         self.channels: dict[Input, str] = {channel: name for name, channel in drivetrain.inputs.items()}
         self.sensors: Sequence[Sensor] = sensors
         self.loads: Sequence[Input] = loads
-        self.known: dict[tuple[str, ...], Arranged] = {}
+        self.known: dict[tuple[str, ...], DerivativeProblem] = {}
 
     @classmethod
     def of(cls, drivetrain: AssembledModel, chosen: Unknowns, request: TransferRequest | None) -> ResponsesAroundPoles:
-        """Of the drivetrain itself, of one cut at a measured torque, or with a reading that is given."""
+        """Responses around the poles of a drivetrain, of one cut at a measured torque, or against a measured input."""
         if request is None:
             return cls(drivetrain, chosen, (), ())
         kept = elements_beyond_cut(drivetrain, request)
@@ -81,7 +81,7 @@ class ResponsesAroundPoles:
     def slopes(self, poles: ComplexArray, shapes: ComplexArray, clearance: float) -> ComplexArray:
         """Derivatives (multiplicity, n_p) of equal poles with these shapes (n_nodes, multiplicity)."""
         count, center = len(poles), complex(np.mean(poles))
-        near = NEAR_MEASURED if self.sensors else NEAR
+        near = CIRCLE_RADIUS_MEASURED if self.sensors else CIRCLE_RADIUS
         apart = max(near * clearance, 3 * np.abs(poles - center).max()) * _circle(2 * count + 2)
         nothing = np.full((count, len(self.chosen.names)), complex(np.nan, np.nan))
         if count > len(shapes):
@@ -92,7 +92,7 @@ class ResponsesAroundPoles:
         sizes = responses.sizes.sum(axis=0)
         places = np.ix_(*_pivots(first, np.abs(first) / np.where(sizes > 0, sizes, 1.0), count))
         whole = responses.values.transpose(1, 2, 0)[places]
-        if count > 1 and np.abs(whole - first[places][..., None] / apart).max() > SIMPLE * np.abs(whole).max():
+        if count > 1 and np.abs(whole - first[places][..., None] / apart).max() > DEFECTIVE_SHARE * np.abs(whole).max():
             return nothing
         found = np.einsum("f,fzxp->zxp", apart**2, responses.slopes)[places]
         moved, rate, followed = found[..., :-2], -found[..., -2], found[..., -1]
@@ -105,8 +105,8 @@ class ResponsesAroundPoles:
         parted = [linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
-    def _probes(self, shapes: ComplexArray) -> Arranged:
-        """Loads and readings at nodes that move, few different ones for all modes.
+    def _probes(self, shapes: ComplexArray) -> DerivativeProblem:
+        """Response problem with probes, loads and readings at nodes that move; few different ones serve all modes.
 
         The motion that answers a drive which keeps a reading at zero is another one than that which it drives, so that
         some more nodes are tried there.
@@ -117,17 +117,17 @@ class ResponsesAroundPoles:
             return self.known[used[0]]
         places: list[int] = linalg.qr(shapes.T, pivoting=True, mode="r")[1][:count].tolist()
         if self.sensors:
-            places += np.linspace(0, len(self.nodes) - 1, MORE).round().astype(int).tolist()
+            places += np.linspace(0, len(self.nodes) - 1, MEASURED_PROBES).round().astype(int).tolist()
         nodes = tuple(dict.fromkeys(self.nodes[place] for place in places))
         if nodes not in self.known:
             values, elements = self.chosen.values(self.chosen.start), dict(self.chosen.definition.elements)
-            self.known[nodes] = Arranged(
+            self.known[nodes] = DerivativeProblem(
                 self.system, self.sensors, elements, values, self.loads, self.channels, self.nodes, nodes
             )
         return self.known[nodes]
 
-    def _responses(self, probes: Arranged, s: ComplexArray, at: FloatArray) -> Responses:
-        """Probes under probes, derivatives to the parameters, to s and to the frequency at which tables are read.
+    def _responses(self, probes: DerivativeProblem, s: ComplexArray, at: FloatArray) -> Responses:
+        """Responses of probes with derivatives to the parameters, to s and to the frequency at which tables are read.
 
         A measured input is given, and its drive read.
         """
@@ -137,35 +137,35 @@ class ResponsesAroundPoles:
         solved = respond(probes.problem, laws).values
         y, rates = probes.values(solved, s), self.system.kappa_rates(s, at)
         parts = [probes.slopes(solved, self.system, kappa, s, at)]
-        parts += [probes.along(solved, rate, s)[..., None] for rate in rates]
+        parts += [probes.slopes_along(solved, rate, s)[..., None] for rate in rates]
         found = Responses(y, np.abs(y), np.concatenate(parts, axis=3))
-        return found.bordered() if self.sensors else found
+        return found.with_imposed_reading() if self.sensors else found
 
 
 def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
-    """Of a pole that nothing damps, slopes without the rounding beside the real or the imaginary axis."""
+    """Slopes of an undamped pole without the rounding beside the real or the imaginary axis."""
     if pole.real:
         return slopes
-    least = BESIDE * np.abs(slopes)
+    least = AXIS_ROUNDING * np.abs(slopes)
     real, imag = (np.where(np.abs(part) > least, part, 0.0) for part in (slopes.real, slopes.imag))
     return np.asarray(real + 1j * imag, dtype=complex)
 
 
 def _circle(count: int) -> ComplexArray:
-    """As many points; a mean over them leaves of what is smooth the power of that number of the radius."""
+    """Points on the unit circle, evenly spaced."""
     return np.asarray(np.exp(2j * np.pi * (np.arange(count) + 0.5) / count))
 
 
 @dataclass(frozen=True)
 class Responses:
-    """Readings (n_points, n, n) under loads, the size of their terms, and their derivatives, with one axis more."""
+    """Responses (n_points, n, n) of probes to loads, the size of their terms, and their derivatives."""
 
     values: ComplexArray
     sizes: FloatArray
     slopes: ComplexArray
 
-    def bordered(self) -> Responses:
-        """The first reading given in place of the first load: that load u and the others under it and the other loads.
+    def with_imposed_reading(self) -> Responses:
+        """Responses with the first reading imposed in place of the first load, which becomes the first reading.
 
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.
         """
@@ -184,7 +184,7 @@ class Responses:
 
 
 def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[list[int], list[int]]:
-    """Rows and columns of as many pivots, the largest first, among entries of which the pole has a large share."""
+    """Rows and columns of the largest pivots of residues, among entries in which the pole has a large share."""
     left = np.where(shares > shares.max() / 10, residues, 0.0)
     for axis in (0, 1):
         largest = np.abs(left).max(axis=axis, keepdims=True)

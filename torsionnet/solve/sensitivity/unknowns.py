@@ -1,4 +1,4 @@
-"""Which numbers of a drivetrain are varied: named parameters, or scalar fields of elements such as ``oil.damping``."""
+"""Unknowns of a drivetrain: named parameters, or scalar fields of elements such as ``oil.damping``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.solve.sensitivity.dual import DUALS, Dual
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Numbers to be varied.
+    """Numbers of a drivetrain to be varied: parameters, or fields of elements.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Unknowns:
     definition: Definition
 
     def values(self, at: Sequence[float]) -> dict[str, Any]:
-        """All parameters, as duals where they depend on the unknowns.
+        """Values of all parameters, as duals where they depend on the unknowns.
 
         Raises
         ------
@@ -65,7 +65,7 @@ class Unknowns:
 
 
 def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
-    """Find the numbers named.
+    """Unknowns of a drivetrain from the names of parameters or fields.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
 
 
 def _with_parameter(definition: Definition, name: str, drivetrain: AssembledModel) -> tuple[Definition, str]:
-    """The definition with a parameter in the place of ``element.field``."""
+    """Definition with a parameter in place of ``element.field``, and the parameter's name."""
     element_name, _, field = name.rpartition(".")
     if element_name not in definition.elements:
         known = [*definition.parameters, *(f"{e}.{f}" for e in definition.elements for f in _fields(drivetrain, e))]
@@ -129,6 +129,6 @@ def _with_parameter(definition: Definition, name: str, drivetrain: AssembledMode
 
 
 def _fields(drivetrain: AssembledModel, element: str) -> list[str]:
-    """Scalar fields of an element that have a value."""
+    """Names of the scalar fields of an element that have a value."""
     scalars = drivetrain.definition.elements[element].scalars()
     return [name for name, (spec, _) in scalars.items() if isinstance(spec, QuantityKind)]

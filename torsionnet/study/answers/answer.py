@@ -109,7 +109,7 @@ class StudyAnswer(Declared):
         del study
         return None
 
-    def found(self, study: AskedStudy, result: VariantValues) -> Conclusion:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> Conclusion:
         """Conclusion of the answer; ``result`` has the values of all variants of the study, case by case."""
         raise NotImplementedError
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from torsionnet.core.errors import Fault, Path, unknown_name
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.quantities.quantity import QuantityForm
 from torsionnet.study.quantities.quantity_limit import as_written

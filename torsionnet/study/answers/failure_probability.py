@@ -104,14 +104,14 @@ class FailureProbability(StudyAnswer):
         yield from limit_faults(study)
         yield from distribution_faults(study)
 
-    def found(self, study: AskedStudy, result: VariantValues | None = None) -> FailureFound:
+    def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> FailureProbabilityResult:
         del result
         names = self.limits or tuple(study.limits)
         found = {}
         for case in answer_cases(study):
             margin = failure_margin(case, {name: study.limits[name] for name in names})
             found[case.label] = self._sampled(margin, len(case.space.random_names))
-        return FailureFound(
+        return FailureProbabilityResult(
             study.title, " or ".join(limit_words(study, name) for name in names), found, self.confidence
         )
 
@@ -125,7 +125,7 @@ class FailureProbability(StudyAnswer):
 
 
 @dataclass(frozen=True, eq=False)
-class FailureFound(PlainConclusion):
+class FailureProbabilityResult(PlainConclusion):
     """Failure probabilities by configuration."""
 
     title: str
@@ -138,7 +138,7 @@ class FailureFound(PlainConclusion):
         said = []
         for case, one in self.events.items():
             said.append(f"{self.beyond}, {case}: probability {one.words}")
-            said += [f"{case}: not to be trusted: {doubt}" for doubt in one.doubts]
+            said += [f"{case}: not to be trusted: {reason}" for reason in one.doubts]
         return tuple(said)
 
     def table(self) -> Table:

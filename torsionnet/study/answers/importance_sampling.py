@@ -129,7 +129,7 @@ def importance_sampling(
     if len(left) > MOST_MISSED * len(scouted.failures):
         percent = 100 * len(left) / len(scouted.failures)
         doubts.append(f"{percent:.0f} % of the failures lie beyond none of the {len(centres)} design points")
-    found = drawn.told(confidence, used, len(centres), tuple(doubts))
+    found = drawn.result(confidence, used, len(centres), tuple(doubts))
     factor = 1 + 100 / size**0.5
     if found.probability and not 1 / factor < scouted.probability / found.probability < factor:
         text = f"the run before it came to {scouted.probability:.2g}"
@@ -196,7 +196,7 @@ class _Drawn:
         weights, nearness = np.concatenate(self.weights), np.concatenate(self.nearness)
         return float(weights[nearness < 0].sum() / weights.sum())
 
-    def told(self, confidence: float, used: int, n_points: int, known: tuple[str, ...]) -> RareEvent:
+    def result(self, confidence: float, used: int, n_points: int, known: tuple[str, ...]) -> RareEvent:
         from scipy.special import ndtri
 
         total, squares = self.sums

@@ -125,11 +125,11 @@ class Map(StudyAnswer):
         sizes = (len(self._axis(case, self.x)) * len(self._axis(case, self.y)) for case in answer_cases(study))
         return draws * sum(sizes)
 
-    def found(self, study: AskedStudy, result: VariantValues | None = None) -> MapFound:
+    def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> MapResult:
         del result
         maps = {case.label: self._of_case(case) for case in answer_cases(study)}
         units = units_of(study)
-        return MapFound(
+        return MapResult(
             study.title, (self.x, units[self.x]), (self.y, units[self.y]),
             (self.quantity, measure_of(study, self.quantity).unit), self.others, maps, study.limits.get(self.quantity),
         )  # fmt: skip
@@ -162,7 +162,7 @@ class Map(StudyAnswer):
 
 
 @dataclass(frozen=True, eq=False)
-class MapFound(PlainConclusion):
+class MapResult(PlainConclusion):
     """Maps by configuration; ``x``, ``y`` and ``quantity`` are names with units."""
 
     title: str

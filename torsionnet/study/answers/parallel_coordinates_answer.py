@@ -42,7 +42,7 @@ class ParallelCoordinates(StudyAnswer):
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
 
-    def found(self, study: AskedStudy, result: VariantValues) -> ParallelFound:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> ParallelCoordinatesResult:
         names = chosen_quantities(study, self.quantities)
         variants, beyond, medians = {}, {}, {}
         for case in case_values(study, result, tuple(dict.fromkeys((*names, *study.limits)))):
@@ -55,7 +55,7 @@ class ParallelCoordinates(StudyAnswer):
             variants[case.label] = {name: column[every] for name, column in columns.items()}
             beyond[case.label] = outside[every]
         units = units_of(study) | {name: measure_of(study, name).unit for name in names}
-        return ParallelFound(study.title, units, variants, beyond, medians, result.kept.words(study.count))
+        return ParallelCoordinatesResult(study.title, units, variants, beyond, medians, result.kept.words(study.count))
 
 
 def _median(values: FloatArray) -> float:
@@ -64,7 +64,7 @@ def _median(values: FloatArray) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class ParallelFound(PlainConclusion):
+class ParallelCoordinatesResult(PlainConclusion):
     """Values by configuration and axis, which variants are beyond a limit, and medians of both kinds.
 
     Where ``part`` says so, medians are of a part of all variants, and those shown were chosen from it.

@@ -44,14 +44,14 @@ class PercentileBands(StudyAnswer):
         if self.quantity in study.quantities and not measure_of(study, self.quantity).is_curve:
             yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",))
 
-    def found(self, study: AskedStudy, result: VariantValues) -> BandsFound:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> PercentileBandsResult:
         shares = tuple(sorted(self.percentiles or DEFAULT_PERCENTILES))
         lines = {case_label(one): result.percentiles(self.quantity, shares, one) for one in study.configurations}
-        return BandsFound(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
+        return PercentileBandsResult(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
 
 
 @dataclass(frozen=True, eq=False)
-class BandsFound(PlainConclusion):
+class PercentileBandsResult(PlainConclusion):
     """Percentiles (n_percentiles, n_points) by configuration, rising."""
 
     title: str

@@ -93,7 +93,7 @@ class Scatter(StudyAnswer):
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
 
-    def found(self, study: AskedStudy, result: VariantValues) -> ScatterFound:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> ScatterResult:
         names = chosen_quantities(study, self.quantities)
         points, correlations = {}, {}
         for case in case_values(study, result, names):
@@ -105,11 +105,11 @@ class Scatter(StudyAnswer):
             points[case.label] = {name: column[every] for name, column in columns.items()}
         units = {name: measure_of(study, name).unit for name in names}
         part = result.kept.words(study.count)
-        return ScatterFound(study.title, units_of(study), units, correlations, points, part)
+        return ScatterResult(study.title, units_of(study), units, correlations, points, part)
 
 
 @dataclass(frozen=True, eq=False)
-class ScatterFound(PlainConclusion):
+class ScatterResult(PlainConclusion):
     """Rank correlations by configuration and quantity, and the values of variants by configuration and name.
 
     Both are of a part of all variants where ``part`` is not empty.

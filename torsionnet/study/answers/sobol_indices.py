@@ -160,13 +160,13 @@ class SobolIndices(StudyAnswer):
     def variants(self, study: AskedStudy) -> int:
         return len(study.configurations) * self.count * (len(study.space.random_names) + 2)
 
-    def found(self, study: AskedStudy, result: VariantValues | None = None) -> SobolFound:
+    def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> SobolResult:
         del result
         names = chosen_quantities(study, self.quantities)
         found: dict[tuple[str, str], SobolEstimates] = {}
         for case in answer_cases(study):
             found |= {(case.label, name): one for name, one in self._of_case(case, names).items()}
-        return SobolFound(study.title, study.space.random_names, found, self.confidence)
+        return SobolResult(study.title, study.space.random_names, found, self.confidence)
 
     def _of_case(self, case: AnswerCase, names: tuple[str, ...]) -> Mapping[str, SobolEstimates]:
         points = sobol_points(len(case.space.random_names), self.count, self.seed)
@@ -175,7 +175,7 @@ class SobolIndices(StudyAnswer):
 
 
 @dataclass(frozen=True, eq=False)
-class SobolFound(PlainConclusion):
+class SobolResult(PlainConclusion):
     """Sobol indices of ``parameters`` by configuration and quantity."""
 
     title: str

@@ -81,7 +81,7 @@ class Tornado(StudyAnswer):
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
 
-    def found(self, study: AskedStudy, result: VariantValues | None = None) -> TornadoFound:
+    def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> TornadoResult:
         del result
         names = chosen_quantities(study, self.quantities)
         swings, spans = {}, {}
@@ -90,7 +90,7 @@ class Tornado(StudyAnswer):
             for name in names:
                 swings[case.label, name] = self._swings(case, name, spans[case.label])
         units = {name: measure_of(study, name).unit for name in names}
-        return TornadoFound(study.title, units_of(study), units, spans, swings)
+        return TornadoResult(study.title, units_of(study), units, spans, swings)
 
     def _spans(self, case: AnswerCase) -> dict[str, tuple[float, float, float]]:
         """Low end, middle and high end of the span of every parameter."""
@@ -120,7 +120,7 @@ class Tornado(StudyAnswer):
 
 
 @dataclass(frozen=True, eq=False)
-class TornadoFound(PlainConclusion):
+class TornadoResult(PlainConclusion):
     """Swings by configuration and quantity; ``spans``: low end, middle, high end by configuration and parameter."""
 
     title: str

@@ -70,7 +70,7 @@ class WorstVariant:
 
 
 @dataclass(frozen=True, eq=False)
-class WorstCaseFound(PlainConclusion):
+class WorstCaseResult(PlainConclusion):
     """Worst variants of all configurations; ``correlated`` are the pairs of parameters that a study correlates."""
 
     title: str
@@ -155,12 +155,12 @@ class WorstCase(StudyAnswer):
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, (self.quantity,), "quantity")
 
-    def found(self, study: AskedStudy, result: VariantValues | None = None) -> WorstCaseFound:
+    def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> WorstCaseResult:
         del result
         found = [self._of_case(case, sign) for case in answer_cases(study) for sign in SIGNS[self.direction]]
         unit, pairs = measure_of(study, self.quantity).unit, study.space.entries.correlation
         correlated = tuple((str(first), str(second)) for first, second in (one.between for one in pairs))
-        return WorstCaseFound(study.title, self.quantity, unit, units_of(study), tuple(found), correlated)
+        return WorstCaseResult(study.title, self.quantity, unit, units_of(study), tuple(found), correlated)
 
     def _of_case(self, case: AnswerCase, sign: int) -> WorstVariant:
         box = case.space.box(self.coverage)

@@ -67,7 +67,7 @@ def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10
         values = search.values(points)
         best = int(values.argmax())
         if values[best] <= search.best + BETTER_BY * search.range:
-            return search.told(tried, float(values[best]))
+            return search.result(tried, float(values[best]))
         search.offer(points, values)
     raise SolveError(f"random points beat the search {MOST_ROUNDS} times; the function is too rough for it")
 
@@ -160,7 +160,7 @@ class _Search:
                 return
             self.offer(points, values)
 
-    def told(self, tried: int, best_at_random: float) -> Extreme:
+    def result(self, tried: int, best_at_random: float) -> Extreme:
         point = self.points[0]
         lower, upper = np.flatnonzero(point <= AT_BOUND), np.flatnonzero(point >= 1 - AT_BOUND)
         return Extreme(

@@ -39,7 +39,7 @@ class LimitShare:
 
 
 @dataclass(frozen=True, eq=False)
-class YieldFound(PlainConclusion):
+class YieldResult(PlainConclusion):
     """Shares of the variants beyond each limit and beyond any limit.
 
     ``missing`` variants have no value and count as beyond; ``exhaustive``: all variants were calculated and intervals
@@ -62,7 +62,7 @@ class YieldFound(PlainConclusion):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        said = [f"{self._told(one.share)}: {one.limit}, {one.configuration}" for one in self._headline]
+        said = [f"{self._share_words(one.share)}: {one.limit}, {one.configuration}" for one in self._headline]
         if self.missing:
             said.append(f"{self.missing} variants have no value and count as beyond the limit")
         if self.method in ("sobol", "latin_hypercube"):
@@ -76,7 +76,7 @@ class YieldFound(PlainConclusion):
         over_all = [one for one in self.shares if one.configuration == ALL_CASES]
         return over_all or [one for one in self.shares if len(self.shares) > 2 or one.limit != ANY_LIMIT]
 
-    def _told(self, share: Share) -> str:
+    def _share_words(self, share: Share) -> str:
         return (
             f"{100 * share.value:.4g} % of all variants"
             if self.exhaustive
@@ -133,7 +133,7 @@ class Yield(StudyAnswer):
         if self.weights and not sum(self.weights.values()) > 0:
             yield Fault("weights are shares of configurations; at least one of them is above 0", ("weights",))
 
-    def found(self, study: AskedStudy, result: VariantValues) -> YieldFound:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> YieldResult:
         names = self.limits or tuple(study.limits)
         distributions = [
             one
@@ -143,7 +143,7 @@ class Yield(StudyAnswer):
         ]
         beyond, missing = self._counted(study, result, names)
         method = study.space.sampling.method if study.space.sampling and study.space.random_names else ""
-        return YieldFound(
+        return YieldResult(
             study.title,
             tuple(self._shares(study, beyond, names)),
             self.confidence,

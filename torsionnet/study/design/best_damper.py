@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
+from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import PARAMETER
 from torsionnet.study.design.conditions_damper import DamperOverConditions, damper_over_conditions
@@ -64,11 +64,11 @@ class BestDamper(StudyAnswer):
                 if name == "output":
                     named_output(study.model, self.output)
                 elif self.input is not None:
-                    driven(study.model, self.input, None)
+                    resolve_inputs(study.model, self.input, None)
             except UsageError as error:
                 yield Fault(str(error), (name,))
 
-    def found(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
         del result
         parameters, _ = bounded(study.model, self.design)
         evaluator, asked = study.evaluator(), self.to_data()

@@ -10,7 +10,7 @@ from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer

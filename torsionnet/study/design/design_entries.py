@@ -13,7 +13,7 @@ from torsionnet.core.entries.spec import Schema, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
 from torsionnet.response.damper_optimum import DesignParameter

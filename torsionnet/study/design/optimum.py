@@ -64,7 +64,7 @@ class Optimum(SingleDesign):
 
     kind: ClassVar[str] = "optimum"
 
-    def found(self, study: AskedStudy, result: VariantValues) -> DesignOptimum:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> DesignOptimum:
         del result
         from torsionnet.study.design.optimise import optimise
 

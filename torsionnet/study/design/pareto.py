@@ -198,7 +198,7 @@ class Pareto(DesignAnswer):
         objectives += [DesignObjective((name,), "maximise") for name in self.maximise]
         return DesignGoals(objectives=tuple(objectives), limits=limits)
 
-    def found(self, study: AskedStudy, result: VariantValues) -> ParetoFront:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> ParetoFront:
         del result
 
         problem, quantities = self.problem(study)

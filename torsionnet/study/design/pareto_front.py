@@ -87,15 +87,15 @@ class ParetoFront:
             return (*said, "one design is the best in every objective: they do not contradict each other")
         for place, one in enumerate(self.objectives):
             at = self.values[self.extremes[place]]
-            rest = ", ".join(text for other, text in enumerate(self._told(at)) if other != place)
+            rest = ", ".join(text for other, text in enumerate(self._value_words(at)) if other != place)
             said.append(f"the best {one.name} is {in_words(at[place], self.units[place])}, with {rest}")
-        said.append(f"a compromise near the best of all: {', '.join(self._told(self.values[self.compromise]))}")
+        said.append(f"a compromise near the best of all: {', '.join(self._value_words(self.values[self.compromise]))}")
         if np.isfinite(self.disagreement):
             same = self.disagreement <= SAME_QUANTITY
             said.append(f"recomputed singly: {'the same' if same else f'different by {self.disagreement:.2g}'}")
         return tuple(said)
 
-    def _told(self, values: FloatArray) -> list[str]:
+    def _value_words(self, values: FloatArray) -> list[str]:
         """Words for the values of the objectives."""
         return [
             f"{one.name} {in_words(value, unit)}"

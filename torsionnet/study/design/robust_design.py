@@ -18,7 +18,7 @@ from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_tolerances import Tolerances
 from torsionnet.study.design.optimise import Single, optimise
-from torsionnet.study.design.robust_problem import EXCESS, Robustly, RobustMeasure, robust_problem
+from torsionnet.study.design.robust_problem import EXCESS, RobustMeasure, RobustQuantities, robust_problem
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -206,7 +206,7 @@ def robust_optimum(
         nominal = optimise(problem, single=single, seed=seed, title=title)
         asked = _from_nominal(asked, nominal)
     robust = optimise(asked, seed=seed, generations=ROBUST_GENERATIONS, title=title)
-    judged = Robustly(problem, tolerances.randomly(compared, seed + COMPARISON_SEED_OFFSET), measure)
+    judged = RobustQuantities(problem, tolerances.randomly(compared, seed + COMPARISON_SEED_OFFSET), measure)
     given = {one.name: one.start for one in problem.parameters}
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)
@@ -225,7 +225,7 @@ def _from_nominal(asked: DesignProblem, nominal: DesignOptimum) -> DesignProblem
     return replace(asked, parameters=begun)
 
 
-def _judged(judged: Robustly, label: str, values: dict[str, float]) -> ScatteredDesign:
+def _judged(judged: RobustQuantities, label: str, values: dict[str, float]) -> ScatteredDesign:
     design = {name: np.array([value]) for name, value in values.items()}
     samples = judged.samples(design)
     shown = [name for name, _, _ in judged.wanted() if name != EXCESS]

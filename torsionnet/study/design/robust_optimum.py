@@ -130,7 +130,7 @@ class RobustDesign(SingleDesign):
             if name in study.space.random_names and not study.space.nominal[name] > 0:
                 yield Fault(f"{name} is not above 0 in the model: its tolerance has no proportion", ("design", name))
 
-    def found(self, study: AskedStudy, result: VariantValues) -> RobustOptimum:
+    def conclude(self, study: AskedStudy, result: VariantValues) -> RobustOptimum:
         del result
         from torsionnet.study.design.robust_design import robust_optimum
 

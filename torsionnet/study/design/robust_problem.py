@@ -97,7 +97,7 @@ EXCESS = "excess over limits"
 
 
 @dataclass(frozen=True, eq=False)
-class Robustly:
+class RobustQuantities:
     """Function from designs to robust measures over their samples; ``Evaluate`` of a design problem."""
 
     problem: DesignProblem
@@ -152,7 +152,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
         raise UsageError("rejects are what exceeds limits: give limits")
     if not isinstance(measure, Rejects):
         problem.goals.need_merit()
-    robustly = Robustly(problem, tolerances, measure)
+    robustly = RobustQuantities(problem, tolerances, measure)
     objectives = tuple(
         DesignObjective((how.name(name, sign),), "minimise" if sign > 0 else "maximise")
         for name, sign, how in robustly.wanted()
@@ -173,7 +173,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
     )
 
 
-def _units(goals: DesignGoals, robustly: Robustly) -> dict[str, str]:
+def _units(goals: DesignGoals, robustly: RobustQuantities) -> dict[str, str]:
     """Units of measures and of their quantities; shares and squares have none."""
     if isinstance(robustly.measure, Rejects):
         return {}

@@ -29,7 +29,7 @@ Values = Mapping[str, FloatArray]
 """Parameter -> values (n,) in SI."""
 
 
-class BlockDesk(Protocol):
+class BlockCalculator(Protocol):
     """Calculates blocks of variants for evaluators, or returns their values from an earlier run."""
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
@@ -59,7 +59,7 @@ class Evaluator:
         Method of the response solver.
     configuration : str
         Name of the configuration.
-    desk : BlockDesk or None
+    calculator : BlockCalculator or None
         Calculates the blocks; None: this process does, each time anew.
     """
 
@@ -68,7 +68,7 @@ class Evaluator:
     quantities: Mapping[str, StudyQuantity]
     method: str = GRAPH
     configuration: str = ""
-    desk: BlockDesk | None = None
+    calculator: BlockCalculator | None = None
 
     @cached_property
     def plan(self) -> BatchPlan | None:
@@ -105,10 +105,10 @@ class Evaluator:
             {name: column[start : start + together] for name, column in values.items()}
             for start in range(0, count, together)
         ]
-        if self.desk is None:
+        if self.calculator is None:
             rows = np.concatenate([self.rows(block, wanted) for block in blocks])
         else:
-            rows = np.concatenate(self.desk.rows(self, blocks, wanted))
+            rows = np.concatenate(self.calculator.rows(self, blocks, wanted))
         forms = [self.quantities[name].measured(self.model, self.quantities) for name in wanted]
         parts = np.split(rows, np.cumsum([len(form.points) for form in forms])[:-1], axis=1)
         return {
@@ -117,7 +117,7 @@ class Evaluator:
 
     def once(self, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]) -> FloatArray:
         """Numbers (n,) that ``work`` on one variant returns, or returned under the same ``what`` in an earlier run."""
-        return work() if self.desk is None else self.desk.once(self, what, values, work)
+        return work() if self.calculator is None else self.calculator.once(self, what, values, work)
 
     def _is_singly(self, name: str) -> bool:
         quantity = self.quantities[name]

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.speed_refinement import added, filled, refined, speeds_wanted
-from torsionnet.solve.dynamic_stiffness.transfer_request import remembered
+from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds, refine, speeds_to_refine
+from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
 from torsionnet.solve.running.order_response import OrderQuestion
 from torsionnet.solve.running.resonant_speeds import around_poles
 from torsionnet.study.quantities.variant_block import VariantBlock
@@ -33,7 +33,7 @@ def order_responses(
                 yield index, run
         return
     loads = question.loads(speeds)
-    channels = tuple(one.channel for one in remembered(block.model, output, list(loads.inputs), None).outputs)
+    channels = tuple(one.channel for one in cached_request(block.model, output, list(loads.inputs), None).outputs)
     frequencies = loads.frequencies
     moving = frequencies[frequencies > 0]
     for which, part in block.parts(len(moving) * len(loads.inputs)):
@@ -54,7 +54,7 @@ def responses_at(
     # Rows have one length: the last frequency again and again where there are fewer.
     frequencies = np.stack([np.append(own, np.full(longest - len(own), own[-1])) for own in moving])
     inputs = loads[0].inputs
-    channels = tuple(one.channel for one in remembered(block.model, output, list(inputs), None).outputs)
+    channels = tuple(one.channel for one in cached_request(block.model, output, list(inputs), None).outputs)
     first = 0
     for _, part in block.parts(longest * len(inputs)):
         count = len(part)
@@ -97,7 +97,7 @@ def largest_orders(
             if run is not None:
                 yield index, float(sizes(run).max())
         return
-    first = filled(speeds)
+    first = fill_speed_gaps(speeds)
     places, curves = [], []
     for index, run in order_responses(block, output, first, excitations):
         places.append(index)
@@ -105,8 +105,10 @@ def largest_orders(
     search = _Search(block, output, question, sizes, np.array(places, dtype=np.intp))
     lines = question.loads(first[:1]).lines
     poles = block.every_mode.eigenvalues
-    around = [added(first, around_poles(poles[index][np.isfinite(poles[index])], lines, first)) for index in places]
-    found = refined(search.looked(curves, around), _all_wanted, search.looked)
+    around = [
+        new_speeds(first, around_poles(poles[index][np.isfinite(poles[index])], lines, first)) for index in places
+    ]
+    found = refine(search.looked(curves, around), _all_wanted, search.looked)
     yield from ((index, float(curve.values.max())) for index, curve in zip(places, found, strict=True))
 
 
@@ -126,7 +128,7 @@ class _Curve:
 
 def _all_wanted(curves: Sequence[_Curve]) -> list[FloatArray]:
     """Further speeds needed for each variant; an empty list where no variant needs any."""
-    found = [speeds_wanted(curve.speeds, curve.values[:, None]) for curve in curves]
+    found = [speeds_to_refine(curve.speeds, curve.values[:, None]) for curve in curves]
     return found if any(len(one) for one in found) else []
 
 

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.spec import entry
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.quantities.peak_search import CANDIDATES, POINTS, FoundPeaks, band_grid, largest
+from torsionnet.study.quantities.peak_search import CANDIDATES, POINTS, BandPeaks, band_grid, largest
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock
@@ -34,13 +34,13 @@ class PeakQuantity(TransferQuantity):
         """Words for the band, such as "from 1 to 50 Hz"."""
         return f"from {self.band[0]:g} to {self.band[1]:g} Hz"
 
-    def peaks(self, block: VariantBlock) -> FoundPeaks:
+    def peaks(self, block: VariantBlock) -> BandPeaks:
         """Largest magnitude of every variant and its frequency, searched once for all quantities of this band."""
         return block.once(("peaks", self.output, self.input, self.excitation, self.band), lambda: self._searched(block))
 
-    def _searched(self, block: VariantBlock) -> FoundPeaks:
+    def _searched(self, block: VariantBlock) -> BandPeaks:
         grid = band_grid(*self.band)
-        found = FoundPeaks(np.empty(len(block)), np.empty(len(block)))
+        found = BandPeaks(np.empty(len(block)), np.empty(len(block)))
         for which, part in block.parts(max(len(grid), CANDIDATES * POINTS)):
             found.magnitude[which], found.frequency[which] = largest(partial(self._magnitude, part), grid)
         return found

@@ -28,7 +28,7 @@ UNDAMPED_SHARE = 1e-9
 """Share of its shoulders below which the vertex of the parabola through 1/|H|^2 is a peak without damping."""
 
 
-class FoundPeaks(NamedTuple):
+class BandPeaks(NamedTuple):
     """Largest magnitudes (n,) and their frequencies (n,) in Hz."""
 
     magnitude: FloatArray
@@ -40,7 +40,7 @@ def band_grid(low: float, high: float) -> FloatArray:
     return np.geomspace(low, high, max(math.ceil(math.log(high / low) / GRID_STEP), POINTS) + 1)
 
 
-def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> FoundPeaks:
+def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> BandPeaks:
     """Search the largest magnitude of every variant between the ends of a grid.
 
     Parameters
@@ -71,7 +71,7 @@ def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> 
     at = np.where(tops >= known, at, _taken(look.at, look.best))
     tops = np.maximum(tops, known)
     first = np.argmax(tops, axis=1)
-    return FoundPeaks(_taken(tops, first), _taken(at, first))
+    return BandPeaks(_taken(tops, first), _taken(at, first))
 
 
 class _Look(NamedTuple):

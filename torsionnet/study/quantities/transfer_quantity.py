@@ -12,7 +12,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.frequency_response import quotient_unit
-from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request, named_output, resolve_inputs
 from torsionnet.study.quantities.quantity import StudyQuantity
 
 if TYPE_CHECKING:
@@ -37,10 +37,10 @@ class TransferQuantity(StudyQuantity):
         del quantities
         asked = (
             ("output", lambda: named_output(model, self.output)),
-            ("input", lambda: driven(model, self.input, self.excitation)),
+            ("input", lambda: resolve_inputs(model, self.input, self.excitation)),
         )
         found = [fault for name, ask in asked for fault in refusal(ask, name)]
-        yield from found or refusal(lambda: remembered(model, self.output, self.input, self.excitation), "input")
+        yield from found or refusal(lambda: cached_request(model, self.output, self.input, self.excitation), "input")
 
     @property
     def quotient(self) -> str:
@@ -50,7 +50,7 @@ class TransferQuantity(StudyQuantity):
 
     def unit(self, model: Drivetrain) -> str:
         """Unit of the transfer function: that of the output over that of the input; empty without one."""
-        request = remembered(model, self.output, self.input, self.excitation)
+        request = cached_request(model, self.output, self.input, self.excitation)
         found = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
         return "" if found == "1" else found
 

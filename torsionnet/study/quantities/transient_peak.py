@@ -10,14 +10,14 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Composite, Listed
-from torsionnet.core.entries.nearby import nearby_file
+from torsionnet.core.entries.named_files import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, entry, not_none
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.recording_files import read_recording
-from torsionnet.solve.dynamic_stiffness.transfer_request import driven, named_output
+from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.transfer_quantity import refusal
@@ -184,7 +184,7 @@ class TransientPeak(StudyQuantity):
         del quantities
         found = [
             *refusal(lambda: named_output(model, self.output), "output"),
-            *refusal(lambda: driven(model, self.input, None), "input"),
+            *refusal(lambda: resolve_inputs(model, self.input, None), "input"),
         ]
         yield from found or refusal(lambda: self._motion(model, self.torques(model)))
 

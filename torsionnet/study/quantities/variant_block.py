@@ -22,9 +22,9 @@ from torsionnet.response.modes import Modes
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batched_modes import BatchedModes, batched_modes, single_modes
 from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.batch.mode_tracking import TrackedModes, tracked
+from torsionnet.solve.batch.mode_tracking import TrackedModes, track_modes
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, remembered
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.solve.responses.transfer import responses, warn_infinite
 from torsionnet.study.quantities.counted_remarks import remark
 
@@ -36,7 +36,7 @@ def single_response(
     model: AssembledModel, outputs: Any, inputs: Any, frequencies: FloatArray, excitation: str | None = None
 ) -> ComplexArray:
     """Transfer functions (n_f, n_out, n_in) at frequencies >= 0 in Hz."""
-    request = remembered(model, outputs, inputs, excitation)
+    request = cached_request(model, outputs, inputs, excitation)
     found = responses([model], request, frequencies, GRAPH)
     warn_infinite(found.values, found.conditioning, frequencies)
     return np.asarray(found.values[0])
@@ -160,13 +160,13 @@ class VariantBlock:
     @cached_property
     def modes(self) -> TrackedModes:
         """Modes of every variant in the order of the modes of ``model`` by which they are tracked."""
-        return tracked(self.every_mode, None if self.nominal is None else self.nominal())
+        return track_modes(self.every_mode, None if self.nominal is None else self.nominal())
 
     def responses(
         self, outputs: Channels, inputs: Driving, frequencies: FloatArray, excitation: str | None = None
     ) -> ComplexArray:
         """Transfer functions (n_variants, n_f, n_out, n_in) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
-        request = remembered(self.model, outputs, inputs, excitation)
+        request = cached_request(self.model, outputs, inputs, excitation)
         if self.batch is not None:
             if frequencies.ndim == 2:
                 return responses_at_own_frequencies(self.batch, request, frequencies, self.method)

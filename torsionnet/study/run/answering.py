@@ -11,7 +11,7 @@ from typing import cast
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValues
-from torsionnet.study.quantities.evaluator import BlockDesk, Evaluator
+from torsionnet.study.quantities.evaluator import BlockCalculator, Evaluator
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.evaluation_memory import EvaluationMemory
@@ -28,19 +28,19 @@ from torsionnet.study.study_result import StudyResult
 
 
 @dataclass(frozen=True, eq=False)
-class RunningStudy(Study):
-    """Study whose evaluators leave the calculation of blocks to a :class:`BlockDesk`."""
+class SharedStudy(Study):
+    """Study whose evaluators leave the calculation of blocks to a :class:`BlockCalculator`."""
 
-    desk: BlockDesk | None = None
+    calculator: BlockCalculator | None = None
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
         """Evaluator of the study that uses the block calculator."""
-        return replace(super().evaluator(configuration, names, method), desk=self.desk)
+        return replace(super().evaluator(configuration, names, method), calculator=self.calculator)
 
 
-def running(study: Study, desk: BlockDesk) -> RunningStudy:
+def with_calculator(study: Study, calculator: BlockCalculator) -> SharedStudy:
     """Copy of a study whose evaluators use a block calculator."""
-    return RunningStudy(**{one.name: getattr(study, one.name) for one in fields(study)}, desk=desk)
+    return SharedStudy(**{one.name: getattr(study, one.name) for one in fields(study)}, calculator=calculator)
 
 
 Answering = Callable[[str, int, int | None], None]
@@ -122,18 +122,18 @@ def answer_study(
             result = run_chunks.run_study(
                 study, place, executor=executor, progress=progress, announce=announce, longest=longest
             )
-        with asked_in(study, place, executor) as (asked, desk):
-            return _answered(asked, result, desk, answering)
+        with study_for_answers(study, place, executor) as (asked, calculator):
+            return _answered(asked, result, calculator, answering)
 
 
 @contextmanager
-def asked_in(
+def study_for_answers(
     study: Study, folder: Path | None, executor: Executor | None = None
-) -> Iterator[tuple[RunningStudy, SharedBlocks]]:
+) -> Iterator[tuple[SharedStudy, SharedBlocks]]:
     """Study with a block calculator for its answers that reads back what is in the folder, and that calculator."""
     with _memory(study, folder) as memory:
-        desk = SharedBlocks(executor or SerialExecutor(), memory)
-        yield running(study, desk), desk
+        calculator = SharedBlocks(executor or SerialExecutor(), memory)
+        yield with_calculator(study, calculator), calculator
 
 
 @contextmanager
@@ -155,15 +155,15 @@ def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | No
 
 
 def _answered(
-    study: RunningStudy, result: StudyResult | None, desk: SharedBlocks, answering: Answering
+    study: SharedStudy, result: StudyResult | None, calculator: SharedBlocks, answering: Answering
 ) -> AnsweredStudy:
     conclusions: dict[str, Conclusion] = {}
     unanswered: dict[str, SolveError] = {}
     for name, answer in study.answers.items():
         if not answer.of_variants:
-            desk.told = _counted(answering, name, answer.variants(study))
+            calculator.progress = _counted(answering, name, answer.variants(study))
         try:
-            conclusions[name] = answer.found(study, cast("VariantValues", result))  # None: it needs no variants
+            conclusions[name] = answer.conclude(study, cast("VariantValues", result))  # None: it needs no variants
         except SolveError as error:
             unanswered[name] = error
     return AnsweredStudy(result, conclusions, unanswered)
@@ -173,10 +173,10 @@ def _counted(answering: Answering, name: str, known: int | None) -> Callable[[in
     """Callback for the variants of each block that reports the sum calculated for an answer so far."""
     done = 0
 
-    def told(count: int) -> None:
+    def report(count: int) -> None:
         nonlocal done
         done += count
         answering(name, done, known)
 
     answering(name, 0, known)
-    return told
+    return report

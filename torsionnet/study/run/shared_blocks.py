@@ -59,7 +59,7 @@ class BlockWork:
     @cached_property
     def _packed(self) -> bytes:
         try:
-            return pickle.dumps((replace(self.evaluator, desk=None), self.names, self.logs))
+            return pickle.dumps((replace(self.evaluator, calculator=None), self.names, self.logs))
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             text = "define functions of quantities at the top level of a module, or run it in one process"
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
@@ -114,13 +114,13 @@ class SharedBlocks:
         Calculates blocks where there are many.
     memory : EvaluationMemory or None
         Stored evaluations.
-    told : callable
+    progress : callable
         Called with a number of variants as soon as they are done.
     """
 
     executor: Executor
     memory: EvaluationMemory | None = None
-    told: Callable[[int], None] = lambda _count: None
+    progress: Callable[[int], None] = lambda _count: None
     _works: dict[tuple[object, ...], BlockWork] = field(default_factory=dict)
     _paces: dict[tuple[str, ...], _Pace] = field(default_factory=dict)
     _seconds: float = 0.0
@@ -137,10 +137,10 @@ class SharedBlocks:
                 left.append(block)
             else:
                 found[place] = known.reshape(len(block), -1)
-                self.told(len(block))
+                self.progress(len(block))
         for block, rows in self._calculated(work, left):
             found[block.place] = rows
-            self.told(len(block))
+            self.progress(len(block))
         return [found[place] for place in range(len(blocks))]
 
     def once(
@@ -171,12 +171,12 @@ class SharedBlocks:
             pace.learn((perf_counter() - began) / len(block))
             self._seconds += perf_counter() - began
             yield block, rows
-        for block, told in self.executor.map(work, left) if left else ():
-            if isinstance(told, np.ndarray):
-                self._keep(block, told)
-                yield block, told
+        for block, result in self.executor.map(work, left) if left else ():
+            if isinstance(result, np.ndarray):
+                self._keep(block, result)
+                yield block, result
             else:
-                known = None if self.memory is None else self.memory.at(told, block.key)
+                known = None if self.memory is None else self.memory.at(result, block.key)
                 yield block, self._here(work, block) if known is None else known.reshape(len(block), -1)
 
     def _is_worth_sharing(self, pace: _Pace, left: Sequence[AskedBlock]) -> bool:

@@ -12,7 +12,7 @@ from pathlib import Path
 from torsionnet.core.delimited.dialect import Dialect, data_start, detect_dialect, detect_encoding
 from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
-from torsionnet.core.delimited.stamp_forms import stamp_columns
+from torsionnet.core.delimited.stamp_formats import stamp_columns
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
 from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
 from torsionnet.io.formats.text.csv_columns import description_in, write_columns

@@ -30,7 +30,7 @@ from torsionnet.io.formats.uff.datasets import (
 from torsionnet.io.formats.uff.response_reading import response_of_datasets
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import estimation_in
-from torsionnet.response.frequency_response import FloatArray, limit_line
+from torsionnet.response.frequency_response import FloatArray, usable_limit_text
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20
 """Characters of the name of an entity, and of the label of a unit, in a dataset 58."""
@@ -106,7 +106,7 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
 def _common(response: FrequencyResponse) -> dict[str, Any]:
     # How it was estimated goes first: a fit needs it to know how certain the lines are.
     notes = sorted(response.notes, key=lambda note: estimation_in([note]) is None)
-    lines = ("", response.title, limit_line(response), *notes[:2], "", "")[:5]
+    lines = ("", response.title, usable_limit_text(response), *notes[:2], "", "")[:5]
     frequencies = np.asarray(response.frequencies, dtype=float)
     return function_dataset(
         lines, x=frequencies, abscissa_spacing=int(_is_even(frequencies)), abscissa_min=float(frequencies[0]),

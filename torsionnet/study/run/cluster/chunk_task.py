@@ -29,12 +29,12 @@ def check_versions(client: Client) -> Versions:
     """Versions of this process, after all workers were found to have the same; ClusterError where one has others."""
     found = client.get_versions(packages=list(PACKAGES))
     needed = _of_process(found["client"])
-    workers = {address: _of_process(told) for address, told in found["workers"].items()}
+    workers = {address: _of_process(reported) for address, reported in found["workers"].items()}
     faults = [line for address, has in workers.items() for line in differences(address, has, needed)]
     machines = {has["machine"]: address for address, has in workers.items()}
     if len(machines) > 1:
-        told = ", ".join(f"{address} is {machine}" for machine, address in machines.items())
-        faults.append(f"workers are of different kinds of machines, whose last digits differ: {told}")
+        reported = ", ".join(f"{address} is {machine}" for machine, address in machines.items())
+        faults.append(f"workers are of different kinds of machines, whose last digits differ: {reported}")
     refuse_faults(faults, "Install the same on all workers, start them anew and run the study again")
     return needed
 
@@ -67,8 +67,8 @@ def refuse_faults(faults: list[str], remedy: str) -> None:
         raise ClusterError(f"{shown}\n{remedy}; what was calculated before is kept.")
 
 
-def _of_process(told: Mapping[str, Any]) -> Versions:
-    packages, host = told["packages"], told["host"]
+def _of_process(reported: Mapping[str, Any]) -> Versions:
+    packages, host = reported["packages"], reported["host"]
     python = ".".join(str(host["python"]).split(".")[:2])
     return {"Python": python, "machine": str(host["machine"]), **{name: packages[name] or "" for name in PACKAGES}}
 

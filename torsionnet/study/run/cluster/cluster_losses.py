@@ -68,30 +68,30 @@ def let_go(client: Client, tasks: Iterable[Future]) -> None:
 LOOK_EVERY, SAID_FIRST = 2.0, 10.0
 """Seconds from one look for workers to the next, and to the second message; later ones take twice as long each."""
 
-Told = Callable[[str], None]
+Notify = Callable[[str], None]
 
 
 @dataclass
-class Absence:
+class WorkerAbsence:
     """Messages while a cluster has no workers: at once, and again from time to time with the time waited.
 
     Attributes
     ----------
-    told : callable
+    notify : callable
     clock : callable
         In seconds.
 
     Examples
     --------
     >>> seconds = iter([0.0, 12.0])
-    >>> absence = Absence(print, clock=lambda: next(seconds))
+    >>> absence = WorkerAbsence(print, clock=lambda: next(seconds))
     >>> for threads in (4, 0, 0, 4):
     ...     absence.seen(threads, left=3)
     the scheduler has no workers now, 3 chunks left; waiting for some to join (dask worker ADDRESS)
     no workers now for 12 s, 3 chunks left
     """
 
-    told: Told
+    notify: Notify
     clock: Callable[[], float] = time.monotonic
     _began: float | None = None
     _every: float = 0.0
@@ -104,10 +104,10 @@ class Absence:
         when = "yet" if left is None else f"now, {_chunks(left)} left"
         if self._began is None:
             self._began, self._every = self.clock(), SAID_FIRST
-            self.told(f"the scheduler has no workers {when}; waiting for some to join (dask worker ADDRESS)")
+            self.notify(f"the scheduler has no workers {when}; waiting for some to join (dask worker ADDRESS)")
         elif (waited := self.clock() - self._began) >= self._every:
             when = f"yet for {waited:.0f} s" if left is None else f"now for {waited:.0f} s, {_chunks(left)} left"
-            self.told(f"no workers {when}")
+            self.notify(f"no workers {when}")
             self._every *= 2
 
 
@@ -117,7 +117,7 @@ def _chunks(count: int) -> str:
 
 def await_workers(
     threads: Callable[[], int],
-    told: Told,
+    notify: Notify,
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> int:
@@ -127,7 +127,7 @@ def await_workers(
     ----------
     threads : callable
         Returns the number of threads now.
-    told : callable
+    notify : callable
         Called with a message at once where there are none, and again from time to time.
     clock, sleep : callable
         In seconds.
@@ -139,7 +139,7 @@ def await_workers(
     the scheduler has no workers yet; waiting for some to join (dask worker ADDRESS)
     8
     """
-    absence = Absence(told, clock)
+    absence = WorkerAbsence(notify, clock)
     while not (found := threads()):
         absence.seen(found)
         sleep(LOOK_EVERY)

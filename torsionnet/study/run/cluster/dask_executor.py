@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from torsionnet.core.errors import UsageError
 from torsionnet.study.run.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
 from torsionnet.study.run.cluster.cluster_losses import (
-    Absence,
-    Told,
+    Notify,
+    WorkerAbsence,
     await_workers,
     let_go,
     scheduler_expected,
@@ -122,13 +122,13 @@ class DaskExecutor:
         Client of :func:`torsionnet.study.run.cluster.connecting.connected`.
     folder : Path
         Folder of the study.
-    told : callable
+    notify : callable
         Called with a message when there are no workers yet, or none any more.
     """
 
     client: Client
     folder: Path
-    told: Told = lambda _text: None
+    notify: Notify = lambda _text: None
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
         """Pairs of part and result, in the order in which they are done.
@@ -143,9 +143,9 @@ class DaskExecutor:
         if getattr(work, "folder", self.folder) is None:
             raise UsageError("on a cluster a study needs a folder for its results, which all workers share")
         with scheduler_expected(self.client):
-            await_workers(lambda: sum(self.client.nthreads().values()), self.told)
+            await_workers(lambda: sum(self.client.nthreads().values()), self.notify)
             needed = self._versions
-        running: _Running[S] = _Running(self.client, self.folder.name, needed, Absence(self.told))
+        running: _Running[S] = _Running(self.client, self.folder.name, needed, WorkerAbsence(self.notify))
         yield from running.results(work, deque(parts))
 
     @cached_property
@@ -159,7 +159,7 @@ class DaskExecutor:
 class _Running(Generic[S]):
     """Tasks submitted to the scheduler and not finished yet."""
 
-    def __init__(self, client: Client, name: str, needed: Versions, absence: Absence) -> None:
+    def __init__(self, client: Client, name: str, needed: Versions, absence: WorkerAbsence) -> None:
         from distributed import as_completed
 
         self.client, self.needed, self.absence = client, needed, absence

@@ -10,31 +10,31 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[Any]
 """Real array for systems without damping, else complex; the last axis is points."""
 
-LARGE = 1e4
+LARGE_CANCELLATION = 1e4
 """Ratio of a term to a sum of two from which four digits or more are lost, so that the point is uncertain."""
-SHARE = 1e3
+LARGE_SHARE = 1e3
 """Ratio of a term to its pivot or quotient from which a point is uncertain; lower, since such losses accumulate."""
 
 
-class Doubt:
+class LostDigits:
     """Marks of points that have lost digits; the tests are quick where there is nothing to mark."""
 
     def __init__(self, n_points: int) -> None:
         self.n_points, self.marked = n_points, np.zeros(n_points, dtype=bool)
         self._ratio = np.empty(n_points)
 
-    def shares(self, share: Array, factor: float = 1.0) -> None:
+    def check_share(self, share: Array, factor: float = 1.0) -> None:
         """Mark points where a term is large against its sum, ``factor`` times ``share``."""
-        limit, flat = SHARE / factor, share.view(float)
+        limit, flat = LARGE_SHARE / factor, share.view(float)
         if not (np.vdot(flat, flat) < limit * limit or -0.7 * limit < flat.min() <= flat.max() < 0.7 * limit):
             self.marked |= ~(np.abs(share) < limit)
 
-    def sums(self, term: Array, total: Array) -> None:
+    def check_sum(self, term: Array, total: Array) -> None:
         """Mark points where a sum of two cancels, of which ``term`` is one.
 
         Real parts tell where a closer look is needed.
         """
         ratio = np.divide(term.real, total.real, out=self._ratio)
-        if not ratio @ ratio < LARGE * LARGE:
-            close = np.flatnonzero(~(np.abs(ratio, out=ratio) < LARGE))
-            self.marked[close] |= np.abs(term[close]) > LARGE * np.abs(total[close])
+        if not ratio @ ratio < LARGE_CANCELLATION * LARGE_CANCELLATION:
+            close = np.flatnonzero(~(np.abs(ratio, out=ratio) < LARGE_CANCELLATION))
+            self.marked[close] |= np.abs(term[close]) > LARGE_CANCELLATION * np.abs(total[close])

@@ -1,4 +1,4 @@
-"""Motions under loads and under readings, by elimination on the graph, and the derivatives they give.
+"""Derivatives of readings from motions under loads and under readings, by elimination on the graph.
 
 A reading y = c . [theta, lambda] under a load has the derivative dc . [theta, lambda] - z . dK [theta, lambda], where K
 is the matrix of :mod:`torsionnet.solve.sensitivity.augmented` and K z = c: the motion under the reading taken for a
@@ -37,7 +37,7 @@ ExactRow = Mapping[str, Fraction]
 
 @dataclass(frozen=True)
 class GapDerivative:
-    """A torque that is read: the virtual motion that opens it, and what the element's own laws add, by law."""
+    """Gap of a torque that is read: the virtual motion that opens it, and the share of the element's own laws."""
 
     motion: ExactRow
     own: Mapping[int, Fraction] = field(default_factory=dict)
@@ -45,7 +45,7 @@ class GapDerivative:
 
 @dataclass(frozen=True)
 class SolvedReadings:
-    """A sensor: its row of motion, or the gap of its torque; its slopes; and which excitation it is as a load."""
+    """Sensor in a derivative problem: row of motion or gap of its torque, derivatives, and number as a load."""
 
     power: int
     row: ExactRow | None
@@ -54,8 +54,8 @@ class SolvedReadings:
     load: int
 
 
-class Arranged:
-    """A problem for one set of rows, and where its solution says what.
+class DerivativeProblem:
+    """Response problem for the derivatives of readings, for one set of rows.
 
     Parameters
     ----------
@@ -98,11 +98,11 @@ class Arranged:
             condition: self._gap(GapDerivative(self._opened(condition)))
             for condition in np.flatnonzero(system.condition_slopes.any(axis=(1, 2))).tolist()
         }
-        self.asked: list[SolvedReadings] = [
+        self.readings: list[SolvedReadings] = [
             self._asked(sensor, elements, values, number) for number, sensor in enumerate(sensors, self.n_loads)
         ]
         still = ReadingDerivative.nothing(system)
-        self.asked += [
+        self.readings += [
             SolvedReadings(0, {node: Fraction(1)}, -1, still, number) for number, node in enumerate(probes, len(loads))
         ]
         self._place([self._load(load, names) for load in (*loads, *(Input("torque", node) for node in probes))])
@@ -140,7 +140,7 @@ class Arranged:
         return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes, load)
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
-        """A row over nodes as one over columns; ``own``: gap -> what has to be taken off there."""
+        """Row over columns from a row over nodes; ``own`` is subtracted in the columns of gaps."""
         found = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
         for number, gap in enumerate(self.gaps):
             opened = sum((a * gap.motion[node] for node, a in row.items() if node in gap.motion), start=Fraction(0))
@@ -154,14 +154,14 @@ class Arranged:
         return self._row(self.system.exact_laws[law], own)
 
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
-        """The change (n_nodes,) of a row; of a law also what it changes in readings of its own torque."""
-        own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
+        """Row over columns of the derivative (n_nodes,) of a row; for a law with its share in its own torque."""
+        own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.readings if law >= 0 and one.gap >= 0}
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
 
     def _place(self, loads: Sequence[Loading]) -> None:
-        """Everything that has to be solved for, and its places among what is."""
+        """Set up the response problem and note the numbers of its outputs."""
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
         laws = [self._law_row(law) for law in range(len(system.law_owners))]
@@ -176,10 +176,10 @@ class Arranged:
             for condition in self.multipliers
             for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
-        self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.asked]
+        self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.readings]
         self.motion_slopes: dict[tuple[int, int], int] = {
             (number, int(p)): outputs.add(self._slope_row(one.slopes.motion[:, p]))
-            for number, one in enumerate(self.asked)
+            for number, one in enumerate(self.readings)
             for p in range(count)
             if one.slopes.motion[:, p].any()
         }
@@ -190,7 +190,7 @@ class Arranged:
                 Loading(motion={len(self.columns) + one.gap: 1.0})
                 if one.row is None
                 else Loading(load=self._row(one.row))
-                for one in self.asked
+                for one in self.readings
                 if one.load >= self.n_loads
             ),
         ]
@@ -205,9 +205,9 @@ class Arranged:
     # --- what its solution says -------------------------------------------------------------------------------------
 
     def values(self, solved: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """Readings (n_f, n_readings, n_loads)."""
-        found = np.empty((len(s), len(self.asked), self.n_loads), dtype=complex)
-        for number, one in enumerate(self.asked):
+        """Readings (n_f, n_readings, n_loads) from the solution of the problem."""
+        found = np.empty((len(s), len(self.readings), self.n_loads), dtype=complex)
+        for number, one in enumerate(self.readings):
             motion = self.motions[number]
             place = self.first_gap + one.gap if motion is None else motion
             found[:, number] = (s**one.power * solved[place, : self.n_loads]).T
@@ -219,8 +219,8 @@ class Arranged:
         """Derivatives of readings (n_f, n_readings, n_loads, n_p); the other arguments as for ``Augmented.kappa``."""
         count = system.inertia.slopes.shape[1]
         stiffness = {law: list(system.kappa_slopes(law, s, at)) for law in system.varied}
-        found = np.zeros((len(s), len(self.asked), self.n_loads, count), dtype=complex)
-        for number, one in enumerate(self.asked):
+        found = np.zeros((len(s), len(self.readings), self.n_loads, count), dtype=complex)
+        for number, one in enumerate(self.readings):
             for load in range(self.n_loads):
                 x, z = solved[:, load], solved[:, one.load]
                 found[:, number, load] = -self._equation_slopes(stiffness, kappa, x, z, count)
@@ -232,11 +232,11 @@ class Arranged:
             found[:, number] *= (s**one.power)[:, None, None]
         return found
 
-    def along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """How readings (n_f, n_readings, n_loads) change with stiffnesses at these rates (n_laws, n_f) alone."""
+    def slopes_along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
+        """Derivatives of readings (n_f, n_readings, n_loads) along given rates (n_laws, n_f) of the law stiffnesses."""
         twists = solved[[self.twists[law] for law in range(len(rates))]]
-        adjoint, motion = twists[:, [one.load for one in self.asked]], twists[:, : self.n_loads]
-        powers = np.array([s**one.power for one in self.asked])
+        adjoint, motion = twists[:, [one.load for one in self.readings]], twists[:, : self.n_loads]
+        powers = np.array([s**one.power for one in self.readings])
         return np.asarray(-np.einsum("lf,lzf,lxf,zf->fzx", rates, adjoint, motion, powers, optimize=True))
 
     def _equation_slopes(
@@ -247,7 +247,10 @@ class Arranged:
         z: ComplexArray,
         count: int,
     ) -> ComplexArray:
-        """Z . dK x for every parameter, (n_f, n_p)."""
+        """Derivative of the equations, z . dK x, for every parameter, shape (n_f, n_p).
+
+        dK x for every parameter, (n_f, n_p).
+        """
         total = np.zeros((x.shape[1], count), dtype=complex)
         for law, slopes in stiffness.items():
             place = self.twists[law]
@@ -272,7 +275,7 @@ class _Outputs:
 
 
 def law_stiffness_of(system: Augmented, omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness of the laws of a system."""
+    """Dynamic stiffness of the laws of an augmented system at omega in rad/s."""
     sampled: dict[int, ComplexArray] = {
         law: np.full((1, len(omega)), 1j * system.hysteretic.values[law])
         for law in np.flatnonzero(system.hysteretic.values).tolist()

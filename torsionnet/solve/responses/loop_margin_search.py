@@ -1,4 +1,4 @@
-"""Stability margins of a controlled drivetrain, from its exact loop with delays and without a fit."""
+"""Stability margins of a controlled drivetrain, from its exact open loop with delays and without a fit."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from torsionnet.assembly.law_stiffness import law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.loop_margins import LoopMargins, Margin
-from torsionnet.solve.dynamic_stiffness.posed import pose
+from torsionnet.solve.dynamic_stiffness.reading_problem import make_reading_problem
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.modes.modes import natural_modes
 
 POINTS, NEAR = 2000, 60
-HALVINGS = 50
+BISECTIONS = 50
+"""Bisections of an interval in which the loop crosses a margin: 50 reach the spacing of double precision."""
 
 
 def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> LoopMargins:
-    """See :meth:`torsionnet.Drivetrain.loop_margins`."""
+    """Stability margins of a controller's loop; see :meth:`torsionnet.Drivetrain.loop_margins`."""
     actions = drivetrain.assembly.system.actions
     name = _chosen(drivetrain, controller, actions)
     place = [one.owner for one in actions].index(name)
@@ -31,7 +32,7 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
     frequencies = _frequencies(modes.undamped_natural_frequencies, np.abs(modes.eigenvalues) / (2 * np.pi), actions)
 
     def at(f: FloatArray) -> ComplexArray:
-        return opened(drivetrain, place, f)
+        return open_loop(drivetrain, place, f)
 
     loop = at(frequencies)
     finite = np.isfinite(loop)
@@ -61,15 +62,15 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
     return name
 
 
-def opened(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
-    """L (n_f,) at the action of this number: 1 + L = det W / det W', W = I - kappa Y of all loops, W' without it."""
+def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
+    """Open loop L (n_f,) at the action of this number, with all other loops closed."""
     assembly = drivetrain.assembly
-    posed = pose(assembly, (), (), ())
+    reading_problem = make_reading_problem(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
-    values = respond(posed.problem, kappa).values
+    values = respond(reading_problem.problem, kappa).values
     gains = np.array([one.ravel() for one in kappa.actions])
     with np.errstate(all="ignore"):
-        by_torque = np.moveaxis(gains[:, None, :] * values[list(posed.sensed)], 2, 0)
+        by_torque = np.moveaxis(gains[:, None, :] * values[list(reading_problem.sensed)], 2, 0)
         others = [number for number in range(len(gains)) if number != place]
         own = by_torque[:, place, place]
         if not others:
@@ -80,7 +81,7 @@ def opened(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> C
 
 
 def _frequencies(undamped: FloatArray, damped: FloatArray, actions: tuple[ActionLaw, ...]) -> FloatArray:
-    """Hz: from far below to far above everything, close to every resonance of the drivetrain with and without loops."""
+    """Frequencies in Hz for the open loop, dense around every resonance of the drivetrain with and without loops."""
     marks = [float(f) for f in (*undamped, *damped) if f > 0]
     for one in actions:
         roots = np.roots([float(value) for value in reversed(one.denominator)])
@@ -96,11 +97,11 @@ def _met(
     at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray,
     what: Callable[[ComplexArray], NDArray[np.float64]],
 ) -> FloatArray:  # fmt: skip
-    """Frequencies at which a property of the loop changes its sign, all brackets halved at once."""
+    """Frequencies at which a property of the loop changes its sign, by bisection of all brackets at once."""
     sign = np.sign(what(loop))
     places = np.flatnonzero(sign[:-1] * sign[1:] < 0)
     low, high, below = f[places], f[places + 1], sign[places]
-    for _ in range(HALVINGS if len(places) else 0):
+    for _ in range(BISECTIONS if len(places) else 0):
         middle = (low + high) / 2
         same = np.sign(what(at(middle))) == below
         low, high = np.where(same, middle, low), np.where(same, high, middle)
@@ -116,7 +117,7 @@ def _gains(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
 
 
 def _phases(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
-    """Smallest angle, and shortest delay, that turn L of magnitude one into -1."""
+    """Phase margin, the smallest angle, and delay margin, the shortest delay, that turn L of magnitude one into -1."""
     every = np.isclose(np.abs(loop), 1, rtol=1e-6)
     angle = np.degrees(np.angle(-loop))
     with np.errstate(all="ignore"):
@@ -136,7 +137,7 @@ def _best(
 
 
 def _modulus(at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray) -> Margin:
-    """The smallest distance from -1, refined between the neighbours of the closest point."""
+    """Modulus margin, the smallest distance of L from -1, refined between the neighbours of the closest point."""
     place = int(np.argmin(np.abs(1 + loop)))
     low, high = f[max(place - 1, 0)], f[min(place + 1, len(f) - 1)]
     for _ in range(6):

@@ -103,7 +103,7 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
     except ModelError as error:
         return error.faults
     if table == EXCITATIONS:
-        from torsionnet.model.checks.running import excitation_faults
+        from torsionnet.model.checks.excitation_checks import excitation_faults
 
         return () if any(excitation_faults(definition, name)) else tuple(excitation_faults(changed, name))
     if table == ELEMENTS:

@@ -10,8 +10,8 @@ from typing import Any
 from torsionnet.core.errors import Fault, Path, nearest
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.located import LocatedDocument
-from torsionnet.model.files.placing import entry_at
+from torsionnet.model.files.fault_positions import entry_at
+from torsionnet.model.files.located_yaml import LocatedDocument
 from torsionnet.model.parameters import resolve
 
 _WORD = re.compile(r"[^\W\d]\w*")

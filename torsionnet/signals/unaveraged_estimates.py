@@ -1,4 +1,4 @@
-"""Estimators without averaging: a stepped sine, and the spectrum of a whole record."""
+"""Estimation of frequency responses without averaging, from a stepped sine or the spectrum of a whole record."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Names = str | Sequence[str]
 
 @dataclass(frozen=True)
 class Step:
-    """One frequency of a stepped sine, in Hz, and from when to when it was held, in s."""
+    """Step of a stepped sine with its frequency in Hz, and start and end in s."""
 
     frequency: float
     start: float
@@ -30,9 +30,9 @@ class Step:
 def stepped_sine(
     recording: Recording, output: Names, input: str, steps: Iterable[Step], settling: float = 0.0
 ) -> FrequencyResponse:
-    """Response at the frequency of every step, from the sines that fit the signals best.
+    """Frequency response at the steps of a stepped sine, from sines fitted to the signals by least squares.
 
-    Mean and slope of each signal are fitted along. Of a step only whole periods are used, its last ones.
+    Mean and slope of each signal are fitted too. Only whole periods at the end of each step are used.
 
     Parameters
     ----------
@@ -58,10 +58,10 @@ def stepped_sine(
 def full_record(
     recording: Recording, output: Names, input: str, detrend: Trend = "mean", floor: float = 1e-3
 ) -> FrequencyResponse:
-    """Spectrum of the output over that of the input, over the whole record at once.
+    """Frequency response as spectrum of the output over that of the input, of a whole record without averaging.
 
-    Right if the record holds whole periods of a periodic test, or begins and ends at rest. It has the finest
-    resolution there is, and no averaging: noise stays as it is.
+    Valid if the record holds whole periods of a periodic test, or begins and ends at rest. It has the finest
+    possible resolution, and noise is not reduced.
 
     Parameters
     ----------
@@ -89,12 +89,14 @@ def _checked(recording: Recording, names: Sequence[str]) -> Recording:
 
 
 def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
-    """Complex amplitude of every signal."""
+    """Complex amplitude of every signal in a step, by least squares, (n_signals,)."""
     rate, begin = recording.sampling_rate, step.start + settling
     last = min(round((step.end - recording.start) * rate), len(recording))
     periods = int((last / rate - (begin - recording.start)) * step.frequency + 1e-9)
     if periods < 1 or begin < recording.start:
-        raise UsageError(f"the step at {step.frequency:g} Hz has no whole period in the record after settling")
+        raise UsageError(
+            f"the step at {step.frequency:g} Hz has no whole period in the record after settling; hold it longer"
+        )
     first = last - round(periods / step.frequency * rate)
     time = recording.time[first:last]
     angle = 2 * np.pi * step.frequency * time

@@ -1,4 +1,4 @@
-"""What can be seen in the values of one channel: stretches that are no numbers, flat tops, jumps."""
+"""Faults in the values of one channel: clipped peaks, wrap-around and leaps of encoders."""
 
 from __future__ import annotations
 
@@ -9,16 +9,22 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.resolution import MOST_STEPS
 
 Stretches = list[tuple[int, int]]
-TO_NEIGHBOURS = 5.0  # a quantised peak stays 4.8 times as long on its last step as on the one before
-SAME_JUMP = 0.05
-LEAP = 3
-MOST_OF_THE_TIME = 0.9  # a sine clipped at a tenth of its height is at its limits 94 % of the time, at half of it 67 %
+CLIPPED_RUN_RATIO = 5.0
+"""Length of a flat top over the runs of equal values next to it above which it is clipped: a quantised peak stays 4.8
+times as long on its last step as on the one before."""
+SAME_JUMP_DIFFERENCE = 0.05
+"""Relative difference up to which jumps have the same size, as those of an encoder that wraps around."""
+LEAP_STEPS = 3
+"""Encoder steps by which a leap exceeds the steps around it: two may be rounding at a peak of the speed."""
+SWITCH_SHARE = 0.9
+"""Share of samples at its limits above which a signal is a switch: a sine clipped at a tenth of its height is there
+94 % of the time, at half of it 67 %."""
 
 
-def stretches(where: NDArray[np.bool_]) -> Stretches:
-    """First and last index of every run of true.
+def true_stretches(where: NDArray[np.bool_]) -> Stretches:
+    """First and last index of every run of True in a mask.
 
-    >>> stretches(np.array([False, True, True, False, True]))
+    >>> true_stretches(np.array([False, True, True, False, True]))
     [(1, 2), (4, 4)]
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(np.int8)))
@@ -26,15 +32,15 @@ def stretches(where: NDArray[np.bool_]) -> Stretches:
 
 
 def flat_tops(values: FloatArray) -> Stretches:
-    """Stretches at the largest or smallest value that are too long for a smooth or a quantised peak.
+    """Stretches that are clipped, runs at the largest or smallest value too long for a smooth or a quantised peak.
 
-    Nothing at the ends of the record counts, nor a signal that is at its limits most of the time, like a switch.
+    Runs at the ends of the record do not count, nor a signal that is at its limits most of the time, like a switch.
     """
     finite = np.isfinite(values)
     limits = (float(np.max(values[finite])), float(np.min(values[finite])))
-    if limits[0] == limits[1] or np.mean(np.isin(values, limits)) > MOST_OF_THE_TIME:
+    if limits[0] == limits[1] or np.mean(np.isin(values, limits)) > SWITCH_SHARE:
         return []
-    runs = [run for limit in limits for run in stretches(values == limit)]
+    runs = [run for limit in limits for run in true_stretches(values == limit)]
     return sorted((first, last) for first, last in runs if _is_clipped(values, first, last))
 
 
@@ -42,9 +48,9 @@ def _is_clipped(values: FloatArray, first: int, last: int) -> bool:
     length = last - first + 1
     if first == 0 or last == len(values) - 1:
         return False
-    reach = int(length / TO_NEIGHBOURS) + 1
+    reach = int(length / CLIPPED_RUN_RATIO) + 1
     before, after = values[max(0, first - reach) : first][::-1], values[last + 1 : last + 1 + reach]
-    return length > TO_NEIGHBOURS * max(_run(before), _run(after), 1)
+    return length > CLIPPED_RUN_RATIO * max(_run(before), _run(after), 1)
 
 
 def _run(values: FloatArray) -> int:
@@ -52,8 +58,8 @@ def _run(values: FloatArray) -> int:
     return int(other[0]) if len(other) else len(values)
 
 
-def wraps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
-    """Samples before the jumps of an encoder that wraps around, and the size of the jumps."""
+def wrap_jumps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
+    """Indices of the samples before the jumps of an encoder that wraps around, and the size of the jumps in rad."""
     steps = np.diff(values)
     reach = float(np.max(values) - np.min(values)) if len(values) else 0.0
     jumps = np.flatnonzero(np.abs(steps) > max(0.8 * reach, 0.8 * np.pi)) if reach > 0 else np.empty(0, np.intp)
@@ -61,12 +67,12 @@ def wraps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
         return np.empty(0, np.intp), 0.0
     sizes, others = np.abs(steps[jumps]), np.abs(np.delete(steps, jumps))
     size = float(np.median(sizes))
-    alike = np.all(np.abs(sizes - size) <= SAME_JUMP * size) and np.max(others) < size / 2
+    alike = np.all(np.abs(sizes - size) <= SAME_JUMP_DIFFERENCE * size) and np.max(others) < size / 2
     return (jumps, size) if alike else (np.empty(0, np.intp), 0.0)
 
 
-def leaps(values: FloatArray) -> NDArray[np.intp]:
-    """Samples before which a quantised angle goes on by three steps or more than around it."""
+def encoder_leaps(values: FloatArray) -> NDArray[np.intp]:
+    """Indices of the samples at which a quantised angle leaps by three steps more than around."""
     steps = np.diff(values)
     moved = np.abs(steps[steps != 0])
     if len(moved) < 10:
@@ -80,5 +86,4 @@ def leaps(values: FloatArray) -> NDArray[np.intp]:
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(counts, 2, mode="reflect"), 5)
     others = windows[:, [0, 1, 3, 4]]
     calm = np.ptp(others, axis=1) <= 1
-    # Two steps more can be rounding of a speed that passes its peak.
-    return np.flatnonzero(calm & (np.abs(counts - np.median(others, axis=1)) >= LEAP)) + 1
+    return np.flatnonzero(calm & (np.abs(counts - np.median(others, axis=1)) >= LEAP_STEPS)) + 1

@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.core.errors import Fault
 from torsionnet.model.definition import Definition
-from torsionnet.model.parts.authored import AuthoredModel
+from torsionnet.model.parts.authored_model import AuthoredModel
 from torsionnet.model.parts.part import Part
 from torsionnet.model.parts.part_entries import USE
 from torsionnet.model.parts.use import Use

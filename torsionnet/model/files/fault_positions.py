@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.configurations import DEFAULT_AXIS
-from torsionnet.model.files.located import LocatedDocument
+from torsionnet.model.files.located_yaml import LocatedDocument
 
 LONGEST_MESSAGE = 600
 """Longest message in characters; the middle of a longer one is left out."""

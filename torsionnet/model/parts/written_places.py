@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition
-from torsionnet.model.parts.authored import owner
+from torsionnet.model.parts.authored_model import owner
 from torsionnet.model.parts.flattening import SECTIONS
 from torsionnet.model.parts.part import Part
 

@@ -1,4 +1,4 @@
-"""What an estimate remembers of its records: how they were averaged and swept, and the signals themselves."""
+"""Averaging data of an estimate from its spectra and records: segments, sweep, sensor steps and signals."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from dataclasses import replace
 
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.recording import Recording
-from torsionnet.signals.resolution import step_of, swept
+from torsionnet.signals.resolution import step_of, sweep_amplitudes
 from torsionnet.signals.spectral_matrix import CrossSpectra
 
-MOST_VALUES = 2**22
-"""Of a record that is remembered; beyond, a fit smooths as if the input were stationary."""
+MOST_KEPT_VALUES = 2**22
+"""Most values of a record that is kept with its estimate; beyond, a fit smooths as if the input were stationary."""
 
-SINES = 0.5
-"""Share of segments in which the input is a sine above which it is swept; in short ones noise is one by chance."""
+SWEPT_SEGMENTS = 0.5
+"""Share of segments with a sine as input above which the input is swept; noise may look like one in a few."""
 
 
-def averaging(estimator: str, spectra: CrossSpectra) -> Estimation:
-    """What spectra know of themselves."""
+def averaging_data(estimator: str, spectra: CrossSpectra) -> Estimation:
+    """Averaging data of an estimate from its spectra: window, segment length, overlap, averages."""
     used, rate = spectra.settings, spectra.sampling_rate
     length = used.samples(rate)
     overlap = 1 - used.step(rate) / length
@@ -25,20 +25,20 @@ def averaging(estimator: str, spectra: CrossSpectra) -> Estimation:
     return Estimation(estimator, used.window, length / rate, overlap, used.detrend, spectra.averages, worth)
 
 
-def remembering(
+def with_record(
     estimation: Estimation, outputs: tuple[str, ...], driven: str, fine: Recording, coarse: Recording
 ) -> Estimation:
-    """The same with the signals in it, before (``fine``) and after (``coarse``) decimation."""
+    """Averaging data with the sweep, the sensor steps and the record, before and after decimation (fine, coarse)."""
     seconds, output = estimation.seconds, outputs[0]
-    sweep = swept(fine, output, driven, seconds)[0]
+    sweep = sweep_amplitudes(fine, output, driven, seconds)[0]
     segments = fine.duration / seconds
-    is_swept = len(sweep) > max(1, SINES * segments) and bool(sweep[0] != sweep[-1])
-    begun = swept(_beginning(fine, 2 * seconds), output, driven, seconds)[0]
+    is_swept = len(sweep) > max(1, SWEPT_SEGMENTS * segments) and bool(sweep[0] != sweep[-1])
+    begun = sweep_amplitudes(_beginning(fine, 2 * seconds), output, driven, seconds)[0]
     return replace(
         estimation,
         swept=is_swept,
         settled_from=float(begun.mean()) if is_swept and len(begun) > 1 and begun[1] > begun[0] else 0.0,
-        record=coarse if len(coarse) * len(coarse.signals) <= MOST_VALUES else None,
+        record=coarse if len(coarse) * len(coarse.signals) <= MOST_KEPT_VALUES else None,
         steps={name: step_of(fine[name].values) for name in outputs},
         decimation=round(fine.sampling_rate / coarse.sampling_rate),
     )

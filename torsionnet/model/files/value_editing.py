@@ -13,11 +13,11 @@ from torsionnet.core.errors import ModelError, Path
 from torsionnet.core.expressions import Expression
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.located import LocatedDocument, LocatedNode, Span, compose
+from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, Span, compose
 from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump
-from torsionnet.model.parts.authored import owner
+from torsionnet.model.parts.authored_model import owner
 
 _NOTHING = Overlay()
 

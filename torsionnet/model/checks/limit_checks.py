@@ -10,7 +10,7 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.model.limits.unlike_kin import unit_slips
+from torsionnet.model.limits.unit_slips import unit_slips
 from torsionnet.model.parameters import resolve
 
 

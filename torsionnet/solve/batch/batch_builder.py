@@ -1,4 +1,4 @@
-"""The arrays of a batch while passes over its variants fill them."""
+"""Arrays of a batch under construction, filled by passes over the variants."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Law, Values
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
-from torsionnet.solve.batch.variant_numbers import Decisions, column
+from torsionnet.solve.batch.variant_numbers import Decisions, variant_column
 
 
-class Filling:
-    """Coefficients that start as those of the drivetrain, and what is known of every variant."""
+class BatchBuilder:
+    """Batch under construction: coefficients, at first those of the drivetrain, and the state of every variant."""
 
     def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
         self.drivetrain: AssembledModel = drivetrain
@@ -34,28 +34,28 @@ class Filling:
         self.dynamic: list[BatchedStiffness] = []
         self.moduli: dict[str, FloatArray] = {}
         self.impossible = ~np.all([np.isfinite(one) for one in values.values()], axis=0)
-        self.apart, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
+        self.separate, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
 
     def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:
-        """The variants that have followed every decision of a pass."""
+        """Pass restricted to the variants that have followed every decision of the first one."""
         own = places[decisions.follows]
         self.known[own] = ~decisions.unsure[decisions.follows]
         return FollowingPass(self, own, decisions.follows)
 
     def settle(self) -> None:
-        """Variants apart, and those of which no pass could tell: whether they are possible at all, each by itself."""
+        """Mark variants without certain coefficients as separate, and those refused by ``configured`` as impossible."""
         finite = np.ones(self.count, dtype=bool)
         for array in (self.inertia, self.damping, self.stiffness):
             finite &= np.isfinite(array).all(axis=1)
         for one in self.dynamic:
             finite[one.places] &= np.isfinite(one.coefficients).all(axis=0)
-        self.apart |= ~(self.known & finite)
-        self.apart &= ~self.impossible
-        for index in np.flatnonzero(self.apart):
+        self.separate |= ~(self.known & finite)
+        self.separate &= ~self.impossible
+        for index in np.flatnonzero(self.separate):
             try:
                 self.drivetrain.configured(**{name: float(one[index]) for name, one in self.values.items()})
             except ModelError:
-                self.impossible[index], self.apart[index] = True, False
+                self.impossible[index], self.separate[index] = True, False
 
     def batch(self) -> Batch:
         varied = {one.law for one in self.dynamic}
@@ -65,37 +65,37 @@ class Filling:
             if law not in varied
         )
         coefficients = self.inertia, self.damping, self.stiffness, (*same, *self.dynamic)
-        return Batch(self.drivetrain, self.values, *coefficients, self.impossible, self.apart, self.moduli)
+        return Batch(self.drivetrain, self.values, *coefficients, self.impossible, self.separate, self.moduli)
 
 
 @dataclass(frozen=True, eq=False)
 class FollowingPass:
-    """Variants ``own`` that a pass has right numbers for; ``follows`` tells them from others in these numbers."""
+    """Variants ``own`` with valid numbers in a pass; ``follows`` selects them in the numbers of the pass."""
 
-    filling: Filling
+    filling: BatchBuilder
     own: NDArray[np.intp]
     follows: NDArray[np.bool_]
 
-    def mark_apart(self) -> None:
-        """They have rows of their own."""
-        self.filling.apart[self.own] = True
+    def mark_separate(self) -> None:
+        """Mark the variants of the pass as separate, since their rows differ from those of the drivetrain."""
+        self.filling.separate[self.own] = True
 
     def _column(self, number: Any) -> FloatArray:
-        return column(number, len(self.follows))[self.follows]
+        return variant_column(number, len(self.follows))[self.follows]
 
     def take(self, law: Law, number: int | None) -> None:
-        """The coefficients of a law; ``number`` is None where the drivetrain has it without any effect."""
+        """Store the coefficients of a law; ``number`` is None where the law has no effect in the drivetrain."""
         filling, own = self.filling, self.own
         entries = law.inertia, law.damping, law.stiffness, law.loss_factor
         inertia, damping, stiffness, loss = map(self._column, entries)
         acts = (inertia != 0) | (damping != 0) | (stiffness != 0) | (law.table is not None)
         if number is None:
-            filling.apart[own[acts]] = True
+            filling.separate[own[acts]] = True
             return
         known = filling.drivetrain.assembly.laws[number]
         hysteretic = bool(known.loss_factor != 0)
         same = acts & ((stiffness != 0) == bool(known.stiffness != 0)) & ((loss != 0) == hysteretic)
-        filling.apart[own[~same]] = True
+        filling.separate[own[~same]] = True
         filling.inertia[own, number], filling.damping[own, number] = inertia, damping
         filling.stiffness[own, number] = 0.0 if hysteretic else stiffness
         if hysteretic:
@@ -108,7 +108,7 @@ class FollowingPass:
         self.filling.dynamic.append(BatchedStiffness(number, self.own, of, coefficients))
 
     def take_modulus(self, name: str, modulus: Any) -> None:
-        """The section modulus of a shaft."""
+        """Store the section modulus of a shaft as a ratio to that in the drivetrain."""
         drivetrain = self.filling.drivetrain
         known = float(section_modulus(drivetrain.elements[name], Values(drivetrain.exact_values)))
         ratios = self.filling.moduli.setdefault(name, np.ones(self.filling.count))

@@ -50,7 +50,7 @@ class Gap:
 
 
 @dataclass(frozen=True, eq=False)
-class PosedProblem:
+class ReadingProblem:
     """Response problem with the map from its solution to every reading.
 
     Attributes
@@ -80,7 +80,7 @@ class PosedProblem:
         """Number of excitations without the torques of actions."""
         return len(self.problem.excitations) - len(self.sensed)
 
-    def felt_by(self, reading: int) -> frozenset[int]:
+    def excitations_reaching(self, reading: int) -> frozenset[int]:
         """Excitations that reach a reading at all, also by way of actions."""
         reached = self._reached
         found = set(reached.get(self.parts[reading].solved, ()))
@@ -107,24 +107,24 @@ class PosedProblem:
         return {place: frozenset(numbers) for place, numbers in found.items()}
 
     @cached_property
-    def turned(self) -> PosedProblem:
+    def in_other_order(self) -> ReadingProblem:
         """Response problem with another order of elimination, which gives other rounding errors."""
-        return replace(self, problem=self.problem.otherwise)
+        return replace(self, problem=self.problem.in_other_order)
 
 
-def pose(
+def make_reading_problem(
     assembly: Assembly,
     outputs: Sequence[Functional],
     measured: Sequence[Functional],
     excitations: Sequence[Input],
     number: Number = float,
     accuracy: Accuracy = DOUBLE,
-) -> PosedProblem:
+) -> ReadingProblem:
     """Response problem for outputs and measured inputs under excitations, in rows of this accuracy."""
     readings = [*outputs, *measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
     twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
-    twisted = {twisted_law(assembly, one.of): column for column, one in twists.items()}
+    twisted = {law_of_imposed_twist(assembly, one.of): column for column, one in twists.items()}
     rows, gaps = _Rows(assembly, number, twisted), _Gaps()
     found = [
         gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
@@ -149,10 +149,10 @@ def pose(
             applied[place, column] = float(reading.direct(one.row)) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
     driven = tuple(reading.actions for reading in readings)
-    return PosedProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
+    return ReadingProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
 
 
-def twisted_law(assembly: Assembly, element: str) -> int:
+def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
     """Number of the law in which the twist of an element is imposed; such an element has only one law."""
     return assembly.owners.index(element)
 

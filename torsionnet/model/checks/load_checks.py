@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from torsionnet.core.errors import USELESS, Fault, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques
+from torsionnet.model.load.load_places import unknown_driver
 from torsionnet.model.load.load_section import Load
-from torsionnet.model.load.sides_of_load import unknown_driver
 from torsionnet.model.torque_places import torque_place
 
 SAME_TORQUE_SHARE = 0.01

@@ -9,7 +9,7 @@ from torsionnet.core.errors import Fault, ModelError, Path, UsageError
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import RPM
 from torsionnet.model.checks.balance import unbalanced_torques
-from torsionnet.model.checks.load_fits import unfit_load
+from torsionnet.model.checks.load_checks import unfit_load
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.curves import OnCurve
 from torsionnet.model.element_base.element import Element
@@ -47,7 +47,7 @@ def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:
     if not external.rated_speed:
         return []
     from torsionnet.model.checks.propeller_conditions import archer_at_small_torque
-    from torsionnet.model.checks.unlike_ratings import rating_mismatches
+    from torsionnet.model.checks.rating_mismatches import rating_mismatches
 
     return [*rating_mismatches(external), *archer_at_small_torque(external)]
 

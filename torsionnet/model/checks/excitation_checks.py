@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
 from torsionnet.model.channels import Input, named_nodes
-from torsionnet.model.checks.load_fits import unknown_in_load
+from torsionnet.model.checks.load_checks import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.excitations import OrderExcitation

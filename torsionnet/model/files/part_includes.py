@@ -7,12 +7,12 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 
 from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.nearby import files_beside, nearby_file
+from torsionnet.core.entries.named_files import files_beside, nearby_file
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.library import library_parts
-from torsionnet.model.files.located import LocatedDocument, LocatedNode, compose
+from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, compose
 
 _FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")
 """Keys that a file of parts may have."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, Path, UsageError
 from torsionnet.core.units import RPM
-from torsionnet.model.checks.likely_slips import likely_load, likely_power, likely_speed, power_text
+from torsionnet.model.checks.likely_mistakes import likely_load, likely_power, likely_speed, power_text
 from torsionnet.model.definition import LOAD
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.excitations.rating import Rating
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.load.sides_of_load import ENGINE
+from torsionnet.model.load.load_places import ENGINE
 
 SAME_POWER_SHARE, SAME_SPEED_SHARE = 0.05, 0.005
 """Relative differences up to which powers and speeds agree: rounding of data sheets, and slip."""
