@@ -104,7 +104,7 @@ def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> Table
         sides = (None, None) if limit is None else (limit.above, limit.below)
         scale = units.scale(name)
         limits = ["" if side is None else NumberText(side * scale, 5) for side in sides]
-        rows.append((symbol_or_words(name), _phrase(subject, study, quantity.asked), unit(units.unit(name)), *limits))
+        rows.append((symbol_or_words(name), _phrase(subject, study, quantity.words), unit(units.unit(name)), *limits))
     return table("What is asked of every variant, and its limits", columns, rows)
 
 

@@ -25,10 +25,10 @@ def order_responses(
 
     Variants whose parameters follow the operating point are solved one by one, at every speed with its own values.
     """
-    question = asked_alike(block, speeds, excitations)
+    question = common_request(block, speeds, excitations)
     if question is None:
         for index in range(len(block)):
-            run = block.asked(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
+            run = block.call(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
             if run is not None:
                 yield index, run
         return
@@ -67,7 +67,7 @@ def responses_at(
         first += count
 
 
-def asked_alike(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderRequest | None:
+def common_request(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderRequest | None:
     """Excitations and speeds that all variants have in common; None where variants differ in them."""
     if block.batch is None or block.model.definition.following:
         return None
@@ -86,11 +86,11 @@ def largest_orders(
 
     Variants whose parameters follow the operating point are solved one by one.
     """
-    question = asked_alike(block, speeds, excitations)
+    question = common_request(block, speeds, excitations)
     if question is None or len(speeds) < 2:
         several = len(speeds) > 1
         for index in range(len(block)):
-            run = block.asked(
+            run = block.call(
                 index,
                 lambda model: model.order_response(output, speeds=speeds, excitations=excitations, refine=several),
             )
