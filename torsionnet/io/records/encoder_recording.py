@@ -110,8 +110,8 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
         raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
     slow = len(stamps) < LEAST_PULSE_RATE * (stamps[-1] - stamps[0])
     if stamped and not unit and slow:
-        told = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
-        remarks = (*remarks, f"{told}; if they are in ms, or count ticks, give their unit")
+        text = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
+        remarks = (*remarks, f"{text}; if they are in ms, or count ticks, give their unit")
     kind = "time stamps of pulses" if stamped else "a pulse train"
     name = options.names[channel.name] if isinstance(options.names, Mapping) else channel.name
     notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks)

@@ -136,12 +136,12 @@ def _results(subject: ReportData, study: Study, found: Table, caption: str, unit
         is_name = text in study.quantities or text in study.space.names
         return symbol_or_words(text) if is_name else _phrase(subject, study, capital(text))
 
-    told = in_shown_units(found, units)
-    place = next((place for place, one in enumerate(told.columns) if one.name == "quantity"), None)
-    if place is not None and len({row[place] for row in told.rows}) == 1:
-        caption = f"{caption}: {told.rows[0][place]}"
-        told = told.chosen([one for one in range(len(told.columns)) if one != place])
-    return results_table(told, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
+    results = in_shown_units(found, units)
+    place = next((place for place, one in enumerate(results.columns) if one.name == "quantity"), None)
+    if place is not None and len({row[place] for row in results.rows}) == 1:
+        caption = f"{caption}: {results.rows[0][place]}"
+        results = results.chosen([one for one in range(len(results.columns)) if one != place])
+    return results_table(results, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
 
 
 def _said(subject: ReportData, study: Study, text: str) -> Text:
