@@ -150,9 +150,9 @@ def _together(
             )
             raise ModelError([Fault(text, ("channels",))], file)
         if not inside.all():
-            record = record.noted(f"cut to where there are pulses: from {times[0]:.6g} to {times[-1]:.6g} s")
+            record = record.with_notes(f"cut to where there are pulses: from {times[0]:.6g} to {times[-1]:.6g} s")
         signals = tuple(replace(signal, values=signal.values[inside]) for signal in record)
         stamps = None if record.times is None else times
         record = replace(record, signals=signals, start=float(times[0]), times=stamps)
     remarks = [f"warning: {one.name}: {note}" for one in turning for note in one.notes[1:]]
-    return replace(record, signals=(*record.signals, *(one.signal(times) for one in turning))).noted(*remarks)
+    return replace(record, signals=(*record.signals, *(one.signal(times) for one in turning))).with_notes(*remarks)

@@ -110,7 +110,7 @@ class OrderTorque(SpeedQuantity):
     def _of_one(self, run: OrderResponse) -> FloatArray:
         """Largest amplitude of one order at each speed (n_speeds,), over all cases of phases between excitations."""
         assert self.order is not None
-        cases = [case.amplitude_of_order(self.order) for case in run.coherent]
+        cases = [case.amplitude_of_order(self.order) for case in run.case_responses]
         lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]
         if len(lines) == 1:
             cases.append(run.sizes[:, lines[0], 0])
