@@ -93,7 +93,7 @@ def batch_over_speeds(
         return None
     values = values_at_speeds(drivetrain, reference, speeds, settled)
     batch = plan.batch({name: [one[name] for one in values] for name in following})
-    return None if (batch.impossible | batch.apart).any() else batch
+    return None if (batch.impossible | batch.separate).any() else batch
 
 
 SPEEDS_PER_BLOCK = 500
