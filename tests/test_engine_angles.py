@@ -154,7 +154,7 @@ class TestTwins:
         )
 
     def test_largest_amplitude_of_an_order_in_both(self):
-        found = response(plant()).coherent[0]
+        found = response(plant()).case_responses[0]
         each = [abs(found.of_order(1.5, excitation=name)) for name in ("port", "star")]
         assert found.amplitude_of_order(1.5) == pytest.approx(sum(each), rel=1e-12)
         with pytest.raises(tn.UsageError, match="no order 7 acts"):

@@ -40,7 +40,7 @@ def plant():
 
 def test_equal_cases_are_no_choice(plant):
     run = plant.order_response("torque(rubber)")
-    alone = np.array([one.half_range[:, 0] for one in run.coherent])
+    alone = np.array([one.half_range[:, 0] for one in run.case_responses])
     assert alone[0] == pytest.approx(alone[1], rel=1e-9)
     assert (run.chosen == 0).all()
     assert set(run.cases()) == {ALL_CASES_EQUAL}

@@ -415,7 +415,7 @@ class TestRemarks:
 
     def test_estimate_carries_its_remarks_and_settings(self):
         torque = white(10_000)
-        record = recorded(T=torque, t=torque).noted("from a test")
+        record = recorded(T=torque, t=torque).with_notes("from a test")
         notes = estimate(record, "t", "T", "H2").notes
         assert notes[0] == "from a test"
         assert notes[1].startswith("H2, Welch, hamming 2 s, overlap 80%, detrend mean, 121 averages worth 46.2 without")

@@ -176,7 +176,7 @@ class TestWords:
     def test_every_text_stands_in_the_code(self):
         """What is fixed in each text, between what is inserted, is a part of a string of the program."""
         package = ROOT / "torsionnet"
-        files = [*(package / "report").rglob("*.py"), package / "solve" / "modes" / "mode_words.py"]
+        files = [*(package / "report").rglob("*.py"), package / "solve" / "modes" / "mode_descriptions.py"]
         strings = {text.lower() for file in files for text in _strings(file)}
         shown = "".join(
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()
@@ -361,8 +361,8 @@ class TestFolder:
         (folder / "logo.svg").symlink_to(folder.parent / "secret.svg")
         (folder / "page.html").symlink_to("/etc/passwd")
         text = faults(folder)
-        assert "house/logo.svg:1:1: error: this leads out of the template folder" in text
-        assert "house/page.html:1:1: error: this leads out of the template folder" in text
+        assert "house/logo.svg:1:1: error: this link leads out of the template folder" in text
+        assert "house/page.html:1:1: error: this link leads out of the template folder" in text
         assert "root:" not in text
 
     @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names there")
@@ -401,12 +401,12 @@ class TestPage:
             ("{% block title %}{% endblock %}\n\n<p>lost</p>", 3, "this stands in no block and would not be shown"),
             ("{{ title }}", 1, "this stands in no block"),
             ("{% if title %}x{% endif %}", 1, "this stands in no block"),
-            ("{% extends 'page.html' %}", 1, "takes in no other file"),
-            ("{% block title %}\n{% include '/etc/passwd' %}{% endblock %}", 2, "takes in no other file"),
-            ("{% import 'x' as y %}", 1, "takes in no other file"),
+            ("{% extends 'page.html' %}", 1, "cannot include other files"),
+            ("{% block title %}\n{% include '/etc/passwd' %}{% endblock %}", 2, "cannot include other files"),
+            ("{% import 'x' as y %}", 1, "cannot include other files"),
             ("{% block title %}{{ x|safe }}{% endblock %}", 1, "No filter named 'safe'"),
             ("{% block title %}{{ x|e }}{% endblock %}", 1, "No filter named 'e'"),
-            ("{% block title %}\n{{ facts ~ title }}{% endblock %}", 2, "not joined by ~"),
+            ("{% block title %}\n{{ facts ~ title }}{% endblock %}", 2, "cannot be joined by ~"),
             ("{% block title %}{% endblock %}{% block title %}{% endblock %}", 1, "defined twice"),
             ("{% block title %}\n<script>alert(1)</script>{% endblock %}", 2, "delete <script"),
             ("{% block title %}\n<img src='logo.svg'>{% endblock %}", 2, "write {{ image('logo.svg') }}"),
@@ -428,7 +428,7 @@ class TestPage:
             ("{{ ''['__class__'] }}", "unsafe"),
             ("{{ '{0.__class__.__init__.__globals__}'.format(title) }}", "unsafe"),
             ("{{ facts.replace('a', title) }}", "not safely callable"),
-            ("{{ 'a' * 1000000000 }}", "nothing is calculated with them"),
+            ("{{ 'a' * 1000000000 }}", "texts cannot be added or multiplied"),
             ("{{ facts + title }}", "texts are written one after the other"),
             ("{{ '%s' % facts }}", "texts are written one after the other"),
             ("{{ contents.append(1) }}", "unsafe"),
@@ -440,8 +440,8 @@ class TestPage:
             ("{{ image('lgo.svg') }}", 'no image is named "lgo.svg"; did you mean "logo.svg"? there are: logo.svg, plan.pdf'),
             ("{{ image('../secret.svg') }}", "no image is named"),
             ("{{ image('plan.pdf') }}", '"plan.pdf" cannot be shown here'),
-            ("{{ sections.blocks }}", 'there is no "blocks" in this'),
-            ("{{ contents[0].title.drawn }}", 'there is no "drawn" in this'),
+            ("{{ sections.blocks }}", 'this value has no part "blocks"'),
+            ("{{ contents[0].title.drawn }}", 'this value has no part "drawn"'),
             ("{% macro f() %}{{ f() }}{% endmacro %}{{ f() }}", "recursion"),
         ],
     )  # fmt: skip
@@ -487,7 +487,7 @@ class TestPage:
 
     def test_style_cannot_leave_its_place(self, folder):
         fill(folder, style_css="a{}\n</style><p>")
-        assert "style.css:2:1: error: a style sheet holds no tags" in faults(folder)
+        assert "style.css:2:1: error: a style sheet cannot hold tags" in faults(folder)
         fill(folder, style_css="a{background:url('x.png')}")
         assert "style.css:1:14: error: a report holds its images" in faults(folder)
 

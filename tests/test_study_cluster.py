@@ -21,7 +21,7 @@ from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
 from torsionnet.study.run.cluster.cluster_losses import ClusterError
 from torsionnet.study.run.cluster.connecting import connected
-from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, trouble_with
+from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, folder_fault
 
 pytest.importorskip("distributed")
 
@@ -222,15 +222,15 @@ class TestWorkers:
     def test_trouble_with_folders(self, study_folder, monkeypatch):
         token = study_folder / "token"
         token.write_text("word")
-        assert trouble_with(str(token), "word") == ""
-        assert "another folder" in trouble_with(str(token), "other word")
+        assert folder_fault(str(token), "word") == ""
+        assert "another folder" in folder_fault(str(token), "other word")
         assert [file.name for file in study_folder.iterdir()] == ["token"]
 
         def full(_):
             raise OSError(30, "Read-only file system")
 
         monkeypatch.setattr(dask_executor.Path, "touch", full)
-        assert "cannot be used: Read-only file system" in trouble_with(str(token), "word")
+        assert "cannot be used: Read-only file system" in folder_fault(str(token), "word")
 
 
 @pytest.mark.slow

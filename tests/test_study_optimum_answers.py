@@ -13,7 +13,7 @@ from torsionnet.solve.design.worst_levels import WorstLevels
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.study.design.conditions_damper import damper_over_conditions
 from torsionnet.study.design.design_quantities import ExactSlopes
-from torsionnet.study.design.local_search import polished
+from torsionnet.study.design.local_search import polish
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import DampingRatio, NaturalFrequency
 from torsionnet.study.quantities.response import ResponseQuantity
@@ -225,7 +225,7 @@ def near(quantities, place=(0.6, 0.4), **answer):
     given = {"a": {"type": "optimum", "design": DAMPER, **answer}}
     study = define(damped(), {"c": TOLERANCE}, {**PEAK, **quantities}, answers=given)
     problem, _ = study.answers["a"].problem(study)
-    return problem.values(polished(problem, np.array(place)))
+    return problem.values(polish(problem, np.array(place)))
 
 
 class TestPeaksThatChangePlace:

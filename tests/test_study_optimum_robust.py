@@ -127,14 +127,14 @@ def test_larger_is_better():
 
 
 def test_draws():
-    even, random = SCATTER.evenly(1000, 3), SCATTER.randomly(1000, 3)
+    even, random = SCATTER.even_draws(1000, 3), SCATTER.random_draws(1000, 3)
     assert (even.count, random.count) == (1024, 1000)
     for drawn in (even, random):
         values = drawn.around({"x": np.array([2.0, 3.0])})["x"].reshape(2, -1)
         np.testing.assert_allclose(values[1] - values[0], 1)
         assert values[0].std() == pytest.approx(SIGMA, rel=0.06)
-    np.testing.assert_array_equal(even.shares, SCATTER.evenly(1000, 3).shares)
-    assert not np.array_equal(even.shares, SCATTER.evenly(1000, 4).shares)
+    np.testing.assert_array_equal(even.shares, SCATTER.even_draws(1000, 3).shares)
+    assert not np.array_equal(even.shares, SCATTER.even_draws(1000, 4).shares)
 
 
 class TestSpaceTolerances:
@@ -150,7 +150,7 @@ class TestSpaceTolerances:
         return Space(rig, vary, [Correlation(between=["k_2", "c_2"], coefficient=0.8)])
 
     def test_in_proportion_and_correlated(self, space):
-        drawn = SpaceTolerances(space, ("k_2",)).randomly(20_000, 1)
+        drawn = SpaceTolerances(space, ("k_2",)).random_draws(20_000, 1)
         values = drawn.around({"k_2": np.array([460.0, 920.0])})
         stiffness, damping = (values[name].reshape(2, -1) for name in ("k_2", "c_2"))
         np.testing.assert_allclose(stiffness[1], 2 * stiffness[0])
@@ -182,7 +182,7 @@ def test_the_same_seed_gives_the_same_answer():
         (lambda: MeanAndDeviation(-1.0), "a k from 0"),
         (lambda: SamplePercentile(100.0), "between 0 and 100 %"),
         (lambda: DesignTolerances(()), "needs the tolerance of a parameter"),
-        (lambda: SCATTER.evenly(1, 0), "two samples or more"),
+        (lambda: SCATTER.even_draws(1, 0), "two samples or more"),
         (
             lambda: robust_optimum(
                 DesignProblem(X, least(), wells), DesignTolerances((DesignTolerance("b", 1.0),)), Rejects()

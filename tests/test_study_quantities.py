@@ -168,7 +168,7 @@ FAULTS = [
 def test_what_a_model_lacks_is_said_with_its_place(
     model: tn.Drivetrain, asked: tuple[str, dict[str, object]], paths: set[str]
 ) -> None:
-    faults = list(made(asked[0], **asked[1]).unfit(model, {}))
+    faults = list(made(asked[0], **asked[1]).model_faults(model, {}))
     assert {fault.path[0] for fault in faults} == paths
     assert all(fault.message for fault in faults)
 
@@ -199,7 +199,7 @@ def test_what_fits_has_no_faults_and_is_written_back_as_it_was_read() -> None:
     ):
         quantity, faults = QUANTITIES[kind].read(entries)
         assert not faults
-        assert not list(quantity.unfit(DMF, {}))
+        assert not list(quantity.model_faults(DMF, {}))
         again, _ = QUANTITIES[kind].read(quantity.to_data())
         assert again == quantity
 
@@ -275,7 +275,7 @@ def test_variants_solved_together_have_the_values_they_have_alone(
 ) -> None:
     values = spread(model, names, count=4)
     quantity = made(kind, **entries)
-    assert not list(quantity.unfit(model, OTHERS))
+    assert not list(quantity.model_faults(model, OTHERS))
     found, alone = (quantity.evaluate(block(model, values, **OTHERS)) for block in (together, singly))
     assert found.shape == (4, len(quantity.measure(model).points))
     assert np.isfinite(found).all()

@@ -60,7 +60,7 @@ def test_a_mode_is_that_of_every_variant(
 ) -> None:
     values = spread(model, names, count=3, width=0.05)
     quantity = made(kind, mode=mode, **entries)
-    assert not list(quantity.unfit(model, {}))
+    assert not list(quantity.model_faults(model, {}))
     expected = [formula(vibrations(model.configured(**own))[mode - 1]) for own in columns(values)]
     for block in (together(model, values), singly(model, values)):
         assert quantity.evaluate(block)[:, 0] == pytest.approx(expected, rel=1e-9)

@@ -173,7 +173,7 @@ def test_a_transient_of_one_mass_is_that_of_the_closed_form(shape: str) -> None:
     rig = tn.Drivetrain("one mass", elements, parameters={"k": 8e4})
     rise = {} if shape == "step" else {"rise": 0.02}
     quantity = made("transient_peak", output="a", input="a", torque=10, shape=shape, duration=0.2, rate=2e4, **rise)
-    assert not list(quantity.unfit(rig, {}))
+    assert not list(quantity.model_faults(rig, {}))
     k = np.array([8e4, 1.6e5])
     found = quantity.evaluate(singly(rig, {"k": k}))[:, 0]
     for value, own in zip(found, k, strict=True):
@@ -266,7 +266,7 @@ def test_an_expression_calculates_from_others_curves_too() -> None:
     found = evaluator({"k_2": np.array([400.0, 500.0])})
     assert found["amplification"] == pytest.approx(found["H"] / found["H0"][:, None], rel=1e-15)
     assert found["root"] == pytest.approx(2 * found["amplification"], rel=1e-14)
-    assert not [fault for one in asked.values() for fault in one.unfit(DMF, asked)]
+    assert not [fault for one in asked.values() for fault in one.model_faults(DMF, asked)]
     measures = {name: one.measured(DMF, asked) for name, one in asked.items()}
     assert measures["amplification"].unit == ""
     assert measures["amplification"].is_curve
@@ -280,7 +280,7 @@ def test_expressions_that_lead_nowhere_are_refused() -> None:
              "lost": made("expression", of="f_1 + g_2"),
              "one": made("response", output="theta_1", input="T_T", at=[1, 2]),
              "two": made("response", output="theta_1", input="T_T", at=[1, 3]), "both": made("expression", of="one - two")}  # fmt: skip
-    said = {name: [fault.message for fault in one.unfit(DMF, asked)] for name, one in asked.items()}
+    said = {name: [fault.message for fault in one.model_faults(DMF, asked)] for name, one in asked.items()}
     assert "circle" in said["a"][0]
     assert "circle" in said["c"][0]
     assert "would add" in said["sum"][0]
@@ -333,7 +333,7 @@ def test_a_function_that_other_processes_cannot_have_is_refused_in_words() -> No
         function(3)
     with pytest.raises(UsageError):
         function(module_level, over="frequency")
-    assert list(function(lambda _: [1.0, 2.0]).unfit(DMF, {}))
+    assert list(function(lambda _: [1.0, 2.0]).model_faults(DMF, {}))
 
 
 FAULTS = [
@@ -354,7 +354,7 @@ FAULTS = [
 
 @pytest.mark.parametrize(("model", "kind", "entries", "words"), FAULTS)
 def test_what_a_model_lacks_is_said(model: tn.Drivetrain, kind: str, entries: dict[str, object], words: str) -> None:
-    said = " ".join(fault.message for fault in made(kind, **entries).unfit(model, {}))
+    said = " ".join(fault.message for fault in made(kind, **entries).model_faults(model, {}))
     assert words in said
 
 
@@ -376,7 +376,7 @@ def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> No
     quantity, faults = QUANTITIES[kind].read(entries)
     assert not faults
     asked = {"f": made("natural_frequency", mode=1), "own": quantity}
-    assert not list(quantity.unfit(SHORT, asked))
+    assert not list(quantity.model_faults(SHORT, asked))
     assert pickle.loads(pickle.dumps(quantity)) == quantity
     again, faults = QUANTITIES[kind].read(quantity.to_data())
     assert (again, faults) == (quantity, [])

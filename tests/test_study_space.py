@@ -15,7 +15,7 @@ from scipy.stats import qmc
 import torsionnet as tn
 import torsionnet.study.space.sampling_points as sampling_points
 from torsionnet.core.errors import ModelError
-from torsionnet.study.examined_study import faults_in
+from torsionnet.study.examined_study import space_faults
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.correlation_matrix import CorrelationOfPair, HermiteSeries
 from torsionnet.study.space.samples import Samples
@@ -318,20 +318,20 @@ def test_values_follow_the_configuration_they_are_relative_to():
 def test_a_variation_that_makes_configurations_alike_is_told():
     models = {name: RIG.configured(name) for name in ("IV", "V")}
     alike = {"tau": Uniform(low=3, high=4), "k_2": Normal(deviation="5 %")}
-    [fault] = faults_in(space(alike), models)
+    [fault] = space_faults(space(alike), models)
     assert (fault.severity, fault.path) == ("warning", ("vary", "tau"))
     assert "tau has values of its own in IV, V, and this variation gives it the same in all" in fault.message
-    [fault] = faults_in(space({"tau": ValueRange(low=3, high=4, count=5)}), models)
+    [fault] = space_faults(space({"tau": ValueRange(low=3, high=4, count=5)}), models)
     assert fault.path == ("vary", "tau")
     assert (
-        faults_in(space({"tau": Uniform(low="-10 %", high="+10 %"), "k_2": Normal(mean=9000, deviation=90)}), models)
+        space_faults(space({"tau": Uniform(low="-10 %", high="+10 %"), "k_2": Normal(mean=9000, deviation=90)}), models)
         == []
     )
 
 
 def test_what_is_wrong_in_one_configuration_is_told_with_its_name():
     whole = space({"tau": Triangular(low=3.5, high=9)})
-    [fault] = faults_in(whole, {name: RIG.configured(name) for name in ("II", "V")})
+    [fault] = space_faults(whole, {name: RIG.configured(name) for name in ("II", "V")})
     assert (fault.severity, fault.configuration, fault.path) == ("error", "V", ("vary", "tau"))
     assert "the most frequent value (3.26) must lie between low (3.5) and high (9)" in fault.message
 

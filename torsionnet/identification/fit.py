@@ -94,20 +94,20 @@ def make_fit(
     free = problem.effective_count - len(values)
     left_over = residual_variance(residuals, len(values), loss, found.scale)
     factor = max(left_over, 1.0) if problem.noise_is_measured and loss == "linear" else left_over
-    reach = np.linalg.norm(slopes, axis=0)
-    scale = 1 / np.where(reach > 0, reach, 1.0)  # parameters without effect at the optimum are not determined
-    left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
+    effects = np.linalg.norm(slopes, axis=0)
+    scale = 1 / np.where(effects > 0, effects, 1.0)  # parameters without effect at the optimum are not determined
+    left, sizes, directions = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR_RATIO * sizes[0]
-    backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
+    backward = (directions.T / np.where(lost, np.inf, sizes)) @ left.T
     inverse = problem.noise_covariance(backward) + problem.shared_covariance(backward, values) / max(
         factor, np.finfo(float).tiny
     )
     covariance = factor * inverse * np.outer(scale, scale)
-    undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR_RATIO)).any(axis=0)
+    undetermined = (np.abs(directions[lost]) > np.sqrt(SINGULAR_RATIO)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
-    correlation = _correlation(inverse, turned[lost])
+    correlation = _correlation(inverse, directions[lost])
     names, moved = problem.names, noise_bias(problem, values)
-    told = verdicts(problem, values, errors, correlation, turned[lost], moved, limits)
+    sentences = verdicts(problem, values, errors, correlation, directions[lost], moved, limits)
     rejected = lack is not None and lack.rejected
     misfit_warnings, withheld = () if rejected else large_misfit_warnings(problem, values), np.inf if rejected else 0.0
     return Fit(
@@ -117,7 +117,7 @@ def make_fit(
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=(*lack_of_fit_sentences(lack), *misfit_warnings, *limits.values(), *told),
+        verdicts=(*lack_of_fit_sentences(lack), *misfit_warnings, *limits.values(), *sentences),
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",

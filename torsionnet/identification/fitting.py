@@ -167,9 +167,9 @@ def _check_information(problem: FitProblem) -> None:
             f"{len(problem.names)} parameters cannot be found from {problem.lines} lines: "
             f"{', '.join(problem.names)}; measure more, or fix some of them"
         )
-    reach = np.abs(slopes).max(axis=0) * typical_steps(problem, problem.start)
+    effects = np.abs(slopes).max(axis=0) * typical_steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
-    idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE_EFFECT * seen]
+    idle = [name for name, size in zip(problem.names, effects, strict=True) if not size > IDLE_EFFECT * seen]
     if idle:
         pairs = ", ".join(
             dict.fromkeys(f"{block.measurement.output}/{block.measurement.input}" for block in problem.blocks)

@@ -152,9 +152,9 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     total = float(r @ r) / mean
     chances = [float(stats.f.sf(total, mean**2 / square, noise.certainty))]
     waves = _waves(count, len(r) // count)
-    sizes, turned = np.linalg.eigh(waves.T @ R @ waves)
+    sizes, directions = np.linalg.eigh(waves.T @ R @ waves)
     seen = sizes > ABSORBED_VARIANCE_SHARE * sizes[-1]
-    pattern = float(np.mean((turned[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
+    pattern = float(np.mean((directions[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
     chances.append(float(stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
     weights = block.absolute_scale**2
     beyond = max(float((residual**2 - np.diag(covariance)) @ weights), 0.0)

@@ -37,8 +37,11 @@ def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
         return
     best, *others = lack.explanations
     verb = "would explain it" if best.complete else "would explain most of it"
-    told = [f"{_what(best)} {verb}: {_values(best)}", *(f"so would {_what(one)}: {_values(one)}" for one in others)]
-    yield f"{says}; {'; '.join(told[:MOST_EXPLANATIONS_LISTED])}; {ADVICE_BY_CAUSE[best.kind]}. {withheld}"
+    explained = [
+        f"{_what(best)} {verb}: {_values(best)}",
+        *(f"so would {_what(one)}: {_values(one)}" for one in others),
+    ]
+    yield f"{says}; {'; '.join(explained[:MOST_EXPLANATIONS_LISTED])}; {ADVICE_BY_CAUSE[best.kind]}. {withheld}"
 
 
 def _what(one: Explanation) -> str:

@@ -49,12 +49,12 @@ def noise_bias_sentence(
     problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray
 ) -> Iterator[str]:
     """Sentence on the values that noise biases by more than REPORTED_BIAS standard errors, if there are any."""
-    told = [
+    listed = [
         f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"
         for name, value, change, error in zip(problem.names, values, moved, errors, strict=True)
         if np.isfinite(error) and value and abs(change) > REPORTED_BIAS * error
     ]
-    if not told:
+    if not listed:
         return
     blocks = [block for block in problem.blocks if isinstance(block, RecordBlock) and block.windowed.background.any()]
     measurement, estimator = blocks[0].measurement, blocks[0].windowed.instrument.estimator
@@ -62,6 +62,6 @@ def noise_bias_sentence(
     if estimator == "H2":
         signal, other = measurement.output, "H1"
     yield (
-        f"noise on {signal} biases {estimator}: {', '.join(told)}, by which the intervals are widened; name the "
+        f"noise on {signal} biases {estimator}: {', '.join(listed)}, by which the intervals are widened; name the "
         f"set-point as reference, or take {other} if the other sensor is less noisy"
     )

@@ -53,9 +53,9 @@ class _Profile:
     def end(self, sign: int) -> float:
         bound = float((self.problem.lower if sign < 0 else self.problem.upper)[self.index])
         inside, guess = float(self.best[self.index]), self.best.copy()
-        reach = self.step
+        distance = self.step
         for _ in range(STEP_DOUBLINGS):
-            place = self.best[self.index] + sign * reach
+            place = self.best[self.index] + sign * distance
             if (place - bound) * sign >= 0:
                 place = bound + BOUND_GAP * (self.best[self.index] - bound)
                 if self.rise(place, guess) < 0:
@@ -66,7 +66,7 @@ class _Profile:
                     return inside
                 low, high = sorted((inside, place))
                 return float(brentq(self.rise, low, high, args=(guess,), xtol=1e-3 * self.step))
-            inside, reach = place, 2 * reach
+            inside, distance = place, 2 * distance
         return sign * np.inf
 
     def rise(self, value: float, guess: FloatArray) -> float:

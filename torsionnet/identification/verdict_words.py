@@ -111,8 +111,8 @@ def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
     found = []
     for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
         predicted, measured = block.predicted(values[place])[0], block.measured
-        apart = np.abs(predicted) - np.abs(measured) if block.form == "magnitude" else predicted - measured
-        found.append(np.sqrt(np.sum(np.abs(apart) ** 2) / np.sum(np.abs(block.measured) ** 2)))
+        error = np.abs(predicted) - np.abs(measured) if block.form == "magnitude" else predicted - measured
+        found.append(np.sqrt(np.sum(np.abs(error) ** 2) / np.sum(np.abs(block.measured) ** 2)))
     return np.array(found)
 
 

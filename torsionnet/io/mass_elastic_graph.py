@@ -169,7 +169,9 @@ def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
                     f"{one.name} connects nodes that turn at other speeds than its ratio; a sheet has one speed a mass"
                 )
                 raise UsageError(text)
-    apart = [node for node in graph.inertias if node not in ratios]
-    if apart:
-        raise UsageError(f"nothing connects {apart[0]} with {reference} in this configuration; a sheet holds one plant")
+    unconnected = [node for node in graph.inertias if node not in ratios]
+    if unconnected:
+        raise UsageError(
+            f"nothing connects {unconnected[0]} with {reference} in this configuration; a sheet holds one plant"
+        )
     return ratios

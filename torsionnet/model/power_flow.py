@@ -56,7 +56,7 @@ def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
     if isinstance(run, WorstResponse) and run.scattered:
         text = f"{run.title}: dissipated power is that without the spread of cylinders"
         warnings.warn(text, TorsionnetWarning, stacklevel=2)
-    return np.asarray(np.max([_mean_power(case, flows) for case in run.coherent], axis=0))
+    return np.asarray(np.max([_mean_power(case, flows) for case in run.case_responses], axis=0))
 
 
 def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:

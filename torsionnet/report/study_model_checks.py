@@ -29,7 +29,9 @@ def check_study_models(model: Drivetrain, studies: Iterable[Study]) -> None:
     """
     found = [text for one in studies if (text := _refusal(model, one))]
     if found:
-        raise UsageError("\n".join([*found, "a report shows studies of its own model"]))
+        raise UsageError(
+            "\n".join([*found, "a report shows only studies of its own model; run them again with this model"])
+        )
 
 
 def _refusal(model: Drivetrain, study: Study) -> str:
@@ -67,7 +69,7 @@ def _data(model: Drivetrain) -> dict[str, Any]:
 def _values(study: Any, report: Any) -> str:
     """Words for the two values of a parameter; empty where it has no single value."""
     shown = [one.get("value") if isinstance(one, dict) else one for one in (study, report)]
-    told = ["missing" if one is None else one for one in shown]
-    return "" if any(isinstance(one, dict | list) or one == "" for one in told) or told == ["missing"] * 2 else (
-        f" ({told[0]} in the study, {told[1]} in the report)"
+    texts = ["missing" if one is None else one for one in shown]
+    return "" if any(isinstance(one, dict | list) or one == "" for one in texts) or texts == ["missing"] * 2 else (
+        f" ({texts[0]} in the study, {texts[1]} in the report)"
     )  # fmt: skip

@@ -25,8 +25,8 @@ _IMAGE_NAME = re.compile(r"[A-Za-z0-9_-]+\.\w+")
 _PUT_IN = "write {{{{ image('{0}') }}}} for a file of the folder"
 """Advice of error messages on how a page refers to an image of the template folder."""
 _FROM_ELSEWHERE = {
-    r"<(script|link|iframe|object|embed|base|form)\b": "a report runs nothing and takes in nothing; delete <{0}",
-    r"@import\b": "a report takes in nothing from elsewhere; write the rules into style.css",
+    r"<(script|link|iframe|object|embed|base|form)\b": "a report runs no scripts and loads no other files; delete <{0}",
+    r"@import\b": "a report loads no other style sheets; write the rules into style.css",
     r"\bsrc\s*=\s*[\"']?(?!data:|\{\{|[\"'])([^\"'\s>]+)": "a report holds its images; " + _PUT_IN,
     r"\burl\(\s*[\"']?(?!data:|#|\{\{|[\"'])([^\"')\s]+)": "a report holds its images; in page.html " + _PUT_IN,
 }
@@ -91,7 +91,7 @@ def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
         return Fault(text, position=Position(str(path), 1, 1, 2), about=name)
 
     if not path.resolve().is_relative_to(folder.resolve()):
-        return fault("this leads out of the template folder; put a copy of the file there")
+        return fault("this link leads out of the template folder; put a copy of the file there")
     if name not in known and Path(name).suffix.lower() not in IMAGES:
         rest = f"it may hold {', '.join(known)} and images ({', '.join(IMAGES)})"
         missing = [one for one in known if one not in names]
@@ -127,4 +127,4 @@ def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:
             yield Fault(advice.format(about), position=template.position(name, line, column))
     if name == STYLE and "</" in text:
         line = text.count("\n", 0, text.index("</")) + 1
-        yield Fault("a style sheet holds no tags", position=template.position(name, line))
+        yield Fault("a style sheet cannot hold tags; delete them", position=template.position(name, line))

@@ -61,12 +61,12 @@ def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, coun
     return np.where(many <= MOST_MAXIMA, found, math.nan)
 
 
-def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, reach: float) -> FloatArray:
+def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, half_step: float) -> FloatArray:
     """Maxima (n,) of waves (n, n_lines) nearest to start angles, by Newton's method."""
     angle = start
     for _ in range(NEWTON_STEPS):
         terms = amplitudes * np.exp(1j * angle[:, None] * counts)
         slope, curvature = -(terms.imag @ counts), -(terms.real @ np.square(counts))
         step = np.divide(-slope, curvature, out=np.zeros_like(slope), where=curvature < 0)
-        angle = np.clip(angle + step, start - 2 * reach, start + 2 * reach)
+        angle = np.clip(angle + step, start - 2 * half_step, start + 2 * half_step)
     return np.asarray((amplitudes * np.exp(1j * angle[:, None] * counts)).real.sum(axis=1))

@@ -124,11 +124,11 @@ def order_comparison(
     for pair in pairs:
         test, model = pair.measured.amplitude, pair.calculated
         first, second = int(np.argmax(test)), int(np.argmax(model))
-        apart = float(np.sqrt(np.mean((model - test) ** 2) / np.mean(test**2))) if test.any() else math.nan
+        rms = float(np.sqrt(np.mean((model - test) ** 2) / np.mean(test**2))) if test.any() else math.nan
         peak = float(100 * (model[second] / test[first] - 1)) if test[first] else math.nan
         at = pair.measured.speeds * RPM
         rows.append(
-            (pair.measured.order, test[first] * scale, at[first], model[second] * scale, at[second], peak, 100 * apart)
+            (pair.measured.order, test[first] * scale, at[first], model[second] * scale, at[second], peak, 100 * rms)
         )
     columns = (
         Column("order"),

@@ -88,12 +88,12 @@ class OrderResponse:
         return np.abs(self.values)
 
     @property
-    def coherent(self) -> tuple[OrderResponse, ...]:
+    def case_responses(self) -> tuple[OrderResponse, ...]:
         """Responses of single cases (firing conditions), or this response if there is one case only."""
         return (self,)
 
     @property
-    def single_cases(self) -> tuple[ComplexArray, ...]:
+    def case_values(self) -> tuple[ComplexArray, ...]:
         """Complex amplitudes of each case (firing condition); empty if there is one case only."""
         return ()
 

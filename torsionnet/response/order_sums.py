@@ -28,7 +28,7 @@ class LinesWithCases(Protocol):
     def sizes(self) -> FloatArray: ...
 
     @property
-    def single_cases(self) -> Sequence[ComplexArray]: ...
+    def case_values(self) -> Sequence[ComplexArray]: ...
 
 
 def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
@@ -103,6 +103,6 @@ def summed_sizes(run: LinesWithCases) -> FloatArray:
         if len(places) == 1:
             found.append(run.sizes[:, places[0]])
         else:
-            cases = (run.values, *run.single_cases)
+            cases = (run.values, *run.case_values)
             found.append(np.max([np.abs(values[:, places].sum(axis=1)) for values in cases], axis=0))
     return np.stack(found, axis=1)

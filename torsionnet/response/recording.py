@@ -135,7 +135,7 @@ class Recording:
         kept = [new.pop(signal.name, signal) for signal in self.signals]
         return replace(self, signals=(*kept, *new.values()))
 
-    def noted(self, *notes: str) -> Recording:
+    def with_notes(self, *notes: str) -> Recording:
         """Copy with notes added."""
         return replace(self, notes=(*self.notes, *notes))
 

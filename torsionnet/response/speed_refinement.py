@@ -69,8 +69,8 @@ def new_speeds(speeds: FloatArray, more: FloatArray) -> FloatArray:
         return inside
     inside = inside[np.append(True, np.diff(inside) > SAME_SPEED_DISTANCE * inside[1:])]
     after = np.searchsorted(speeds, inside)
-    apart = np.minimum(speeds[after] - inside, inside - speeds[after - 1])
-    return np.asarray(inside[apart > SAME_SPEED_DISTANCE * inside])
+    distance = np.minimum(speeds[after] - inside, inside - speeds[after - 1])
+    return np.asarray(inside[distance > SAME_SPEED_DISTANCE * inside])
 
 
 def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None = None) -> FloatArray:
@@ -159,22 +159,22 @@ def _around_crossings(x: FloatArray, u: FloatArray, level: float) -> Iterator[fl
             continue
         before, after = (float(np.log(max(value, 1e-6 * level) / level)) for value in u[at : at + 2])
         place = low + (high - low) * before / (before - after)
-        reach = RESOLVED_INTERVAL / 2 * high
-        yield min(max(place - reach, low), high)
-        yield min(max(place + reach, low), high)
+        half_width = RESOLVED_INTERVAL / 2 * high
+        yield min(max(place - half_width, low), high)
+        yield min(max(place + half_width, low), high)
         if high - low > LONG_INTERVAL * high:
             yield (low + high) / 2
 
 
-def _in_bracket(x: FloatArray, at: int, place: float, reach: float) -> Iterator[float]:
+def _in_bracket(x: FloatArray, at: int, place: float, half_width: float) -> Iterator[float]:
     """Speeds to calculate between the neighbours of an extremum: around the vertex of the parabola, else halfway."""
     low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, len(x) - 1)])
     is_end = at in (0, len(x) - 1)
-    if reach and low < place < high:
-        yield from (speed for speed in (place - reach, place, place + reach) if low < speed < high)
-    elif reach and is_end:
+    if half_width and low < place < high:
+        yield from (speed for speed in (place - half_width, place, place + half_width) if low < speed < high)
+    elif half_width and is_end:
         return  # it goes on rising to the end
-    if not reach or not low < place - reach < place + reach < high:
+    if not half_width or not low < place - half_width < place + half_width < high:
         yield from ((float(x[at]) + end) / 2 for end in (low, high))
 
 

@@ -51,8 +51,8 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
     motions = [_Motion.of(values, lines, grid, number, shares) for number in range(len(grid.places))]
     rises = sum(np.tile(one.rises, grid.points // one.rises.shape[2]) for one in motions)
     best: _Found | None = None
-    for apart in highest_maxima(np.asarray(rises)):
-        found = _followed(motions, apart, 2 * np.pi * float(grid.cycle) / grid.points)
+    for lag in highest_maxima(np.asarray(rises)):
+        found = _followed(motions, lag, 2 * np.pi * float(grid.cycle) / grid.points)
         best = found if best is None else best.or_if_larger(found)
     assert best is not None
     signs: list[NDArray[np.int8]] = [np.zeros(0, dtype=np.int8)] * len(shares)
@@ -106,10 +106,10 @@ class _Motion:
         waves = np.einsum("kslo,lm->ksom", free, basis).real
         return cls(amplitudes, free, rates, wave, waves, _rises(wave, waves), of_shares)
 
-    def at(self, apart: IntArray) -> tuple[IntArray, NDArray[np.int8]]:
-        """Start step (n_speeds, n_out) of the largest rise within ``apart`` steps, and the signs of the free shares."""
+    def at(self, lag: IntArray) -> tuple[IntArray, NDArray[np.int8]]:
+        """Start step (n_speeds, n_out) of the largest rise within ``lag`` steps, and the signs of the free shares."""
         period = self.wave.shape[2]
-        later = (np.arange(period) + apart[..., None]) % period
+        later = (np.arange(period) + lag[..., None]) % period
         changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
         rise = np.take_along_axis(self.wave, later, axis=2) - self.wave + sum(map(np.abs, changes))
         start = _first_of_largest(rise)
@@ -144,11 +144,11 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
     found = np.empty_like(wave)
     twice = np.concatenate([wave, wave], axis=2)
     others = np.concatenate([waves, waves], axis=3)
-    for apart in range(period):
-        rise = twice[:, :, apart : apart + period] - wave
+    for lag in range(period):
+        rise = twice[:, :, lag : lag + period] - wave
         for one, doubled in zip(waves, others, strict=True):
-            rise += np.abs(doubled[:, :, apart : apart + period] - one)
-        found[:, :, apart] = rise.max(axis=2)
+            rise += np.abs(doubled[:, :, lag : lag + period] - one)
+        found[:, :, lag] = rise.max(axis=2)
     return found
 
 
@@ -167,12 +167,12 @@ def _first_of_largest(values: FloatArray) -> IntArray:
     return np.asarray(np.argmax(values >= top - EQUAL_SHARE * (top - bottom), axis=-1))
 
 
-def _followed(motions: Sequence[_Motion], apart: IntArray, step: float) -> _Found:
+def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
     """Maximum refined from the grid by Newton's method in tau and the start angles of all blocks."""
-    found = [one.at(apart) for one in motions]
+    found = [one.at(lag) for one in motions]
     amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
     starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
-    tau: FloatArray = step * apart.astype(float)
+    tau: FloatArray = step * lag.astype(float)
     size = _range(motions, amplitudes, starts, tau)
     best, top = [*starts], size
     for _ in range(NEWTON_STEPS):
@@ -223,5 +223,5 @@ def _newton(
 
 def _derivative(rates: FloatArray, amplitudes: ComplexArray, angle: FloatArray, order: int) -> FloatArray:
     """Derivative of Re sum X exp(j r angle) by the angle, of a given order, (n_speeds, n_out)."""
-    turned = amplitudes * (1j * rates[:, None]) ** order * np.exp(1j * rates[:, None] * angle[:, None, :])
-    return np.asarray(turned.real.sum(axis=1))
+    terms = amplitudes * (1j * rates[:, None]) ** order * np.exp(1j * rates[:, None] * angle[:, None, :])
+    return np.asarray(terms.real.sum(axis=1))

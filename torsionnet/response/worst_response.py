@@ -62,11 +62,11 @@ class WorstResponse(OrderResponse):
         return self.largest
 
     @property
-    def coherent(self) -> tuple[OrderResponse, ...]:
+    def case_responses(self) -> tuple[OrderResponse, ...]:
         return tuple(self.alternatives.values())
 
     @property
-    def single_cases(self) -> tuple[ComplexArray, ...]:
+    def case_values(self) -> tuple[ComplexArray, ...]:
         return tuple(case.values for case in self.each)
 
     @cached_property

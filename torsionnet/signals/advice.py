@@ -98,11 +98,11 @@ def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_cohere
 def _peak_remarks(
     frequencies: FloatArray, magnitude: FloatArray, coherence: FloatArray | None, bin_width: float
 ) -> Iterator[str]:
-    narrow, doubtful = [], []
+    narrow, incoherent = [], []
     for peak in significant_peaks(magnitude):
         width = half_power_bandwidth(frequencies, magnitude, peak)
         if coherence is not None and coherence[peak] < LEAST_COHERENCE:
-            doubtful.append(f"{frequencies[peak]:g} Hz ({coherence[peak]:.2f})")
+            incoherent.append(f"{frequencies[peak]:g} Hz ({coherence[peak]:.2f})")
         elif width < LEAST_BINS * bin_width:
             narrow.append(f"{frequencies[peak]:g} Hz ({width:.3g} Hz)")
     if narrow:
@@ -110,8 +110,8 @@ def _peak_remarks(
             f"half-power bandwidth under {LEAST_BINS} bins of {bin_width:g} Hz at "
             f"{comma_list(narrow, MOST_LISTED_PEAKS)}: the height reads low and the damping high; use longer segments"
         )
-    if doubtful:
-        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {comma_list(doubtful, MOST_LISTED_PEAKS)}"
+    if incoherent:
+        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {comma_list(incoherent, MOST_LISTED_PEAKS)}"
 
 
 def resolution_limit(frequencies: FloatArray, amplitude: FloatArray, step: float, steps: float = 4.0) -> float:

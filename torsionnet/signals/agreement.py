@@ -22,8 +22,8 @@ def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Co
     if not good.any():
         return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
     picked = [_picked(response, good) for response in (test, model)]
-    apart = difference(*picked)
-    f, decibels, degrees = picked[0].frequencies, apart.decibels[:, 0, 0], apart.degrees[:, 0, 0]
+    differences = difference(*picked)
+    f, decibels, degrees = picked[0].frequencies, differences.decibels[:, 0, 0], differences.degrees[:, 0, 0]
     unit, scale = test.unit(conventions=conventions), test.scale(conventions)
     peaks = [(one.frequencies[k := int(np.argmax(one.magnitude[:, 0, 0]))], one.magnitude[k, 0, 0]) for one in picked]
     rows: list[tuple[Any, ...]] = [

@@ -61,14 +61,14 @@ class Rotation:
         stamps[numbers] = times
         every = max(2, round(steps_per_revolution / POINTS_PER_TURN))
         points = np.unique(np.concatenate([np.arange(0, len(whole), every), [len(whole) - 1]]))
-        self.course = _spline(stamps[points], whole[points])
-        places = self.course(stamps)
-        self.beyond: FloatArray = _solved(places, whole - places, stamps)
+        self.mean_rotation = _spline(stamps[points], whole[points])
+        places = self.mean_rotation(stamps)
+        self.deviation: FloatArray = _values_at_whole_numbers(places, whole - places, stamps)
 
     def at(self, times: FloatArray) -> FloatArray:
         """Encoder steps since the first pulse at some times, (n,), between the first and the last pulse."""
-        places = np.asarray(self.course(times), dtype=float)
-        return places + _between(self.beyond, places)
+        places = np.asarray(self.mean_rotation(times), dtype=float)
+        return places + _between(self.deviation, places)
 
 
 def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # noqa: ANN202
@@ -78,7 +78,7 @@ def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # no
     return make_interp_spline(x, y, k=degree - (degree % 2 == 0 and degree > 1))
 
 
-def _solved(places: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
+def _values_at_whole_numbers(places: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
     """Values of a motion at whole numbers, by iteration from its values at positions next to them."""
     found, before = values.copy(), np.inf
     while True:
@@ -112,8 +112,8 @@ def _sum(wide: FloatArray, places: FloatArray) -> FloatArray:
     rest = np.where(on, 0.5, rest)
     total = np.zeros(len(places))
     for shift in range(-KERNEL_HALF_LENGTH, KERNEL_HALF_LENGTH + 1):
-        apart = rest - shift
-        term = wide[whole + (KERNEL_HALF_LENGTH + shift)] * np.exp(-(apart**2) / (2 * KERNEL_VARIANCE)) / apart
+        offset = rest - shift
+        term = wide[whole + (KERNEL_HALF_LENGTH + shift)] * np.exp(-(offset**2) / (2 * KERNEL_VARIANCE)) / offset
         total += term if shift % 2 == 0 else -term
     return np.where(on, wide[whole + KERNEL_HALF_LENGTH], np.sin(np.pi * rest) / np.pi * total)
 

@@ -128,7 +128,7 @@ class _Stream:
         start = self.first.start + self.done * self.factor / self.first.sampling_rate
         self.done += count
         template = replace(self.first, sampling_rate=self.first.sampling_rate / self.factor, start=start)
-        yield _with_values(template, values).noted(self._note())
+        yield _with_values(template, values).with_notes(self._note())
 
     def _note(self) -> str:
         rate = self.first.sampling_rate

@@ -105,8 +105,8 @@ def estimate(
     response = response.between(low, high)
     found = peak_warnings(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
     inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
-    doubts = (*_spectra_warnings(spectra, s_xx, inside), *_reference_warnings(spectra, inputs, references))
-    return replace(response, notes=(*response.notes, *doubts, *found))
+    warnings = (*_spectra_warnings(spectra, s_xx, inside), *_reference_warnings(spectra, inputs, references))
+    return replace(response, notes=(*response.notes, *warnings, *found))
 
 
 def multiple_coherence(spectra: CrossSpectra, output: Names, input: Names) -> FloatArray:
@@ -128,13 +128,13 @@ def _spectra(
     wanted, used = dict.fromkeys(names), settings or Welch()
     if isinstance(measured, Recording):
         fine = measured.select(wanted)
-        for _ in watch.passing([fine]) if watch else ():
+        for _ in watch.collecting([fine]) if watch else ():
             pass
         coarse = decimate(fine, used.decimation) if used.decimation > 1 else fine
         return replace(cross_spectra(coarse, replace(used, decimation=1)), settings=used), (fine, coarse)
     if not isinstance(measured, CrossSpectra):
         chosen = (block.select(wanted) for block in measured)
-        return cross_spectra(watch.passing(chosen) if watch else chosen, used), None
+        return cross_spectra(watch.collecting(chosen) if watch else chosen, used), None
     if settings is not None:
         raise UsageError("spectra are averaged already; settings can only be given for a recording")
     return measured, None

@@ -44,8 +44,8 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
     array([0.0005, 0.1005, 0.2005])
     """
     low, high = np.percentile(values, [LOW_PERCENTILE, HIGH_PERCENTILE])
-    middle, reach = (low + high) / 2, HYSTERESIS * (high - low)
-    state = np.where(values > middle + reach, 1, np.where(values < middle - reach, -1, 0))
+    middle, hysteresis = (low + high) / 2, HYSTERESIS * (high - low)
+    state = np.where(values > middle + hysteresis, 1, np.where(values < middle - hysteresis, -1, 0))
     sure = np.flatnonzero(state)
     rises = np.flatnonzero(np.diff(state[sure]) > 0)
     if not high > low or len(rises) < 2:
@@ -57,10 +57,10 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
             for first, last in zip(sure[rises], sure[rises + 1], strict=True)
         ]
     )
-    apart = float(np.median(np.diff(after)))
-    if apart < LEAST_SAMPLES_PER_PULSE:
+    spacing = float(np.median(np.diff(after)))
+    if spacing < LEAST_SAMPLES_PER_PULSE:
         raise UsageError(
-            f"there are only {apart:g} samples from pulse to pulse, {LEAST_SAMPLES_PER_PULSE:g} are needed; "
+            f"there are only {spacing:g} samples from pulse to pulse, {LEAST_SAMPLES_PER_PULSE:g} are needed; "
             "sample faster"
         )
     share = (middle - values[after - 1]) / (values[after] - values[after - 1])

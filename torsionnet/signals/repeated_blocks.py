@@ -153,17 +153,17 @@ def _tells_enough(values: FloatArray, block: RepeatedBlock) -> bool:
     if np.count_nonzero(steps) < FEWEST_CHANGES or len(np.unique(stretch)) < FEWEST_LEVELS:
         return False
     shares = np.unique(steps, return_counts=True)[1] / len(steps)
-    told = -float(np.sum(shares * np.log2(shares))) * len(steps)
-    return bool(told > 2 * np.log2(len(values)) + SURPLUS_BITS)
+    information = -float(np.sum(shares * np.log2(shares))) * len(steps)
+    return bool(information > 2 * np.log2(len(values)) + SURPLUS_BITS)
 
 
-def _is_single(values: FloatArray, block: RepeatedBlock, reach: int) -> bool:
+def _is_single(values: FloatArray, block: RepeatedBlock, width: int) -> bool:
     """Whether a block is a single copy, with neither itself nor its surroundings periodic."""
     lag, end = block.first - block.source, block.first + block.count
     if block.count > MOST_PERIODS * lag:
         return False
-    before = slice(max(lag, block.first - reach), block.first)
-    after = slice(end, min(end + reach, len(values)))
+    before = slice(max(lag, block.first - width), block.first)
+    after = slice(end, min(end + width, len(values)))
     shares = [
         np.mean(values[side] == values[side.start - lag : side.stop - lag])
         for side in (before, after)

@@ -46,7 +46,7 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
     even = even_times(float(time[0]), float(time[-1]), new, len(time), "samples")
     signals = tuple(_resampled(signal, time, even) for signal in recording)
     note = f"resampled to {new:g} Hz by cubic splines"
-    return replace(recording, signals=signals, sampling_rate=new, start=float(time[0]), times=None).noted(note)
+    return replace(recording, signals=signals, sampling_rate=new, start=float(time[0]), times=None).with_notes(note)
 
 
 def _resampled(signal: Signal, time: FloatArray, even: FloatArray) -> Signal:

@@ -80,9 +80,9 @@ def sweep_amplitudes(
     power = np.abs(np.fft.rfft((drive - drive.mean(axis=1, keepdims=True)) * np.hanning(count), axis=1)) ** 2
     line = power.argmax(axis=1)
     cumulated = np.pad(power.cumsum(axis=1), ((0, 0), (1, 0)))
-    reach = 4 + line // 20  # a sweep moves on within a segment
+    half_width = 4 + line // 20  # a sweep moves on within a segment
     rows, last = np.arange(whole), power.shape[1]
-    near = cumulated[rows, np.minimum(line + reach + 1, last)] - cumulated[rows, np.maximum(line - reach, 0)]
+    near = cumulated[rows, np.minimum(line + half_width + 1, last)] - cumulated[rows, np.maximum(line - half_width, 0)]
     is_sine = near > SINE_POWER_SHARE * cumulated[:, -1]
     return line[is_sine] / seconds, (np.sqrt(2) * answer.std(axis=1))[is_sine]
 
@@ -102,9 +102,9 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
     (0.1, True, True)
     """
     watch = ResolutionWatch((output,), input, seconds)
-    for _ in watch.passing([recording]):
+    for _ in watch.collecting([recording]):
         pass
-    return watch.found(output)
+    return watch.resolution_of(output)
 
 
 def with_resolution_limit(
@@ -118,7 +118,7 @@ def with_resolution_limit(
     if decimation > 1:
         limits.append(VALID_SHARE * float(response.frequencies[-1]))
     for channel in response.outputs:
-        found = watch.found(channel.name)
+        found = watch.resolution_of(channel.name)
         if found is not None and np.isfinite(found.enough_up_to):
             limits.append(found.enough_up_to)
             notes += [_remark(channel, found)] if found.enough_up_to < highest else []
@@ -146,7 +146,7 @@ class ResolutionWatch:
         self.steps: dict[str, list[float]] = {output: [] for output in self.outputs}
         self.sweep: dict[str, list[tuple[FloatArray, FloatArray]]] = {output: [] for output in self.outputs}
 
-    def passing(self, blocks: Iterable[Recording]) -> Iterator[Recording]:
+    def collecting(self, blocks: Iterable[Recording]) -> Iterator[Recording]:
         """Blocks unchanged, after their steps and sweep amplitudes are collected."""
         for block in blocks:
             for output in self.outputs:
@@ -156,7 +156,7 @@ class ResolutionWatch:
                 self.sweep[output].append(sweep_amplitudes(block, output, self.input, self.seconds))
             yield block
 
-    def found(self, output: str) -> Resolution | None:
+    def resolution_of(self, output: str) -> Resolution | None:
         """Resolution of an output's sensor from the blocks collected; None without steps or a sweep."""
         steps = self.steps[output]
         if not steps or not all(steps):

@@ -31,8 +31,8 @@ class RandomError:
 
     def band(self, response: FrequencyResponse, deviations: float = 1.96) -> tuple[FloatArray, FloatArray]:
         """Confidence limits, lower and upper, of the magnitude; 1.96 deviations hold 95 % of normal errors."""
-        reach = deviations * self.magnitude
-        return np.maximum(1 - reach, 0) * response.magnitude, (1 + reach) * response.magnitude
+        half_width = deviations * self.magnitude
+        return np.maximum(1 - half_width, 0) * response.magnitude, (1 + half_width) * response.magnitude
 
 
 def random_error(coherence: FloatArray, averages: float) -> RandomError:

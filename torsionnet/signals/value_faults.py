@@ -48,8 +48,8 @@ def _is_clipped(values: FloatArray, first: int, last: int) -> bool:
     length = last - first + 1
     if first == 0 or last == len(values) - 1:
         return False
-    reach = int(length / CLIPPED_RUN_RATIO) + 1
-    before, after = values[max(0, first - reach) : first][::-1], values[last + 1 : last + 1 + reach]
+    span = int(length / CLIPPED_RUN_RATIO) + 1
+    before, after = values[max(0, first - span) : first][::-1], values[last + 1 : last + 1 + span]
     return length > CLIPPED_RUN_RATIO * max(_run(before), _run(after), 1)
 
 
@@ -61,8 +61,8 @@ def _run(values: FloatArray) -> int:
 def wrap_jumps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
     """Indices of the samples before the jumps of an encoder that wraps around, and the size of the jumps in rad."""
     steps = np.diff(values)
-    reach = float(np.max(values) - np.min(values)) if len(values) else 0.0
-    jumps = np.flatnonzero(np.abs(steps) > max(0.8 * reach, 0.8 * np.pi)) if reach > 0 else np.empty(0, np.intp)
+    span = float(np.max(values) - np.min(values)) if len(values) else 0.0
+    jumps = np.flatnonzero(np.abs(steps) > max(0.8 * span, 0.8 * np.pi)) if span > 0 else np.empty(0, np.intp)
     if not len(jumps) or len(jumps) == len(steps):
         return np.empty(0, np.intp), 0.0
     sizes, others = np.abs(steps[jumps]), np.abs(np.delete(steps, jumps))

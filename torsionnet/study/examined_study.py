@@ -12,7 +12,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer
-from torsionnet.study.answers.answer_inputs import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, misnamed
+from torsionnet.study.answers.answer_inputs import CONFIGURATION, LIMIT, PARAMETER, QUANTITY, VARIED, unknown_names
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.correlation import Correlation, name_faults
@@ -20,10 +20,10 @@ from torsionnet.study.space.space import Space
 from torsionnet.study.space.space_entries import SpaceEntries
 from torsionnet.study.space.variations.variation import Variation
 from torsionnet.study.study_file import StudyEntries, chosen_configurations
-from torsionnet.study.study_fit import lacking, taken_names, unknown_limits, wrong_units
+from torsionnet.study.study_fit import name_conflicts, quantity_model_faults, unknown_limits, wrong_units
 
 
-def faults_in(space: Space, models: Mapping[str, Model]) -> list[Fault]:
+def space_faults(space: Space, models: Mapping[str, Model]) -> list[Fault]:
     """Faults of the varied parameters in single configurations, and warnings where configurations have no effect.
 
     Parameters
@@ -97,18 +97,18 @@ class ExaminedStudy:
     def is_sound(self) -> bool:
         return all(fault.severity != "error" for fault in self.faults)
 
-    def named(self, key: str) -> list[str]:
+    def names_of(self, key: str) -> list[str]:
         """Names in a table of the study file, such as ``quantities``, sound or not."""
-        return names_in(self.given, key)
+        return table_names(self.given, key)
 
 
-def names_in(given: Mapping[str, Any], key: str) -> list[str]:
+def table_names(given: Mapping[str, Any], key: str) -> list[str]:
     """Keys of a table of the study file; none where the entry is not a table."""
     table = given.get(key)
     return [str(name) for name in table] if isinstance(table, Mapping) else []
 
 
-def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
+def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     """Read the entries of a study and check them against its model."""
     values, faults = StudyEntries.read_entries(given)
     model = model.with_entries_named(values.get("vary") or ())
@@ -117,14 +117,14 @@ def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     space, found = _space(model, given, values)
     faults += found
     if space is not None and not _errors(found):
-        faults += faults_in(space, {name: model.configured(name) for name in configurations if name})
+        faults += space_faults(space, {name: model.configured(name) for name in configurations if name})
     asked: Mapping[str, StudyQuantity] = values.get("quantities") or {}
-    named = names_in(given, "quantities")
-    found = _not_about(lacking(model, configurations, asked), named)
+    named = table_names(given, "quantities")
+    found = _not_about(quantity_model_faults(model, configurations, asked), named)
     faults += found
     quantities = _sound_quantities(asked, found)
-    faults += taken_names(named, names_in(given, "vary"))
-    faults += unknown_limits(names_in(given, "limits"), named)
+    faults += name_conflicts(named, table_names(given, "vary"))
+    faults += unknown_limits(table_names(given, "limits"), named)
     limits = {name: one for name, one in (values.get("limits") or {}).items() if name in quantities}
     faults += wrong_units(model, configurations, quantities, limits)
     return ExaminedStudy(model, given, values, configurations or ("",), space, quantities, limits, tuple(faults))
@@ -136,7 +136,7 @@ def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any
     correlation: tuple[Correlation, ...] = values.get("correlation") or ()
     if not vary:
         return None, []
-    unread = [name for name in names_in(given, "vary") if name not in vary]
+    unread = [name for name in table_names(given, "vary") if name not in vary]
     is_whole = not unread and len(correlation) == len(given.get("correlation") or ())
     # A matrix of which a part is missing says nothing about the whole, nor do others about what could be drawn.
     sampling = None if unread else values.get("sampling")
@@ -155,7 +155,7 @@ def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any
 def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -> dict[str, StudyQuantity]:
     """Quantities that have no fault and are not calculated from one with a fault."""
     sound = {name: one for name, one in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)}
-    while lost := [name for name, one in sound.items() if one.made_of - sound.keys()]:
+    while lost := [name for name, one in sound.items() if not sound.keys() >= {*one.parts}]:
         sound = {name: one for name, one in sound.items() if name not in lost}
     return sound
 
@@ -169,12 +169,12 @@ def _errors(faults: list[Fault]) -> bool:
     return any(fault.severity == "error" for fault in faults)
 
 
-def misnamed_in_answers(read: ExaminedStudy) -> list[Fault]:
+def unknown_names_in_answers(read: ExaminedStudy) -> list[Fault]:
     """Faults of names in the answers that the study does not have; a named entry may have faults of its own."""
     known = {
-        QUANTITY: read.named("quantities"),
-        LIMIT: read.named("limits"),
-        VARIED: read.named("vary"),
+        QUANTITY: read.names_of("quantities"),
+        LIMIT: read.names_of("limits"),
+        VARIED: read.names_of("vary"),
         PARAMETER: list(read.model.parameters),
         CONFIGURATION: list(read.configurations),
     }
@@ -182,7 +182,7 @@ def misnamed_in_answers(read: ExaminedStudy) -> list[Fault]:
     for name, raw in _answers(read.given):
         kind, entries = _kind_and_entries(raw)
         if kind is not None:
-            faults += [fault.under("answers", name) for fault in misnamed(kind.naming, entries, known)]
+            faults += [fault.under("answers", name) for fault in unknown_names(kind.naming, entries, known)]
     return faults
 
 
@@ -202,11 +202,11 @@ def _kind_and_entries(raw: object) -> tuple[type[StudyAnswer] | None, Mapping[st
     return (ANSWERS[kind], raw) if isinstance(kind, str) and kind in ANSWERS else (None, {})
 
 
-def unfit_answers(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_whole: bool) -> list[Fault]:
+def answer_faults(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_whole: bool) -> list[Fault]:
     """Faults of the answers against the study.
 
     Of a study with other faults only faults of single entries are given: what an answer lacks altogether may be an
     entry that has a fault.
     """
-    faults = [fault.under("answers", name) for name, one in answers.items() for fault in one.unfit(study)]
+    faults = [fault.under("answers", name) for name, one in answers.items() for fault in one.study_faults(study)]
     return faults if is_whole else [fault for fault in faults if len(fault.path) > 2]

@@ -13,7 +13,7 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import StudyAnswer
-from torsionnet.study.examined_study import examined, misnamed_in_answers, unfit_answers
+from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
@@ -180,14 +180,14 @@ def define(
 
 def study_of(model: Drivetrain, given: Mapping[str, Any]) -> tuple[Study | None, list[Fault]]:
     """Build the study of a model from the entries of a file: the study, None if there is an error, and all findings."""
-    read = examined(model, given)
+    read = examine_study(model, given)
     values = read.values
-    faults = [*read.faults, *misnamed_in_answers(read)]
+    faults = [*read.faults, *unknown_names_in_answers(read)]
     study = None
     if read.space is not None:
         answers, name = values.get("answers") or {}, values.get("name") or ""
         study = Study(read.model, read.space, read.quantities, read.configurations, read.limits, answers, name)
-        faults += unfit_answers(study, answers, is_whole=read.is_sound)
+        faults += answer_faults(study, answers, is_whole=read.is_sound)
     if study is None or any(fault.severity == "error" for fault in faults):
         return None, faults
     return replace(study, findings=tuple(faults)), faults

@@ -14,7 +14,7 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit
 RESERVED = {name: f"what labels of results call the {name}" for name in ("configuration", "variant", "percentile")}
 
 
-def taken_names(quantities: Iterable[Any], parameters: Iterable[Any]) -> list[Fault]:
+def name_conflicts(quantities: Iterable[Any], parameters: Iterable[Any]) -> list[Fault]:
     """Faults of quantities with the name of another column of the tables of variants."""
     meanings = dict.fromkeys(parameters, "a parameter that varies") | RESERVED
     return [
@@ -38,13 +38,15 @@ def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fau
     ]
 
 
-def lacking(model: Drivetrain, configurations: Sequence[str], quantities: Mapping[str, StudyQuantity]) -> list[Fault]:
+def quantity_model_faults(
+    model: Drivetrain, configurations: Sequence[str], quantities: Mapping[str, StudyQuantity]
+) -> list[Fault]:
     """Faults of quantities that cannot be calculated in a configuration."""
     found: dict[tuple[object, str], list[tuple[str, Fault]]] = {}
     for configuration in configurations:
         here = model.configured(configuration) if configuration else model
         for name, quantity in quantities.items():
-            for fault in quantity.unfit(here, quantities):
+            for fault in quantity.model_faults(here, quantities):
                 placed = fault.under("quantities", name)
                 found.setdefault((placed.path, placed.message), []).append((configuration, placed))
     return [_said(same, len(configurations)) for same in found.values()]

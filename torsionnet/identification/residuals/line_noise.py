@@ -43,10 +43,10 @@ def averaging_of(data: FrequencyResponse) -> Estimation | None:
     """
     if data.estimation is not None or data.coherence is None:
         return data.estimation
-    apart = np.diff(data.frequencies)
-    if not len(apart) or not np.allclose(apart / apart.min(), np.rint(apart / apart.min()), atol=0.01):
+    spacing = np.diff(data.frequencies)
+    if not len(spacing) or not np.allclose(spacing / spacing.min(), np.rint(spacing / spacing.min()), atol=0.01):
         return None
-    return Estimation("", USUAL_WINDOW, float(1 / apart.min()), USUAL_OVERLAP, "mean", 10**6, 10**6)
+    return Estimation("", USUAL_WINDOW, float(1 / spacing.min()), USUAL_OVERLAP, "mean", 10**6, 10**6)
 
 
 def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_array:

@@ -166,5 +166,5 @@ class SegmentRows:
 
 def _parts_covariance(conjugate: ComplexArray, plain: ComplexArray) -> FloatArray:
     """Covariance of real and imaginary parts of complex numbers z from the means of z z^H and z z^T."""
-    both, apart = conjugate + plain, conjugate - plain
-    return np.block([[both.real, -apart.imag], [both.imag, apart.real]]) / 2
+    both, difference = conjugate + plain, conjugate - plain
+    return np.block([[both.real, -difference.imag], [both.imag, difference.real]]) / 2

@@ -188,8 +188,8 @@ def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArra
     f = every * rate / length
     kept = every[(f >= band[0] * (1 - 1e-9)) & (f <= band[1] * (1 + 1e-9))]
     if not len(kept):
-        apart = f"its lines are {rate / length:g} Hz apart"
-        raise UsageError(f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {apart}")
+        lines_are = f"its lines are {rate / length:g} Hz apart"
+        raise UsageError(f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {lines_are}")
     return kept
 
 

@@ -6,8 +6,8 @@ The kept coordinates q of a drivetrain are changed, exactly, into three kinds:
     damped   massless, but dampers act on these:              C b' + ..
     static   only springs act on these, which give them at once
 
-Angles that a rigid-body motion changes are told from angles relative to it, so that stiffnesses never see how far a
-drivetrain has turned: their columns for that angle are empty, not merely small.
+Angles that change in a rigid-body motion are separate from angles relative to it, so that stiffnesses never see how far
+a drivetrain has rotated: their columns for such an angle are empty, not merely small.
 """
 
 from __future__ import annotations

@@ -91,13 +91,13 @@ def _is_channel(name: str, item: Any) -> bool:
     return bool(not text and not name.startswith("#") and known)
 
 
-def _is_across(item: Any, turned: bool) -> bool:
-    return item.ndim == 2 and (turned or item.shape[0] == 1)
+def _is_across(item: Any, transposed: bool) -> bool:
+    return item.ndim == 2 and (transposed or item.shape[0] == 1)
 
 
-def _stored(name: str, item: Any, turned: bool) -> StoredArray:
+def _stored(name: str, item: Any, transposed: bool) -> StoredArray:
     rows, columns = (*item.shape, 1, 1)[:2]
-    shape = (columns, rows) if _is_across(item, turned) else (rows, columns)
+    shape = (columns, rows) if _is_across(item, transposed) else (rows, columns)
     given = plain_attributes({key: item.attrs[key] for key in ATTRIBUTES if key in item.attrs})
     value = float(item[()].ravel()[0]) if shape == (1, 1) else None
     return StoredArray(name.replace("/", "."), shape, given, value)

@@ -110,8 +110,8 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
         raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
     slow = len(stamps) < LEAST_PULSE_RATE * (stamps[-1] - stamps[0])
     if stamped and not unit and slow:
-        told = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
-        remarks = (*remarks, f"{told}; if they are in ms, or count ticks, give their unit")
+        text = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
+        remarks = (*remarks, f"{text}; if they are in ms, or count ticks, give their unit")
     kind = "time stamps of pulses" if stamped else "a pulse train"
     name = options.names[channel.name] if isinstance(options.names, Mapping) else channel.name
     notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks)
@@ -150,9 +150,9 @@ def _together(
             )
             raise ModelError([Fault(text, ("channels",))], file)
         if not inside.all():
-            record = record.noted(f"cut to where there are pulses: from {times[0]:.6g} to {times[-1]:.6g} s")
+            record = record.with_notes(f"cut to where there are pulses: from {times[0]:.6g} to {times[-1]:.6g} s")
         signals = tuple(replace(signal, values=signal.values[inside]) for signal in record)
         stamps = None if record.times is None else times
         record = replace(record, signals=signals, start=float(times[0]), times=stamps)
     remarks = [f"warning: {one.name}: {note}" for one in turning for note in one.notes[1:]]
-    return replace(record, signals=(*record.signals, *(one.signal(times) for one in turning))).noted(*remarks)
+    return replace(record, signals=(*record.signals, *(one.signal(times) for one in turning))).with_notes(*remarks)

@@ -83,7 +83,7 @@ class Evidence:
     @property
     def _cases(self) -> tuple[OrderResponse, ...]:
         """Responses of the worst combination and of each case alone."""
-        return (self.run, *self.run.coherent) if isinstance(self.run, WorstResponse) else (self.run,)
+        return (self.run, *self.run.case_responses) if isinstance(self.run, WorstResponse) else (self.run,)
 
     def worst_case(self, sensor: Sensor, at: int) -> str:
         """Name of the case that is worst for a sensor at a speed, given by index; empty where there is one case."""

@@ -29,7 +29,7 @@ def _case(subject: ReportData, test: Measured) -> Case:
         return cases_of(subject.model, (test.configuration,))[0]
     if len(subject.cases) > 1:
         names = ", ".join(case.configuration for case in subject.cases)
-        raise UsageError(f"a test is of one configuration; say which: {names}")
+        raise UsageError(f"a test is of one configuration; choose it: {names}")
     return subject.cases[0]
 
 

@@ -136,9 +136,9 @@ def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:
     if not nodes:
         return None
     columns = (Heading("Node"), Heading("Mean speed", "rpm", numeric=True), Heading("Mean torque", "N·m", numeric=True))
-    turned = aligned_numbers([speeds[node] * RPM if node in speeds else None for node in nodes])
+    shaft_speeds = aligned_numbers([speeds[node] * RPM if node in speeds else None for node in nodes])
     loads = aligned_numbers([torques.get(node) for node in nodes])
-    rows = [(as_words(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
+    rows = [(as_words(node), speed, load) for node, speed, load in zip(nodes, shaft_speeds, loads, strict=True)]
     together: dict[str, list[tuple[Cell, ...]]] = {}
     for row in rows:
         together.setdefault(str(shown_cells(row[1:])), []).append(row)

@@ -104,7 +104,7 @@ def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> Table
         sides = (None, None) if limit is None else (limit.above, limit.below)
         scale = units.scale(name)
         limits = ["" if side is None else NumberText(side * scale, 5) for side in sides]
-        rows.append((symbol_or_words(name), _phrase(subject, study, quantity.asked), unit(units.unit(name)), *limits))
+        rows.append((symbol_or_words(name), _phrase(subject, study, quantity.words), unit(units.unit(name)), *limits))
     return table("What is asked of every variant, and its limits", columns, rows)
 
 
@@ -136,12 +136,12 @@ def _results(subject: ReportData, study: Study, found: Table, caption: str, unit
         is_name = text in study.quantities or text in study.space.names
         return symbol_or_words(text) if is_name else _phrase(subject, study, capital(text))
 
-    told = in_shown_units(found, units)
-    place = next((place for place, one in enumerate(told.columns) if one.name == "quantity"), None)
-    if place is not None and len({row[place] for row in told.rows}) == 1:
-        caption = f"{caption}: {told.rows[0][place]}"
-        told = told.chosen([one for one in range(len(told.columns)) if one != place])
-    return results_table(told, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
+    results = in_shown_units(found, units)
+    place = next((place for place, one in enumerate(results.columns) if one.name == "quantity"), None)
+    if place is not None and len({row[place] for row in results.rows}) == 1:
+        caption = f"{caption}: {results.rows[0][place]}"
+        results = results.chosen([one for one in range(len(results.columns)) if one != place])
+    return results_table(results, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
 
 
 def _said(subject: ReportData, study: Study, text: str) -> Text:

@@ -41,9 +41,9 @@ def _explained(message: str) -> str:
 def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str]]:
     blocks = ", ".join(known)
     for other in tree.find_all(_OTHERS):
-        yield other.lineno, f"a page of a template takes in no other file; it holds blocks: {blocks}"
+        yield other.lineno, f"a page of a template cannot include other files; write blocks: {blocks}"
     for joined in tree.find_all(nodes.Concat):
-        yield joined.lineno, "texts are written one after the other, not joined by ~"
+        yield joined.lineno, "texts cannot be joined by ~; write them one after the other"
     for block in tree.find_all(nodes.Block):
         if block.name not in known:
             yield (

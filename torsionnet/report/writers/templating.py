@@ -203,7 +203,7 @@ class _Sandbox(ImmutableSandboxedEnvironment):
 
     def call_binop(self, context: Any, operator: str, left: Any, right: Any) -> Any:
         if isinstance(left, str) or isinstance(right, str):
-            raise TemplateRuntimeError("texts are written one after the other; nothing is calculated with them")
+            raise TemplateRuntimeError("texts cannot be added or multiplied; write them one after the other")
         return super().call_binop(context, operator, left, right)
 
     def is_safe_callable(self, obj: Any) -> bool:
@@ -221,5 +221,5 @@ class _Unknown(StrictUndefined):
             return self._undefined_hint
         name = str(self._undefined_name)
         if self._undefined_obj is not missing:
-            return f'there is no "{name}" in this'
+            return f'this value has no part "{name}"'
         return f'nothing is named "{name}"{suggestion_or(name, PAGE_NAMES, "there are " + ", ".join(PAGE_NAMES))}'

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds
-from torsionnet.solve.running.order_response import OrderQuestion
+from torsionnet.solve.running.order_response import OrderRequest
 from torsionnet.solve.running.resonant_speeds import around_resonances
 
 
@@ -21,13 +21,13 @@ class ExaminedSpeeds:
 
     Attributes
     ----------
-    question : OrderQuestion
+    request : OrderRequest
         Excitations, and the speeds that the caller or the model gives.
     refine : bool
         Whether speeds are added between these: in a range, not in a list of speeds.
     """
 
-    question: OrderQuestion
+    request: OrderRequest
     refine: bool
 
     @classmethod
@@ -43,26 +43,26 @@ class ExaminedSpeeds:
         """Examined speeds from the arguments of an order response; ``refine`` None: unless the model lists speeds."""
         given = drivetrain.definition.speeds
         is_list = speeds is None and given is not None and bool(given.list)
-        question = OrderQuestion.of(drivetrain, speeds, speed_of, excitations)
-        rising = len(question.at) > 1 and bool((np.diff(question.at) > 0).all())
-        return cls(question, (not is_list if refine is None else refine) and rising)
+        request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
+        rising = len(request.speeds) > 1 and bool((np.diff(request.speeds) > 0).all())
+        return cls(request, (not is_list if refine is None else refine) and rising)
 
     @property
     def reference(self) -> str:
         """Node to which the examined speeds belong."""
-        return self.question.reference
+        return self.request.reference
 
     @property
     def ends(self) -> tuple[float, float]:
         """Lowest and highest examined speed, rad/s."""
-        return float(self.question.at.min()), float(self.question.at.max())
+        return float(self.request.speeds.min()), float(self.request.speeds.max())
 
     def first(self, breaks: FloatArray) -> FloatArray:
         """Speeds in rad/s of the first pass: gaps filled, more around narrow resonances, and at ``breaks``."""
         if not self.refine:
-            return self.question.at
-        speeds = fill_speed_gaps(self.question.at)
-        lines = self.question.loads(self.question.at[:1]).lines
-        around = around_resonances(self.question.held, self.reference, lines, speeds)
+            return self.request.speeds
+        speeds = fill_speed_gaps(self.request.speeds)
+        lines = self.request.loads(self.request.speeds[:1]).lines
+        around = around_resonances(self.request.drivetrain, self.reference, lines, speeds)
         more = new_speeds(speeds, np.concatenate([around, breaks[np.isfinite(breaks)]]))
         return np.sort(np.concatenate([speeds, more]))

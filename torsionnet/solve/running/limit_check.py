@@ -33,7 +33,7 @@ from torsionnet.response.speed_spans import spans_above
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.mean_response import mean_response
 from torsionnet.solve.running.order_response import order_response
-from torsionnet.solve.running.refined_response import merged
+from torsionnet.solve.running.refined_response import merged_responses
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
 """Note of a check whose orders repeat only after many revolutions."""
@@ -147,7 +147,7 @@ class _Examination:
     def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:
         """Responses and curves at the speeds examined before and at further speeds, sorted by speed."""
         more = self.at(speeds)
-        run, order = merged(found.run, more.run)
+        run, order = merged_responses(found.run, more.run)
         means = {
             sensor: np.concatenate([values, more.evidence.means[sensor]])[order]
             for sensor, values in found.evidence.means.items()

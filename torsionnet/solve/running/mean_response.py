@@ -30,7 +30,12 @@ from torsionnet.response.mean_response import MeanResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.responses.shared_response import shared_by_conditions
-from torsionnet.solve.running.operating_groups import Places, at_speeds, in_arrays, solved_together
+from torsionnet.solve.running.operating_groups import (
+    SpeedIndices,
+    batch_over_speeds,
+    blocks_of_speeds,
+    drivetrains_at_speeds,
+)
 
 SUM_ROUNDING = 1e-13
 """Size of a sum, over the sizes of its terms, below which the sum is rounding and counts as 0."""
@@ -73,19 +78,19 @@ def mean_response(
 
 def _solved(
     held: AssembledModel, reference: str, at: FloatArray, wanted: Sequence[Functional], nodes: Sequence[str]
-) -> Iterator[tuple[FloatArray, Places]]:
+) -> Iterator[tuple[FloatArray, SpeedIndices]]:
     """Yield readings per torque on a node, (n, n_readings, n_nodes), and the indices of the speeds they are for."""
     everywhere = np.arange(len(at))
     if held.definition.load is None:  # the one speed at which the parameters have their values already
-        groups: Iterable[tuple[AssembledModel, Places]] = [(held, everywhere)]
+        groups: Iterable[tuple[AssembledModel, SpeedIndices]] = [(held, everywhere)]
     else:
-        batch = in_arrays(held, reference, at)
+        batch = batch_over_speeds(held, reference, at)
         if batch is not None and not batch.moduli:
             _refuse_actions(held)
             yield _per_torque(batch.law_stiffness(np.zeros(1)), _request(held, wanted, nodes)), everywhere
             return
-        groups = at_speeds(held, reference, at)
-    for rigs, places in solved_together(groups):
+        groups = drivetrains_at_speeds(held, reference, at)
+    for rigs, places in blocks_of_speeds(groups):
         for rig in rigs:
             _refuse_actions(rig)
         kappa = law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1))

@@ -16,7 +16,7 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.responses.shared_response import shared_by_conditions
-from torsionnet.solve.running.operating_groups import at_speeds, values_at_speeds
+from torsionnet.solve.running.operating_groups import drivetrains_at_speeds, values_at_speeds
 
 SPEED_TOLERANCE = 1e-6
 """Relative difference up to which a critical speed agrees with the speed at which its mode was calculated.
@@ -71,7 +71,7 @@ class ModesOverSpeed:
         """Vibration modes at a speed in rad/s, by rising undamped frequency."""
 
         def found() -> tuple[VibrationMode, ...]:
-            ((rig, _),) = at_speeds(self.drivetrain, self.reference, np.array([speed]))
+            ((rig, _),) = drivetrains_at_speeds(self.drivetrain, self.reference, np.array([speed]))
             return tuple(vibration_modes(rig, modes(rig)))
 
         (values,) = (

@@ -22,18 +22,18 @@ from torsionnet.solve.batch.batch_plan import batch_plan
 from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.total_ratios import cached_total_ratio
 
-Settled: TypeAlias = Mapping[str, FloatArray]
+IteratedValues: TypeAlias = Mapping[str, FloatArray]
 """Parameter -> values (n_speeds,) that were iterated with the vibration."""
-Places: TypeAlias = NDArray[np.intp]
+SpeedIndices: TypeAlias = NDArray[np.intp]
 """Indices of speeds in the array of all speeds."""
 Model = TypeVar("Model", bound=AssembledModel)
 PLAN_BYTES = 1_000_000
 """Size at which a plan with its drivetrain is counted among results that are kept, with a margin."""
 
 
-def at_speeds(
-    drivetrain: Model, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
-) -> Iterator[tuple[Model, Places]]:
+def drivetrains_at_speeds(
+    drivetrain: Model, reference: str, speeds: FloatArray, settled: IteratedValues = MappingProxyType({})
+) -> Iterator[tuple[Model, SpeedIndices]]:
     """Yield drivetrains with the parameters of their speeds, and the indices of the speeds at which these hold.
 
     Neighbouring speeds with the same values share a drivetrain; so do all where no parameter follows the speed.
@@ -63,7 +63,7 @@ def at_speeds(
 
 
 def values_at_speeds(
-    drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
+    drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: IteratedValues = MappingProxyType({})
 ) -> list[dict[str, float]]:
     """Values by name, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
@@ -76,8 +76,8 @@ def values_at_speeds(
     return values
 
 
-def in_arrays(
-    drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
+def batch_over_speeds(
+    drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: IteratedValues = MappingProxyType({})
 ) -> Batch | None:
     """Batch with one variant per speed, on the rows of the drivetrain.
 
@@ -93,7 +93,7 @@ def in_arrays(
         return None
     values = values_at_speeds(drivetrain, reference, speeds, settled)
     batch = plan.batch({name: [one[name] for one in values] for name in following})
-    return None if (batch.impossible | batch.apart).any() else batch
+    return None if (batch.impossible | batch.separate).any() else batch
 
 
 SPEEDS_PER_BLOCK = 500
@@ -104,12 +104,12 @@ def _nothing(_: AssembledModel) -> Hashable:
     return None
 
 
-def solved_together(
-    groups: Iterable[tuple[Model, Places]], apart: Callable[[Model], Hashable] = _nothing
-) -> Iterator[tuple[Sequence[Model], Places]]:
-    """Yield blocks of speeds of :func:`at_speeds`: one drivetrain for all, or one per speed, all of the same rows.
+def blocks_of_speeds(
+    groups: Iterable[tuple[Model, SpeedIndices]], apart: Callable[[Model], Hashable] = _nothing
+) -> Iterator[tuple[Sequence[Model], SpeedIndices]]:
+    """Yield blocks of speeds with their drivetrains: one for all, or one per speed, all of the same rows.
 
-    Drivetrains whose ``apart`` differs are never in one block.
+    ``groups`` are those of :func:`drivetrains_at_speeds`; drivetrains whose ``apart`` differs are never in one block.
     """
     for _, alike in groupby(groups, key=lambda group: (group[0].assembly.system.memo, apart(group[0]))):
         some = list(alike)

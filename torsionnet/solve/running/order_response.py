@@ -27,8 +27,14 @@ from torsionnet.solve.dynamic_stiffness.reading_problem import law_of_imposed_tw
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request, stress_section_moduli
 from torsionnet.solve.responses.shared_response import named, shared_by_conditions, shared_response
 from torsionnet.solve.responses.transfer import evaluate, warn_infinite
-from torsionnet.solve.running.operating_groups import SPEEDS_PER_BLOCK, Settled, at_speeds, in_arrays, solved_together
-from torsionnet.solve.running.settling import settled_by_vibration
+from torsionnet.solve.running.operating_groups import (
+    SPEEDS_PER_BLOCK,
+    IteratedValues,
+    batch_over_speeds,
+    blocks_of_speeds,
+    drivetrains_at_speeds,
+)
+from torsionnet.solve.running.settling import values_by_vibration
 from torsionnet.solve.running.total_ratios import cached_total_ratio
 from torsionnet.solve.running.worst_case import contributions, worst_case
 from torsionnet.solve.running.worst_combination import Contributions
@@ -49,46 +55,46 @@ def order_response(
     excitations: Iterable[str] | None = None,
 ) -> OrderResponse:
     """See :meth:`torsionnet.Drivetrain.order_response`."""
-    question = OrderQuestion.of(drivetrain, speeds, speed_of, excitations)
-    at = question.at
+    request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
+    at = request.speeds
 
-    def run(wanted: Any, settled: Settled) -> OrderResponse:
-        batch = in_arrays(question.held, question.reference, at, settled)
+    def run(wanted: Any, settled: IteratedValues) -> OrderResponse:
+        batch = batch_over_speeds(request.drivetrain, request.reference, at, settled)
         if batch is not None:
             parts = [
                 np.arange(start, min(start + SPEEDS_PER_BLOCK, len(at)))
                 for start in range(0, len(at), SPEEDS_PER_BLOCK)
             ]
-            found = [(_of_batch(batch.part(part), wanted, question.loads(at[part])), part) for part in parts]
+            found = [(_of_batch(batch.part(part), wanted, request.loads(at[part])), part) for part in parts]
             return join_responses(found, at, drivetrain.title)
         found = [
-            (_block(rigs, wanted, question.loads(at[part])), part)
-            for rigs, part in solved_together(
-                at_speeds(question.held, question.reference, at, settled),
+            (_block(rigs, wanted, request.loads(at[part])), part)
+            for rigs, part in blocks_of_speeds(
+                drivetrains_at_speeds(request.drivetrain, request.reference, at, settled),
                 lambda rig: stress_section_moduli(rig, (wanted,)),
             )
         ]
         return join_responses(found, at, drivetrain.title)
 
-    def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
+    def vibration(elements: Sequence[str], settled: IteratedValues) -> FloatArray:
         return run([Sensor("torque", name) for name in elements], settled).half_range
 
-    return run(outputs, settled_by_vibration(drivetrain.definition, at, vibration))
+    return run(outputs, values_by_vibration(drivetrain.definition, at, vibration))
 
 
 @dataclass(frozen=True, eq=False)
-class OrderQuestion:
+class OrderRequest:
     """Excitations that act on a drivetrain, with the speeds of the reference shaft at which they are examined.
 
     Attributes
     ----------
-    held : AssembledModel
+    drivetrain : AssembledModel
         The drivetrain with its imposed motions as inputs.
     reference : str
         Node to which the speeds belong.
-    at : (n_speeds,) array
+    speeds : (n_speeds,) array
         rad/s.
-    acting : mapping
+    excitations : mapping
         Excitations by name.
     ratios : mapping
         Excitation -> revolutions of its shaft per revolution of the reference.
@@ -98,10 +104,10 @@ class OrderQuestion:
         Engine -> first engine of the group with known angles, where angles between engines are not all known.
     """
 
-    held: AssembledModel
+    drivetrain: AssembledModel
     reference: str
-    at: FloatArray
-    acting: Mapping[str, OrderExcitation]
+    speeds: FloatArray
+    excitations: Mapping[str, OrderExcitation]
     ratios: Mapping[str, Fraction]
     senses: Mapping[str, Senses]
     engines: Mapping[str, str]
@@ -113,8 +119,8 @@ class OrderQuestion:
         speeds: ArrayLike | None = None,
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
-    ) -> OrderQuestion:
-        """Question from the arguments of :func:`order_response`, refused where these cannot be answered."""
+    ) -> OrderRequest:
+        """Request from the arguments of :func:`order_response`, refused where these cannot be answered."""
         reference, at = _speeds(drivetrain, speeds, speed_of)
         acting = _acting(drivetrain.definition.excitations, excitations)
         for name, one in acting.items():
@@ -134,7 +140,7 @@ class OrderQuestion:
                 self.senses[name],
                 one.torques(at * abs(float(self.ratios[name]))),
             )
-            for name, one in self.acting.items()
+            for name, one in self.excitations.items()
         )
         lines = tuple(line for each in found for line in each.lines)
         inputs = tuple(dict.fromkeys(channel for each in found for channel in each.loads))
@@ -202,7 +208,7 @@ def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class ActingLines:
+class ExcitationLines:
     """Order lines of one excitation, and their amplitudes by input, shape (n_speeds, n_lines), N m or rad."""
 
     name: str
@@ -213,7 +219,7 @@ class ActingLines:
     """Node -> input, and the sign with which a torque acts there."""
 
 
-def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ActingLines:
+def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ExcitationLines:
     """Order lines and amplitudes of an excitation; ``line`` is the template of its lines, without an order."""
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
     pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
@@ -225,7 +231,7 @@ def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTor
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
     inputs = {place: (one.channel(place), senses[place]) for place in columns}
     loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
-    return ActingLines(line.excitation, lines, loads, found, inputs)
+    return ExcitationLines(line.excitation, lines, loads, found, inputs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,12 +240,11 @@ class OrderLoads:
 
     Attributes
     ----------
-    at : (n_speeds,) array
+    speeds : (n_speeds,) array
         rad/s.
     reference : str
         Node to which the speeds belong.
-    found : tuple of ActingLines
-        By excitation.
+    by_excitation : tuple of ExcitationLines
     lines : tuple of OrderLine
     inputs : tuple of Input
     loads : (n_speeds, n_lines, n_inputs) complex array
@@ -248,9 +253,9 @@ class OrderLoads:
         Frequencies in Hz, negative where the vibration runs backwards in phase.
     """
 
-    at: FloatArray
+    speeds: FloatArray
     reference: str
-    found: tuple[ActingLines, ...]
+    by_excitation: tuple[ExcitationLines, ...]
     lines: tuple[OrderLine, ...]
     inputs: tuple[Input, ...]
     loads: ComplexArray
@@ -260,7 +265,10 @@ class OrderLoads:
         """Order response by superposition of responses to unit inputs, (n_speeds, n_lines, n_out, n_inputs)."""
         values = np.einsum("slon,sln->slo", gains, self.loads)
         return _worst(
-            OrderResponse(self.at, self.reference, self.lines, values, channels), self.found, gains, self.inputs
+            OrderResponse(self.speeds, self.reference, self.lines, values, channels),
+            self.by_excitation,
+            gains,
+            self.inputs,
         )
 
     @property
@@ -288,11 +296,11 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         values = tuple((name, column.tobytes()) for name, column in batch.values.items())
-        question = (named(outputs), loads.inputs, values, frequencies.shape, frequencies.tobytes())
+        key = (named(outputs), loads.inputs, values, frequencies.shape, frequencies.tobytes())
         return shared_by_conditions(
             batch.drivetrain,
             np.ndarray,
-            question,
+            key,
             lambda: responses_at_own_frequencies(batch, request, frequencies),
             lambda found: found.nbytes,
         )
@@ -302,7 +310,7 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
 
 
 def _worst(
-    nominal: OrderResponse, acting: Sequence[ActingLines], gains: ComplexArray, inputs: Sequence[Input]
+    nominal: OrderResponse, acting: Sequence[ExcitationLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
     """Order response with the worst misfire and the worst spread between cylinders that the excitations allow."""
     alternatives: list[Contributions] = []

@@ -45,7 +45,7 @@ def refined_response(
     return refine(found, _wanted, lambda known, more: known.with_more(at(more))).run if examined.refine else found.run
 
 
-def merged(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
+def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
     """Order response joined from two, sorted by speed, and the order in which speeds of the two in turn were sorted."""
     both = np.concatenate([first.speeds, second.speeds])
     order = np.argsort(both, kind="stable")
@@ -64,7 +64,7 @@ class _Sized:
 
     def with_more(self, other: _Sized) -> _Sized:
         """Order response at the speeds of both, sorted by speed, with half ranges and amplitudes."""
-        run, order = merged(self.run, other.run)
+        run, order = merged_responses(self.run, other.run)
         half_range, sizes = (
             np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")
         )

@@ -12,7 +12,7 @@ from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import VIBRATORY_TORQUE
-from torsionnet.solve.running.operating_groups import Settled
+from torsionnet.solve.running.operating_groups import IteratedValues
 
 VALUE_TOLERANCE = 1e-8
 """Relative difference up to which a parameter agrees with its table at the vibratory torque that it causes.
@@ -25,9 +25,9 @@ SLOW_CONVERGENCE = 0.7
 """Change of an iteration, over the change before, from which on steps are halved: the iteration swings."""
 
 
-def settled_by_vibration(
-    definition: Definition, speeds: FloatArray, vibration: Callable[[Sequence[str], Settled], FloatArray]
-) -> Settled:
+def values_by_vibration(
+    definition: Definition, speeds: FloatArray, vibration: Callable[[Sequence[str], IteratedValues], FloatArray]
+) -> IteratedValues:
     """Values (n_speeds,) by name of the parameters that depend on the vibratory torque of an element.
 
     Every speed is iterated from the smallest vibration in the table, with shorter steps where it swings, until no value

@@ -96,7 +96,7 @@ class StudyAnswer(Declared):
     def require_extras(self) -> None:
         """Raise :class:`~torsionnet.core.errors.MissingExtraError` where a package of the answer is not installed."""
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         """Faults of the answer with its study: curves, correlated parameters where none may be, ...
 
         Unknown names are found by ``naming``, and may occur here.

@@ -15,7 +15,9 @@ QUANTITY, LIMIT, PARAMETER = "quantity", "limit", "parameter"
 VARIED, CONFIGURATION = "varied parameter", "configuration of the study"
 
 
-def misnamed(naming: Mapping[str, str], entries: Mapping[str, Any], known: Mapping[str, Iterable[str]]) -> list[Fault]:
+def unknown_names(
+    naming: Mapping[str, str], entries: Mapping[str, Any], known: Mapping[str, Iterable[str]]
+) -> list[Fault]:
     """Faults of unknown names in the entries of an answer, as written or as read.
 
     Parameters
@@ -29,7 +31,7 @@ def misnamed(naming: Mapping[str, str], entries: Mapping[str, Any], known: Mappi
 
     Examples
     --------
-    >>> faults = misnamed({"limits": LIMIT}, {"limits": ["peak", "peek"]}, {LIMIT: ["peak", "f_2"]})
+    >>> faults = unknown_names({"limits": LIMIT}, {"limits": ["peak", "peek"]}, {LIMIT: ["peak", "f_2"]})
     >>> [(fault.path, fault.message) for fault in faults]
     [(('limits', 1), 'no limit is named "peek"; did you mean "peak"? there are peak, f_2')]
     """

@@ -62,7 +62,7 @@ def design_points(margin: OfPoints, starts: FloatArray) -> DesignPoints:
         if not len(moving):
             break
     on_it, used = _on_the_limit(margin, points)
-    return DesignPoints(points_apart(on_it), count + used)
+    return DesignPoints(distinct_points(on_it), count + used)
 
 
 def values_and_slopes(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -114,7 +114,7 @@ def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int
     return found[np.linalg.norm(found, axis=1) <= FARTHEST], (len(RAY) + 20) * len(points)
 
 
-def points_apart(points: FloatArray) -> FloatArray:
+def distinct_points(points: FloatArray) -> FloatArray:
     """Nearest point, and further ones by distance that are not beside one that was taken."""
     order = np.argsort(np.linalg.norm(points, axis=1), kind="stable")
     taken: list[FloatArray] = []
@@ -125,7 +125,7 @@ def points_apart(points: FloatArray) -> FloatArray:
     return np.array(kept).reshape(-1, points.shape[1])
 
 
-def in_own_directions(points: FloatArray, most: int) -> FloatArray:
+def distinct_directions(points: FloatArray, most: int) -> FloatArray:
     """Nearest point, and at most ``most`` in all by distance whose directions differ from those taken."""
     away = np.linalg.norm(points, axis=1)
     taken: list[int] = []

@@ -35,12 +35,12 @@ def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoin
 
     def margin(points: FloatArray) -> FloatArray:
         found = case.calculated(case.space.from_standard_normal(points), names)
-        return np.asarray(np.min([distance(limits[name], found[name]) for name in names], axis=0))
+        return np.asarray(np.min([limit_distance(limits[name], found[name]) for name in names], axis=0))
 
     return margin
 
 
-def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
+def limit_distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
     """Relative distance (n,) of values (n,), or of the worst point of curves (n, n_points), to their nearer limit.
 
     Negative beyond the limit, NaN without a value.
@@ -48,7 +48,7 @@ def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
     Examples
     --------
     >>> import numpy as np
-    >>> distance(QuantityLimit(below=4.0, above=1.0), np.array([2.0, 5.0])).tolist()
+    >>> limit_distance(QuantityLimit(below=4.0, above=1.0), np.array([2.0, 5.0])).tolist()
     [0.25, -0.25]
     """
     sides = [(1, limit.above), (-1, limit.below)]
@@ -100,7 +100,7 @@ class FailureProbability(StudyAnswer):
             return [Fault(f"the variants of a level are a multiple of {CHAIN_LENGTH}, got {self.count}", ("count",))]
         return []
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from limit_faults(study)
         yield from distribution_faults(study)
 

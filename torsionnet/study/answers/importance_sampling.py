@@ -9,8 +9,8 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.study.answers.answer_case import OfPoints
-from torsionnet.study.answers.design_points import design_points, in_own_directions, points_apart
-from torsionnet.study.answers.rare_event import RareEvent, between
+from torsionnet.study.answers.design_points import design_points, distinct_directions, distinct_points
+from torsionnet.study.answers.rare_event import RareEvent, lognormal_interval
 from torsionnet.study.answers.share_interval import counted_share
 from torsionnet.study.answers.subset_sampling import SubsetLevels, subset_levels
 
@@ -144,18 +144,18 @@ def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatA
     """
     failures = scouted.failures
     centres, left, used = failures[:0], failures, 0
-    starts = [in_own_directions(points, MOST_STARTS) for points in (failures, *reversed(scouted.on_the_way))]
+    starts = [distinct_directions(points, MOST_STARTS) for points in (failures, *reversed(scouted.on_the_way))]
     for _ in range(MOST_ROUNDS):
         able = int((most / 2 - used) / (EXPECTED_STEPS * (2 * failures.shape[1] + 10) + 80))
         if not len(left) or able < 1:
             break
         found = design_points(margin, np.concatenate(starts)[:able])
         used += found.evaluations
-        centres = points_apart(np.concatenate([centres, found.points]))
+        centres = distinct_points(np.concatenate([centres, found.points]))
         distances = np.linalg.norm(centres, axis=1)
         beyond = failures @ centres.T / distances > distances - TANGENT_SLACK
         left = failures[~beyond.any(axis=1)]
-        starts = [in_own_directions(left, MOST_STARTS)]
+        starts = [distinct_directions(left, MOST_STARTS)]
     return centres, left, used
 
 
@@ -211,7 +211,7 @@ class _Drawn:
         if n_points and total and self.missed > MOST_MISSED:
             doubts.append(f"failures away from the {n_points} design points matter")
         probability, variation = total / self.count, self.variation
-        low, high = between(probability, variation, float(ndtri((1 + confidence) / 2)))
+        low, high = lognormal_interval(probability, variation, float(ndtri((1 + confidence) / 2)))
         return RareEvent(probability, low, high, variation, self.count + used, tuple(doubts), "importance")
 
 

@@ -108,7 +108,7 @@ class Map(StudyAnswer):
     draws: int = entry(Count("of the other parameters", upper=100_000), 64)
     seed: int = entry(Count("another seed draws other values", lower=0, upper=2**32 - 1), 1)
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, (self.quantity,), "quantity")
         if self.x == self.y:
             yield Fault(f"{self.x} is on both axes", ("y",))

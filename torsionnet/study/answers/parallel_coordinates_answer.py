@@ -39,7 +39,7 @@ class ParallelCoordinates(StudyAnswer):
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     lines: int = entry(Count("most variants that are drawn of a configuration", upper=10_000), 400)
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> ParallelCoordinatesResult:

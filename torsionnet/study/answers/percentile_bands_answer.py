@@ -40,7 +40,7 @@ class PercentileBands(StudyAnswer):
                Value("per cent", "1", below=100.001)), None,
     )  # fmt: skip
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         if self.quantity in study.quantities and not measure_of(study, self.quantity).is_curve:
             yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",))
 

@@ -46,7 +46,7 @@ class RareEvent:
         return f"{self.probability:.3g} ({between}{self.evaluations} variants)"
 
 
-def between(probability: float, variation: float, quantile: float) -> tuple[float, float]:
+def lognormal_interval(probability: float, variation: float, quantile: float) -> tuple[float, float]:
     """Ends of the confidence interval of a small probability, whose logarithm is normally distributed."""
     if not probability or not np.isfinite(variation):
         return float("nan"), float("nan")

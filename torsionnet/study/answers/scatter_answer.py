@@ -90,7 +90,7 @@ class Scatter(StudyAnswer):
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> ScatterResult:

@@ -150,7 +150,7 @@ class SobolIndices(StudyAnswer):
             return [Fault(f"base points are a power of two, as {1 << self.count.bit_length()}", ("count",))]
         return []
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
         yield from distribution_faults(study)
         if study.space.entries.correlation:

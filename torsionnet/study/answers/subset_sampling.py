@@ -68,7 +68,7 @@ def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Gener
             break
         on_the_way.append(points[0, order])
         chains = Chains(margin, points[:, order], values[:, order], bound, numbers)
-        points, values = chains.walked(spread, adapt=True)
+        points, values = chains.walk(spread, adapt=True)
         spreads[-1] = spread = chains.spread
         used += count - len(order)
     failed = values[0] <= 0
@@ -93,7 +93,7 @@ class Chains:
     numbers: np.random.Generator
     spread: float = FIRST_SPREAD
 
-    def walked(self, spread: float, *, adapt: bool = False) -> tuple[FloatArray, FloatArray]:
+    def walk(self, spread: float, *, adapt: bool = False) -> tuple[FloatArray, FloatArray]:
         """Points of all chains and their margins, with those at which they begin."""
         points, values, self.spread = self.points, self.values, spread
         all_points, all_values = [points], [values]
@@ -180,7 +180,7 @@ def _runs(
         chosen = np.array([_begun(row, kept, numbers) for row in inside])
         points = np.take_along_axis(points, chosen[:, :, None], axis=1)
         chains = Chains(margin, points, np.take_along_axis(values, chosen, axis=1), bound, numbers)
-        points, values = chains.walked(spread)
+        points, values = chains.walk(spread)
         used += values.size - chosen.size
     return np.zeros(len(points)), used
 

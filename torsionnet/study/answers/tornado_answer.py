@@ -78,7 +78,7 @@ class Tornado(StudyAnswer):
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     span: str = entry(OneOf("how far each parameter is moved", (TOLERANCE, DEVIATION)), TOLERANCE)
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, self.quantities, "quantities")
 
     def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> TornadoResult:

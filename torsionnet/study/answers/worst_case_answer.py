@@ -152,7 +152,7 @@ class WorstCase(StudyAnswer):
     tried: int = entry(Count("random variants that try to beat what was found", upper=10**9), 10_000)
     seed: int = entry(Count("another seed searches otherwise", lower=0, upper=2**32 - 1), 1)
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, (self.quantity,), "quantity")
 
     def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> WorstCaseResult:

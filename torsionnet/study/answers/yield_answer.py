@@ -123,7 +123,7 @@ class Yield(StudyAnswer):
     )
     confidence: float = entry(Value("of the interval", "1", exclusive=True, below=1), 0.95)
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from limit_faults(study)
         left = [name for name in study.configurations if name not in self.weights]
         if self.weights and left:
@@ -158,7 +158,7 @@ class Yield(StudyAnswer):
         """Counter of the draws beyond limits, and the number of missing values."""
         draws = study.space.draws
         if result.beyond is not None:
-            result.beyond.agree_with(study.limits, names)
+            result.beyond.require_same_limits(study.limits, names)
             return CountedBeyond(result.beyond, study.space.count // draws), result.beyond.missing(names)
         beyond: dict[str, dict[str, NDArray[np.bool_]]] = {}
         missing = 0

@@ -15,7 +15,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, re
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import PARAMETER
 from torsionnet.study.design.conditions_damper import DamperOverConditions, damper_over_conditions
-from torsionnet.study.design.design_entries import DESIGN, DesignBounds, bounded
+from torsionnet.study.design.design_entries import DESIGN, DesignBounds, design_parameters
 
 
 @register_answer
@@ -44,14 +44,14 @@ class BestDamper(StudyAnswer):
             return [Fault("with an input no excitations act", ("excitations",))]
         return []
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         if self.input is None and study.model.definition.speeds is None:
             yield Fault(
                 "excitations act over speeds, and the model has none; give input: for one response", on_key=True
             )
         if not self.design:
             yield Fault("say which values are chosen, as design: {c_dmp: [low, high]}", on_key=True)
-        found, faults = bounded(study.model, self.design)
+        found, faults = design_parameters(study.model, self.design)
         yield from (fault.under("design") for fault in faults)
         for one in found:
             if one.lower < 0:
@@ -70,7 +70,7 @@ class BestDamper(StudyAnswer):
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
         del result
-        parameters, _ = bounded(study.model, self.design)
+        parameters, _ = design_parameters(study.model, self.design)
         evaluator, asked = study.evaluator(), self.to_data()
         return damper_over_conditions(
             study.model,

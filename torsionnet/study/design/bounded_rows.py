@@ -49,7 +49,7 @@ class BoundedPoints:
             {name: problem.curves[name].maxima(values) for name in (*problem.peak_objectives, *problem.peak_limits)},
         )
 
-    def begun(self, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
+    def with_curve_points(self, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
         """Union with some points all over each curve, so that a search sees the whole curve from its first step."""
         grids = {name: problem.curves[name].grid(problem.box.inside(place)) for name in self.peaks}
         spread = {name: grid[:: max(len(grid) // INITIAL_CURVE_POINTS, 1)] for name, grid in grids.items()}
@@ -165,7 +165,7 @@ class BoundedRows:
             parts.append(self.problem.goals.excess_slopes(self.at(place))[self.chosen.limits])
         return np.concatenate([np.zeros((0, len(place))), *parts])
 
-    def hold(self, highest: BoundedPoints, place: FloatArray) -> bool:
+    def include(self, highest: BoundedPoints, place: FloatArray) -> bool:
         """Whether the active rows include the highest ones at a place."""
         new = (highest.columns & ~self.chosen.columns).any() or (highest.limits & ~self.chosen.limits).any()
         return not new and not any(self._surpassed(name, points, place) for name, points in highest.peaks.items())

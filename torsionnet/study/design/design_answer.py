@@ -15,7 +15,7 @@ from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answers.answer_inputs import PARAMETER, QUANTITY, measure_of
-from torsionnet.study.design.design_entries import DESIGN, DesignBounds, bounded
+from torsionnet.study.design.design_entries import DESIGN, DesignBounds, design_parameters
 from torsionnet.study.design.design_goals import DesignGoals
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_quantities import DesignQuantities
@@ -46,9 +46,9 @@ class DesignAnswer(StudyAnswer):
         """Targets or objectives of the design within these limits."""
         raise NotImplementedError
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         known = study.quantities
-        _, faults = bounded(study.model, self.design)
+        _, faults = design_parameters(study.model, self.design)
         yield from (fault.under("design") for fault in faults)
         for name, value, path in self.with_values():
             if name in known:
@@ -64,7 +64,7 @@ class DesignAnswer(StudyAnswer):
     def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
         """Design parameters with bounds in SI."""
         if self.design:
-            found, faults = bounded(study.model, self.design)
+            found, faults = design_parameters(study.model, self.design)
             if faults:
                 raise ModelError([fault.under("design") for fault in faults], "the design")
             return tuple(found)

@@ -89,7 +89,9 @@ TARGETS = Named(
 NAMES = Text("a quantity of the study")
 
 
-def bounded(model: Model, design: Mapping[str, DesignBounds | None]) -> tuple[list[DesignParameter], list[Fault]]:
+def design_parameters(
+    model: Model, design: Mapping[str, DesignBounds | None]
+) -> tuple[list[DesignParameter], list[Fault]]:
     """Design parameters of a model with bounds in SI, and all faults of their entries."""
     found, faults = [], []
     for name, nominal in nominals(model, [one for one in design if one in model.parameters]).items():

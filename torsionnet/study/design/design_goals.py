@@ -15,10 +15,10 @@ Found = Mapping[str, FloatArray]
 """Quantity -> values (n, n_points) of n designs."""
 
 
-def in_words(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str) -> str:
     """Text of a number with its unit.
 
-    >>> in_words(0.00855201, "rad"), in_words(0.25, "")
+    >>> with_unit(0.00855201, "rad"), with_unit(0.25, "")
     ('0.00855201 rad', '0.25')
     """
     return f"{value:.6g} {unit}".rstrip()
@@ -108,7 +108,7 @@ class DesignGoals:
         units = {self.units.get(name, "") for name in objective.quantities}
         return units.pop() if len(units) == 1 else ""
 
-    def need_merit(self) -> None:
+    def require_merit(self) -> None:
         """Refuse goals that are limits alone, of which no design is the best."""
         if not self.targets and not self.objectives:
             raise UsageError("limits alone choose no design; say what to minimise or maximise, or targets")

@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import Json
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.table import Column, Table
-from torsionnet.study.design.design_goals import DesignGoals, in_words
+from torsionnet.study.design.design_goals import DesignGoals, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,13 +97,13 @@ class DesignOptimum:
         said = []
         for one in self.goals.targets:
             value, unit = self.after[one.quantity], self.goals.units.get(one.quantity, "")
-            wanted = in_words(one.value, unit)
+            wanted = with_unit(one.value, unit)
             worst = float(value[np.argmax(np.abs(value - one.value))])
             if abs(worst - one.value) <= TARGET_MET * (abs(one.value) or 1.0):
                 said.append(f"{one.quantity} has its target, {wanted}")
             else:
                 said.append(
-                    f"{one.quantity} comes to {in_words(worst, unit)}: its target {wanted} is not reached within the "
+                    f"{one.quantity} comes to {with_unit(worst, unit)}: its target {wanted} is not reached within the "
                     "bounds"
                 )
         points = sum(self.after[one.quantity].size for one in self.goals.targets)
@@ -116,7 +116,7 @@ class DesignOptimum:
             return []
         one = self.goals.objectives[0]
         first = one.shown(float(one.columns(_rows(self.before)).max()))
-        return [f"{one.name} goes from {first:.6g} to {in_words(self.merit, self.goals.unit_of(one))} ({one.sense}d)"]
+        return [f"{one.name} goes from {first:.6g} to {with_unit(self.merit, self.goals.unit_of(one))} ({one.sense}d)"]
 
     def _limits_said(self) -> list[str]:
         if not self.goals.limits:

@@ -39,7 +39,7 @@ class DesignTolerance:
         if self.law not in LAWS:
             raise UsageError(f"the tolerance of {self.name} is normal or uniform, got {self.law!r}")
 
-    def scattered(self, centre: FloatArray, shares: FloatArray) -> FloatArray:
+    def scatter(self, centre: FloatArray, shares: FloatArray) -> FloatArray:
         """Values (n, count) around centres (n,) at shares (count,) of the distribution."""
         units = ndtri(shares) if self.law == "normal" else 2 * shares - 1
         width = centre[:, None] if self.relative else np.ones_like(centre)[:, None]
@@ -62,11 +62,11 @@ class DrawnTolerances(Protocol):
 class Tolerances(Protocol):
     """Tolerances of all parameters, from which draws are made."""
 
-    def evenly(self, count: int, seed: int) -> DrawnTolerances:
+    def even_draws(self, count: int, seed: int) -> DrawnTolerances:
         """Quasi-random draws that fill the space evenly; ``count`` may be rounded up."""
         ...
 
-    def randomly(self, count: int, seed: int) -> DrawnTolerances:
+    def random_draws(self, count: int, seed: int) -> DrawnTolerances:
         """Independent random draws, for which confidence intervals hold."""
         ...
 
@@ -97,7 +97,7 @@ class IndependentDraws:
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for one, shares in zip(self.each, self.shares.T, strict=True):
             centre = designs[one.name] if one.name in designs else np.full(size, _centre(one))
-            found[one.name] = one.scattered(centre, shares).ravel()
+            found[one.name] = one.scatter(centre, shares).ravel()
         return found
 
 
@@ -117,11 +117,11 @@ class DesignTolerances:
         if not self.each:
             raise UsageError("a robust design needs the tolerance of a parameter")
 
-    def evenly(self, count: int, seed: int) -> IndependentDraws:
+    def even_draws(self, count: int, seed: int) -> IndependentDraws:
         """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
         return IndependentDraws(self.each, even_shares(len(self.each), count, seed))
 
-    def randomly(self, count: int, seed: int) -> IndependentDraws:
+    def random_draws(self, count: int, seed: int) -> IndependentDraws:
         """Independent random draws."""
         return IndependentDraws(self.each, random_shares(len(self.each), count, seed))
 

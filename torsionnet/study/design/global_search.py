@@ -25,7 +25,7 @@ CONVERGED_SPREAD = 1e-4
 """Standard deviation of the merits of a converged population over their mean; a local search does the rest."""
 
 
-def samples(problem: DesignProblem) -> FloatArray:
+def initial_places(problem: DesignProblem) -> FloatArray:
     """Start and an even spread of places (n, n_p) in the unit cube, the best first."""
     size = len(problem.parameters)
     count = 1 << int(np.ceil(np.log2(max(FEWEST_MEMBERS, PER_PARAMETER * size))))
@@ -35,7 +35,7 @@ def samples(problem: DesignProblem) -> FloatArray:
     return places[sorted(range(len(places)), key=lambda index: ranks[index])]
 
 
-def apart(places: FloatArray, count: int) -> list[FloatArray]:
+def distant_places(places: FloatArray, count: int) -> list[FloatArray]:
     """First ``count`` places that are not near each other."""
     chosen: list[FloatArray] = []
     for place in places:
@@ -46,7 +46,7 @@ def apart(places: FloatArray, count: int) -> list[FloatArray]:
     return chosen
 
 
-def evolved(
+def evolve(
     problem: DesignProblem, places: FloatArray, seed: int, each: Callable[[float], None], generations: int
 ) -> FloatArray:
     """Best place (n_p,) after some generations of differential evolution; ``each`` is called with every best merit.

@@ -20,11 +20,11 @@ OBJECTIVE_TOLERANCE = 1e-14
 """Relative change of the objective at which programming stops, a little above rounding."""
 
 
-def programmed(problem: DesignProblem, place: FloatArray) -> FloatArray:
+def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
     """Best place found by sequential quadratic programming from a start, with active points renewed in rounds."""
     best, best_rank = place, problem.ranks(problem.at(place))[0]
     try:
-        chosen = BoundedPoints.highest(problem, place).begun(problem, place)
+        chosen = BoundedPoints.highest(problem, place).with_curve_points(problem, place)
         for _ in range(MOST_PEAK_ROUNDS if chosen.peaks else MOST_ROUNDS):
             rows = BoundedRows(problem, chosen, place)
             place = _solved(rows, place)
@@ -32,7 +32,7 @@ def programmed(problem: DesignProblem, place: FloatArray) -> FloatArray:
             if rank < best_rank:
                 best, best_rank = place, rank
             highest = BoundedPoints.highest(problem, place)
-            if rows.hold(highest, place):
+            if rows.include(highest, place):
                 break
             chosen = chosen.joined(highest)
     except SolveError:  # somewhere a curve has no levels: what was found before stands
@@ -75,11 +75,11 @@ BOUND_DISTANCE = 1e-3
 """Distance from a bound in the unit cube within which a method of interior points may have stopped short of it."""
 
 
-def polished(problem: DesignProblem, place: FloatArray) -> FloatArray:
+def polish(problem: DesignProblem, place: FloatArray) -> FloatArray:
     """Best place found by local searches from a place, never a worse one."""
     tried = [np.asarray(place, float)]
     if problem.goals.limits or problem.goals.objectives:
-        tried.append(programmed(problem, tried[-1]))
+        tried.append(solve_programme(problem, tried[-1]))
     if problem.goals.targets:
         tried.append(_fitted(problem, tried[-1]))
     ranks = problem.ranks(problem.at(np.array(tried)))

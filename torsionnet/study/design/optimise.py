@@ -12,8 +12,8 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.study.design.design_optimum import TARGET_MET, DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem, Rank
-from torsionnet.study.design.global_search import MOST_GENERATIONS, apart, evolved, samples
-from torsionnet.study.design.local_search import polished
+from torsionnet.study.design.global_search import MOST_GENERATIONS, distant_places, evolve, initial_places
+from torsionnet.study.design.local_search import polish
 
 EQUAL_MERIT = 1e-6
 """Largest relative difference of merits that count as equally good; searches end within less."""
@@ -32,7 +32,7 @@ def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
     return one[1] - best[1] <= EQUAL_MERIT * abs(best[1])
 
 
-def checked(problem: DesignProblem, place: FloatArray, seed: int) -> tuple[FloatArray, bool]:
+def check_neighbours(problem: DesignProblem, place: FloatArray, seed: int) -> tuple[FloatArray, bool]:
     """Best design among ``place`` and its neighbours, and whether no neighbour of that is better.
 
     Designs are tried at several distances along every parameter and in as many directions between them, and one more
@@ -59,7 +59,7 @@ def _best_beside(problem: DesignProblem, place: FloatArray, draw: np.random.Gene
     ranks = problem.ranks(problem.at(beside.reshape(-1, size)))
     farthest = min(range(4 * size), key=ranks.__getitem__)
     nearest = min(range(len(ranks)), key=ranks.__getitem__)
-    tried = np.array([beside.reshape(-1, size)[nearest], polished(problem, beside[0, farthest])])
+    tried = np.array([beside.reshape(-1, size)[nearest], polish(problem, beside[0, farthest])])
     found = problem.ranks(problem.at(tried))
     best = min(range(2), key=found.__getitem__)
     return tried[best], found[best]
@@ -114,33 +114,33 @@ def optimise(
     >>> round(found.values["k"] / (2 * (10 * np.pi) ** 2), 9)
     1.0
     """
-    problem.goals.need_merit()
+    problem.goals.require_merit()
     history: list[tuple[float, float]] = []
 
     def note(merit: float) -> None:
         history.append((float(problem.evaluations), min([merit, *(one for _, one in history[-1:])])))
 
-    ordered = samples(problem)
+    ordered = initial_places(problem)
     first = problem.ranks(problem.at(ordered[:1]))[0]
     if not np.isfinite(first).all():
         raise SolveError("no design within the bounds has all the quantities that are asked for")
     note(first[1])
     if problem.goals.objectives:
-        begin = [evolved(problem, ordered, seed, note, generations), *apart(ordered, BESIDE)]
+        begin = [evolve(problem, ordered, seed, note, generations), *distant_places(ordered, BESIDE)]
     else:
-        begin = apart(ordered, BEGINNINGS)
+        begin = distant_places(ordered, BEGINNINGS)
     found = _each_polished(problem, begin)
     if problem.goals.targets and found[0][0] > (0.0, TARGET_MET**2):
         found = sorted(
-            [*found, *_each_polished(problem, [evolved(problem, ordered, seed, note, generations)])], key=_by_rank
+            [*found, *_each_polished(problem, [evolve(problem, ordered, seed, note, generations)])], key=_by_rank
         )
     rank, best = found[0]
     equal = [place for other, place in found if as_good(problem, other, rank)]
     settled = len(equal) > 1
     if not settled:
-        best, settled = checked(problem, best, seed)
+        best, settled = check_neighbours(problem, best, seed)
         rank, equal = problem.ranks(problem.at(best))[0], [best]
-    different = apart_by(equal, DIFFERENT_DESIGNS)
+    different = different_places(equal, DIFFERENT_DESIGNS)
     best = min(different, key=lambda place: float(np.linalg.norm(place - problem.start)))
     note(rank[1])
     others = [one for one in different if one is not best]
@@ -152,12 +152,12 @@ def _by_rank(found: tuple[Rank, FloatArray]) -> Rank:
 
 
 def _each_polished(problem: DesignProblem, places: list[FloatArray]) -> list[tuple[Rank, FloatArray]]:
-    polished_places = np.array([polished(problem, place) for place in places])
+    polished_places = np.array([polish(problem, place) for place in places])
     ranks = problem.ranks(problem.at(polished_places))
     return sorted(zip(ranks, polished_places, strict=True), key=_by_rank)
 
 
-def apart_by(places: list[FloatArray], distance: float) -> list[FloatArray]:
+def different_places(places: list[FloatArray], distance: float) -> list[FloatArray]:
     """Places that are not near an earlier one."""
     kept: list[FloatArray] = []
     for place in places:

@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import Json
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.table import Column, Table
-from torsionnet.study.design.design_goals import DesignObjective, in_words
+from torsionnet.study.design.design_goals import DesignObjective, with_unit
 from torsionnet.study.design.design_optimum import SAME_QUANTITY
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class ParetoFront:
         for place, one in enumerate(self.objectives):
             at = self.values[self.extremes[place]]
             rest = ", ".join(text for other, text in enumerate(self._value_words(at)) if other != place)
-            said.append(f"the best {one.name} is {in_words(at[place], self.units[place])}, with {rest}")
+            said.append(f"the best {one.name} is {with_unit(at[place], self.units[place])}, with {rest}")
         said.append(f"a compromise near the best of all: {', '.join(self._value_words(self.values[self.compromise]))}")
         if np.isfinite(self.disagreement):
             same = self.disagreement <= SAME_QUANTITY
@@ -98,7 +98,7 @@ class ParetoFront:
     def _value_words(self, values: FloatArray) -> list[str]:
         """Words for the values of the objectives."""
         return [
-            f"{one.name} {in_words(value, unit)}"
+            f"{one.name} {with_unit(value, unit)}"
             for one, value, unit in zip(self.objectives, values, self.units, strict=True)
         ]
 

@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import UsageError
 from torsionnet.response.table import Column, Table
-from torsionnet.study.design.design_goals import in_words
+from torsionnet.study.design.design_goals import with_unit
 from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_tolerances import Tolerances
@@ -102,7 +102,7 @@ class RobustOptimum:
         said = []
         for name in self.robust.after:
             unit = self._unit(name)
-            sizes = ", ".join(f"{one.label} {in_words(one.measures[name], unit)}" for one in self.designs)
+            sizes = ", ".join(f"{one.label} {with_unit(one.measures[name], unit)}" for one in self.designs)
             said.append(f"{name}: {sizes}")
         if self.limited:
             for one in self.designs:
@@ -199,14 +199,14 @@ def robust_optimum(
     """
     if len(problem.goals.objectives) > 1:
         raise UsageError("a robust design has one objective; of several ask for the front of compromises")
-    drawn = tolerances.evenly(samples, seed)
+    drawn = tolerances.even_draws(samples, seed)
     asked = robust_problem(problem, drawn, measure)
     nominal = None
     if problem.goals.targets or problem.goals.objectives:
         nominal = optimise(problem, single=single, seed=seed, title=title)
         asked = _from_nominal(asked, nominal)
     robust = optimise(asked, seed=seed, generations=ROBUST_GENERATIONS, title=title)
-    judged = RobustQuantities(problem, tolerances.randomly(compared, seed + COMPARISON_SEED_OFFSET), measure)
+    judged = RobustQuantities(problem, tolerances.random_draws(compared, seed + COMPARISON_SEED_OFFSET), measure)
     given = {one.name: one.start for one in problem.parameters}
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)

@@ -69,11 +69,11 @@ class SpaceTolerances:
                     f"{name} is {self.space.nominal[name]:g} in the model: its tolerance has no proportion"
                 )
 
-    def evenly(self, count: int, seed: int) -> SpaceDraws:
+    def even_draws(self, count: int, seed: int) -> SpaceDraws:
         """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
         return self._drawn(even_shares(len(self.space.random_names), count, seed))
 
-    def randomly(self, count: int, seed: int) -> SpaceDraws:
+    def random_draws(self, count: int, seed: int) -> SpaceDraws:
         """Independent random draws."""
         return self._drawn(random_shares(len(self.space.random_names), count, seed))
 
@@ -118,8 +118,8 @@ class RobustDesign(SingleDesign):
             faults.append(Fault("a percentile lies between 0 and 100 %", ("percentile",)))
         return faults
 
-    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        yield from super().unfit(study)
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from super().study_faults(study)
         if not self.design:
             yield Fault("say which parameters are chosen, as design: {k_1: [low, high]}", on_key=True)
         if not study.space.random_names:

@@ -151,7 +151,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
     if isinstance(measure, Rejects) and not problem.goals.limits:
         raise UsageError("rejects are what exceeds limits: give limits")
     if not isinstance(measure, Rejects):
-        problem.goals.need_merit()
+        problem.goals.require_merit()
     robustly = RobustQuantities(problem, tolerances, measure)
     objectives = tuple(
         DesignObjective((how.name(name, sign),), "minimise" if sign > 0 else "maximise")

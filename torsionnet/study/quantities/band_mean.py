@@ -29,7 +29,7 @@ class BandMean(TransferQuantity):
     mean: str = entry(OneOf("root mean square, or mean of the magnitudes", ("rms", "arithmetic")), "rms")
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         what = "mean" if self.mean == "arithmetic" else "root mean square"
         return f"{what} of the magnitude of {self.quotient} from {self.band[0]:g} to {self.band[1]:g} Hz"
 

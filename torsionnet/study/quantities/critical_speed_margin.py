@@ -20,7 +20,7 @@ from torsionnet.solve.running.critical_speeds import excited_frequencies, excite
 from torsionnet.solve.running.order_response import with_motions_held
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import speed_words
-from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 
@@ -50,13 +50,13 @@ class CriticalSpeedMargin(StudyQuantity):
     excitations: tuple[str, ...] = entry(Listed("excitations that count; default: all", Text("an excitation")), None)
     speeds: tuple[float, float] | None = entry(SpeedBand("range of speeds; default: that of the model"), None)
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        found = list(refusal(lambda: self._asked(model)))
-        yield from found or refusal(lambda: self._ranges(model), *(("orders",) if self.orders else ()))
+        found = list(usage_faults(lambda: self._asked(model)))
+        yield from found or usage_faults(lambda: self._ranges(model), *(("orders",) if self.orders else ()))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         orders = f"orders {', '.join(f'{one:g}' for one in self.orders)}" if self.orders else "all orders"
         acting = f" of {', '.join(self.excitations)}" if self.excitations else ""
         over = "" if self.speeds is None else f" {speed_words(self.speeds)}"

@@ -68,11 +68,7 @@ class QuantityExpression(StudyQuantity):
     of: Expression = entry(QuantityFormula("numbers, names of quantities, + - * / powers, sqrt and pi"))
     unit: str | None = entry(Text("of what comes out; default: by the units of the quantities"), None)
 
-    @property
-    def made_of(self) -> frozenset[str]:
-        return frozenset(self.of.names)
-
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         for name in sorted(self.of.names - quantities.keys()):
             yield unknown_name("quantity", name, quantities, ("of",), rest=f"there are {', '.join(quantities)}")
         circle = self.circle(quantities)
@@ -108,7 +104,7 @@ class QuantityExpression(StudyQuantity):
         return all(one.has_all(quantities) for one in below if isinstance(one, QuantityExpression))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         return str(self.of)
 
     def measure(self, model: Drivetrain) -> QuantityForm:

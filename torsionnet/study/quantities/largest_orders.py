@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds, refine, speeds_to_refine
 from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
-from torsionnet.solve.running.order_response import OrderQuestion
+from torsionnet.solve.running.order_response import OrderRequest
 from torsionnet.solve.running.resonant_speeds import around_poles
 from torsionnet.study.quantities.variant_block import VariantBlock
 
@@ -25,10 +25,10 @@ def order_responses(
 
     Variants whose parameters follow the operating point are solved one by one, at every speed with its own values.
     """
-    question = asked_alike(block, speeds, excitations)
+    question = common_request(block, speeds, excitations)
     if question is None:
         for index in range(len(block)):
-            run = block.asked(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
+            run = block.call(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
             if run is not None:
                 yield index, run
         return
@@ -45,7 +45,7 @@ def order_responses(
 
 
 def responses_at(
-    block: VariantBlock, output: str, question: OrderQuestion, speeds: Sequence[FloatArray]
+    block: VariantBlock, output: str, question: OrderRequest, speeds: Sequence[FloatArray]
 ) -> Iterator[OrderResponse]:
     """Order responses of every variant at its own speeds in rad/s."""
     loads = [question.loads(own) for own in speeds]
@@ -67,12 +67,12 @@ def responses_at(
         first += count
 
 
-def asked_alike(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderQuestion | None:
+def common_request(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderRequest | None:
     """Excitations and speeds that all variants have in common; None where variants differ in them."""
     if block.batch is None or block.model.definition.following:
         return None
-    question = OrderQuestion.of(block.model, speeds, excitations=excitations)
-    return question if question.held is block.model else None
+    question = OrderRequest.of(block.model, speeds, excitations=excitations)
+    return question if question.drivetrain is block.model else None
 
 
 Sizes: TypeAlias = Callable[[OrderResponse], FloatArray]
@@ -86,11 +86,11 @@ def largest_orders(
 
     Variants whose parameters follow the operating point are solved one by one.
     """
-    question = asked_alike(block, speeds, excitations)
+    question = common_request(block, speeds, excitations)
     if question is None or len(speeds) < 2:
         several = len(speeds) > 1
         for index in range(len(block)):
-            run = block.asked(
+            run = block.call(
                 index,
                 lambda model: model.order_response(output, speeds=speeds, excitations=excitations, refine=several),
             )
@@ -138,7 +138,7 @@ class _Search:
 
     block: VariantBlock
     output: str
-    question: OrderQuestion
+    question: OrderRequest
     sizes: Sizes
     places: NDArray[np.intp]
 

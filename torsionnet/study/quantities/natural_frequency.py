@@ -44,9 +44,9 @@ class ModeQuantity(StudyQuantity):
         None,
     )
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        yield from self.beyond(len(vibrating(natural_modes(model)[0])))
+        yield from self.missing_mode_faults(len(vibrating(natural_modes(model)[0])))
 
     @property
     def which_mode(self) -> str:
@@ -55,7 +55,7 @@ class ModeQuantity(StudyQuantity):
             return f"mode {self.mode} by frequency"
         return f"mode {self.mode}, followed by its shape"
 
-    def beyond(self, count: int) -> Iterator[Fault]:
+    def missing_mode_faults(self, count: int) -> Iterator[Fault]:
         """Fault where the model has only ``count`` modes of vibration and the quantity names a higher one."""
         if self.mode > count:
             there = f"{count} mode{'s' * (count != 1)} of vibration" if count else "no mode of vibration"
@@ -111,9 +111,9 @@ class NaturalFrequency(ModeQuantity):
             return [Fault("undamped natural frequencies are counted by size: order is ascending", ("order",))]
         return []
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         if self.which != UNDAMPED:
-            yield from super().unfit(model, quantities)
+            yield from super().model_faults(model, quantities)
         else:
             try:
                 undamped_place(model, self.mode)
@@ -121,7 +121,7 @@ class NaturalFrequency(ModeQuantity):
                 yield Fault(str(error), ("mode",))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         if self.which == UNDAMPED:
             return f"undamped natural frequency number {self.mode}"
         return f"{WORDS[self.which]} of {self.which_mode}"
@@ -160,7 +160,7 @@ class DampingRatio(ModeQuantity):
     kind: ClassVar[str] = "damping_ratio"
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         return f"damping ratio of {self.which_mode}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:

@@ -20,7 +20,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
 from torsionnet.study.quantities.largest_orders import largest_orders, order_responses
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import SpeedQuantity
-from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 SIZES: Mapping[str, Callable[[OrderResponse], FloatArray]] = {
@@ -68,15 +68,15 @@ class OrderTorque(SpeedQuantity):
             return [Fault("one order has its amplitude; leave out size", ("size",), on_key=True)]
         return []
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        found = [*refusal(lambda: named_output(model, self.output), "output"), *self.nowhere(model)]
-        yield from found or refusal(lambda: self._of(self._alone(model)), *(("order",) if self.order else ()))
+        found = [*usage_faults(lambda: named_output(model, self.output), "output"), *self.empty_range_faults(model)]
+        yield from found or usage_faults(lambda: self._of(self._alone(model)), *(("order",) if self.order else ()))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         what = WORDS[self.size or "half_range"] if self.order is None else f"amplitude of order {self.order:g}"
-        return f"{what} of {self.output} {self.where}" + (", one by one" if self.curve else ", the largest")
+        return f"{what} of {self.output} {self.range_words}" + (", one by one" if self.curve else ", the largest")
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         unit = named_output(model, self.output).unit
@@ -110,7 +110,7 @@ class OrderTorque(SpeedQuantity):
     def _of_one(self, run: OrderResponse) -> FloatArray:
         """Largest amplitude of one order at each speed (n_speeds,), over all cases of phases between excitations."""
         assert self.order is not None
-        cases = [case.amplitude_of_order(self.order) for case in run.coherent]
+        cases = [case.amplitude_of_order(self.order) for case in run.case_responses]
         lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]
         if len(lines) == 1:
             cases.append(run.sizes[:, lines[0], 0])

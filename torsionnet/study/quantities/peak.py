@@ -30,7 +30,7 @@ class PeakQuantity(TransferQuantity):
     band: tuple[float, float] = entry(Band("where it is looked for"))
 
     @property
-    def where(self) -> str:
+    def range_words(self) -> str:
         """Words for the band, such as "from 1 to 50 Hz"."""
         return f"from {self.band[0]:g} to {self.band[1]:g} Hz"
 
@@ -74,8 +74,8 @@ class PeakMagnitude(PeakQuantity):
     kind: ClassVar[str] = "peak"
 
     @property
-    def asked(self) -> str:
-        return f"largest magnitude of {self.quotient} {self.where}"
+    def words(self) -> str:
+        return f"largest magnitude of {self.quotient} {self.range_words}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         return QuantityForm(self.unit(model))
@@ -92,8 +92,8 @@ class PeakFrequency(PeakQuantity):
     kind: ClassVar[str] = "peak_frequency"
 
     @property
-    def asked(self) -> str:
-        return f"frequency of the largest magnitude of {self.quotient} {self.where}"
+    def words(self) -> str:
+        return f"frequency of the largest magnitude of {self.quotient} {self.range_words}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model

@@ -52,16 +52,11 @@ class StudyQuantity(Declared):
     """Whether variants are solved one by one, as no solver takes many of them together."""
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         """Words for the quantity with names of the model in them."""
         raise NotImplementedError
 
-    @property
-    def made_of(self) -> frozenset[str]:
-        """Names of the other quantities in the formula of this one."""
-        return frozenset()
-
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         """Faults of the quantity with a model in one of its configurations."""
         del model, quantities
         yield from ()

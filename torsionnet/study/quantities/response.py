@@ -110,7 +110,7 @@ class ResponseQuantity(TransferQuantity):
         return np.asarray((np.geomspace if is_log else np.linspace)(low, high, self.points or DEFAULT_POINTS))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         what = (
             "size in dB"
             if self.part == "dB"

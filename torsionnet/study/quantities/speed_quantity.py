@@ -52,13 +52,13 @@ class SpeedQuantity(StudyQuantity):
         return given is not None and not given.list
 
     @property
-    def where(self) -> str:
+    def range_words(self) -> str:
         """Words for the speeds and excitations, such as "at all speeds"."""
         acting = f"under {', '.join(self.excitations)}, " if self.excitations else ""
         over = "at all speeds" if self.speeds is None else speed_words(self.speeds)
         return acting + (over if self.every == 1 else f"{over}, one of {self.every}")
 
-    def nowhere(self, model: Drivetrain) -> Iterator[Fault]:
+    def empty_range_faults(self, model: Drivetrain) -> Iterator[Fault]:
         """Fault where none of the model's speeds lies in the range of the quantity."""
         if model.definition.speeds is not None and not len(self.at(model)):
             yield Fault("none of the model's speeds lies in this range", ("speeds",))

@@ -33,14 +33,16 @@ class TransferQuantity(StudyQuantity):
     def _is_common(cls, declared: Field[Any]) -> bool:
         return declared.name == "excitation"
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
         asked = (
             ("output", lambda: named_output(model, self.output)),
             ("input", lambda: resolve_inputs(model, self.input, self.excitation)),
         )
-        found = [fault for name, ask in asked for fault in refusal(ask, name)]
-        yield from found or refusal(lambda: cached_request(model, self.output, self.input, self.excitation), "input")
+        found = [fault for name, ask in asked for fault in usage_faults(ask, name)]
+        yield from found or usage_faults(
+            lambda: cached_request(model, self.output, self.input, self.excitation), "input"
+        )
 
     @property
     def quotient(self) -> str:
@@ -59,7 +61,7 @@ class TransferQuantity(StudyQuantity):
         return block.responses(self.output, self.input, frequencies, self.excitation)[:, :, 0, 0]
 
 
-def refusal(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
+def usage_faults(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
     """Fault with the message of the UsageError that a call raises; none where it raises none."""
     try:
         ask()

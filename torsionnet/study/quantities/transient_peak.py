@@ -20,7 +20,7 @@ from torsionnet.io.recording_files import read_recording
 from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
@@ -180,16 +180,16 @@ class TransientPeak(StudyQuantity):
             faults.append(Fault(f"a {str(self.shape).replace('_', ' ')} needs its rise", on_key=True))
         return faults
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
         found = [
-            *refusal(lambda: named_output(model, self.output), "output"),
-            *refusal(lambda: resolve_inputs(model, self.input, None), "input"),
+            *usage_faults(lambda: named_output(model, self.output), "output"),
+            *usage_faults(lambda: resolve_inputs(model, self.input, None), "input"),
         ]
-        yield from found or refusal(lambda: self._motion(model, self.torques(model)))
+        yield from found or usage_faults(lambda: self._motion(model, self.torques(model)))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         what = READ_WORDS[self.value]
         if self.history is not None:
             return f"{what} of {self.output} after a history of torques on {self.input}"

@@ -47,21 +47,21 @@ class UserFunction(StudyQuantity):
     over: str = ""
     points: Any = ()
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
         value = np.atleast_1d(np.asarray(self.of(model)))
         if value.dtype.kind not in "biuf":
             given = "complex values; take a magnitude, a phase or a part" if value.dtype.kind == "c" else "no numbers"
-            yield Fault(f"{self.called} gives {given}")
+            yield Fault(f"{self.function_name} gives {given}")
             return
         expected, found = np.shape(self.points) or (1,), value.shape
         if found != (expected if self.over else (1,)):
-            text = f"{self.called} gives values of shape {found}; expected {expected if self.over else 'one number'}"
-            yield Fault(text)
+            wanted = expected if self.over else "one number"
+            yield Fault(f"{self.function_name} gives values of shape {found}; expected {wanted}")
 
     @property
-    def asked(self) -> str:
-        return f"what the function {self.called} calculates"
+    def words(self) -> str:
+        return f"what the function {self.function_name} calculates"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model
@@ -79,13 +79,13 @@ class UserFunction(StudyQuantity):
                 raise
             except Exception as error:
                 values = ", ".join(f"{name} = {variant.parameters[name]:.9g}" for name in names)
-                error.add_note(f"{self.called} was asked for the variant {values}")
+                error.add_note(f"{self.function_name} was asked for the variant {values}")
                 raise
 
         return block.one_by_one(of, len(self.points) if self.over else 1)
 
     @property
-    def called(self) -> str:
+    def function_name(self) -> str:
         """Name of the function in messages."""
         return str(getattr(self.of, "__qualname__", self.of))
 
@@ -101,14 +101,14 @@ class UserFunction(StudyQuantity):
             pickle.loads(pickle.dumps(self.of))  # noqa: S301 - what was written here
         except Exception as error:  # noqa: BLE001 - whatever a user's object raises
             where = "define it with def at the top level of a module, or run the study in one process"
-            raise UsageError(f"{self.called} cannot be handed to other processes ({error}); {where}") from None
+            raise UsageError(f"{self.function_name} cannot be handed to other processes ({error}); {where}") from None
 
     def to_data(self) -> dict[str, Json]:
         """Identity of the function as JSON data: name, digest of its code and of the values it was made with.
 
         Functions that it calls, and variables of its module that it reads, are not part of it.
         """
-        place = f"{getattr(self.of, '__module__', '')}.{self.called}"
+        place = f"{getattr(self.of, '__module__', '')}.{self.function_name}"
         data = {"of": place, "code": _digest(self.of), "unit": self.unit_of_value}
         return data | ({"over": self.over, "points": list(self.points)} if self.over else {})
 

@@ -15,7 +15,7 @@ from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import SpeedQuantity
-from torsionnet.study.quantities.transfer_quantity import refusal
+from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 
@@ -51,7 +51,7 @@ class Utilisation(SpeedQuantity):
             return [Fault("a criterion is one of a limit; say which limit", ("criterion",), on_key=True)]
         return []
 
-    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
         known = model.definition.limits
         if self.limit and known and self.limit not in known:
@@ -59,13 +59,13 @@ class Utilisation(SpeedQuantity):
             return
         speeds = self.at(model)
         ends = speeds[:: max(1, len(speeds) - 1)]  # what is refused is refused there, where tables end
-        yield from list(self.nowhere(model)) or refusal(lambda: self._over(model, ends, refine=False))
+        yield from list(self.empty_range_faults(model)) or usage_faults(lambda: self._over(model, ends, refine=False))
 
     @property
-    def asked(self) -> str:
+    def words(self) -> str:
         limit = f"the limit {self.limit}" if self.limit else "all limits"
         criterion = f", criterion {self.criterion}," if self.criterion else ""
-        return f"largest value over value allowed of {limit}{criterion} {self.where}"
+        return f"largest value over value allowed of {limit}{criterion} {self.range_words}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model

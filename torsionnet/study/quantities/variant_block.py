@@ -51,7 +51,7 @@ MOST_VALUES = 2_000_000
 """Most complex values of responses that are held at a time, 32 MB; more need more memory in each worker."""
 
 
-class Asked(Protocol):
+class BlockQuantity(Protocol):
     """Quantity that can be evaluated for a block of variants."""
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
@@ -83,7 +83,7 @@ class VariantBlock:
 
     model: Drivetrain
     values: Mapping[str, FloatArray]
-    quantities: Mapping[str, Asked]
+    quantities: Mapping[str, BlockQuantity]
     batch: Batch | None
     known: dict[Any, Any] = field(default_factory=dict)
     remarks: Counter[str] = field(default_factory=Counter)
@@ -101,7 +101,7 @@ class VariantBlock:
         """Values (n_variants, n_points) of a quantity, calculated once; NaN where the model refuses a variant."""
         return self.once(("quantity", name), lambda: self._evaluated(self.quantities[name]))
 
-    def _evaluated(self, quantity: Asked) -> FloatArray:
+    def _evaluated(self, quantity: BlockQuantity) -> FloatArray:
         said = Counter[str]()
         with collected_warnings(said):
             found = quantity.evaluate(self)
@@ -136,12 +136,12 @@ class VariantBlock:
         """Results (n_variants, n_points) of a function of a drivetrain for every variant; NaN where it fails."""
         found = np.full((len(self), n_points), np.nan)
         for index in range(len(self)):
-            answer = self.asked(index, ask)
+            answer = self.call(index, ask)
             if answer is not None:
                 found[index] = answer
         return found
 
-    def asked(self, index: int, ask: Callable[[Drivetrain], T]) -> T | None:
+    def call(self, index: int, ask: Callable[[Drivetrain], T]) -> T | None:
         """Result of a function for one variant; None where the variant is refused or the function fails."""
         try:
             return ask(self.single(index))
@@ -191,7 +191,7 @@ class VariantBlock:
             ask = partial(
                 single_response, outputs=outputs, inputs=inputs, frequencies=own[index], excitation=excitation
             )
-            answer = self.asked(index, ask)
+            answer = self.call(index, ask)
             if answer is not None:
                 found[index] = answer
         return found

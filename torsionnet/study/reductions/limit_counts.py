@@ -42,7 +42,7 @@ class LimitBits:
         return cls(np.packbits(beyond, axis=1), missing)
 
     @classmethod
-    def laid_over(cls, parts: Sequence[LimitBits]) -> Self:
+    def union(cls, parts: Sequence[LimitBits]) -> Self:
         """Bits of the variants beyond a limit in any of several configurations with the same draws."""
         return cls(
             np.bitwise_or.reduce([part.bits for part in parts]), np.sum([part.missing for part in parts], axis=0)
@@ -119,7 +119,7 @@ class LimitTotals:
         found = [one.missing for one in self.cases.values() if one.missing is not None]
         return sum(int(one[place]) for one in found for place in self._places(names))
 
-    def agree_with(self, limits: Mapping[str, QuantityLimit], names: Sequence[str]) -> None:
+    def require_same_limits(self, limits: Mapping[str, QuantityLimit], names: Sequence[str]) -> None:
         """Refuse limits other than those by which the variants were counted."""
         others = [name for name in names if self.limits.get(name) != limits[name]]
         if others:

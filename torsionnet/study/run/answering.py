@@ -145,7 +145,7 @@ def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | No
     place = StudyFolder(folder.resolve())
     with writing(place.path):
         if not study.count:
-            place.opened(study_record(study, Chunks(len(study.configurations), 0, 1), every=1))
+            place.open(study_record(study, Chunks(len(study.configurations), 0, 1), every=1))
         with locked(place.path):
             memory = EvaluationMemory.of(place.path)
             try:

@@ -34,10 +34,10 @@ class SerialExecutor:
             yield part, work(part)
 
 
-def named(part: object) -> str:
+def part_name(part: object) -> str:
     """Words for a part in messages.
 
-    >>> named(7)
+    >>> part_name(7)
     'chunk 7'
     """
     return f"chunk {part}" if isinstance(part, int) else str(part)

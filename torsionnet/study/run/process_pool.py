@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 
 from torsionnet.core.errors import SolveError
 from torsionnet.core.threads import one_thread
-from torsionnet.study.run.executor import named
+from torsionnet.study.run.executor import part_name
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -131,9 +131,9 @@ class ProcessExecutor:
         part, count = deaths.most_common(1)[0] if deaths else (0, 0)
         if count >= MOST_DEATHS:
             raise SolveError(
-                f"{count} processes died while {named(part)} was in hand; see whether memory was short, and try with "
-                "fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read it "
-                "too. What was calculated is kept: the study goes on from there when it is run again"
+                f"{count} processes died while {part_name(part)} was in hand; see whether memory was short, and try "
+                "with fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read "
+                "it too. What was calculated is kept: the study goes on from there when it is run again"
             )
 
     def _submitted(self, packed: bytes, part: S) -> Future[Any]:

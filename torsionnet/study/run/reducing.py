@@ -22,7 +22,7 @@ from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
 
 
-def reduced(
+def merge_chunks(
     study: Study, chunks: Chunks, chunk: Callable[[int], ChunkValues], every: int = 1, folder: Path | None = None
 ) -> StudyResult:
     """Result of a study from all its chunks.
@@ -39,7 +39,7 @@ def reduced(
             whole.add(found)
             bits += [] if found.beyond is None else [found.beyond]
         if bits:
-            in_any.add(LimitBits.laid_over(bits))
+            in_any.add(LimitBits.union(bits))
     cases = dict(zip(names, wholes, strict=True))
     return StudyResult(
         study,

@@ -14,7 +14,7 @@ from torsionnet.study.run.chunk_values import ChunkValues
 from torsionnet.study.run.chunks import Chunks, kept_every
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
-from torsionnet.study.run.reducing import reduced
+from torsionnet.study.run.reducing import merge_chunks
 from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
 from torsionnet.study.run.workload import Workload
@@ -91,7 +91,7 @@ def run_study(
     if not study.count:
         raise UsageError(no_variants(study.space))
     workload = Workload.of(study)
-    workload.bearable(longest)
+    workload.require_shorter_than(longest)
     announce(workload)
     every = kept_every(study)
     if every > 1 and len(study.limits) > MOST_LIMITS:
@@ -102,18 +102,18 @@ def run_study(
         return _in_memory(study, work, executor or SerialExecutor(), progress)
     place = StudyFolder(Path(folder).resolve())
     with writing(place.path):
-        place.opened(study_record(study, chunks, every))
+        place.open(study_record(study, chunks, every))
     work = ChunkWork(study, chunks, every, place.path)
     with writing(place.path), locked(place.path):
-        place.tidy()
-        done = {number for number in place.done(chunks.total) if place.chunk(number) is not None}
+        place.remove_temporary_files()
+        done = {number for number in place.chunk_numbers(chunks.total) if place.chunk(number) is not None}
         left = (number for number in range(chunks.total) if number not in done)
         progress(len(done), chunks.total)
         count = len(done)
         for _ in (executor or SerialExecutor()).map(work, left):
             count += 1
             progress(count, chunks.total)
-        return reduced(study, chunks, _stored(place, work), every, place.path)
+        return merge_chunks(study, chunks, _stored(place, work), every, place.path)
 
 
 def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]:
@@ -144,4 +144,4 @@ def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Prog
             progress(count, work.chunks.total)
         return waiting.pop(number)
 
-    return reduced(study, work.chunks, chunk, work.every)
+    return merge_chunks(study, work.chunks, chunk, work.every)

@@ -17,7 +17,7 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.run.calculating import chunk_file
 from torsionnet.study.run.chunk_values import ChunkValues, DamagedChunk
 from torsionnet.study.run.evaluation_memory import ANSWERS
-from torsionnet.study.run.study_record import record_text, unlike
+from torsionnet.study.run.study_record import record_differences, record_text
 
 RECORD = "study.json"
 """Name of the file with the record of the study."""
@@ -34,7 +34,7 @@ class StudyFolder:
 
     path: Path
 
-    def opened(self, record: dict[str, Any]) -> None:
+    def open(self, record: dict[str, Any]) -> None:
         """Make the folder, or refuse one that belongs to another study.
 
         Raises
@@ -52,7 +52,7 @@ class StudyFolder:
                 raise UsageError(f"{self.path} holds chunks but no {RECORD}; nothing says what they are of")
             write_text(file, record_text(record))
             return
-        differing = unlike(self.record(), json.loads(record_text(record)))
+        differing = record_differences(self.record(), json.loads(record_text(record)))
         if differing:
             raise UsageError(
                 f"{self.path} holds results of something else; " + "; ".join(differing) + ". "
@@ -79,14 +79,14 @@ class StudyFolder:
         except (OSError, DamagedChunk):
             return None
 
-    def tidy(self) -> None:
+    def remove_temporary_files(self) -> None:
         """Remove old temporary files, which writers that were killed have left."""
         for entry in (self.path / "chunks").glob(".*"):
             with suppress(OSError):
                 if time.time() - entry.stat().st_mtime > TEMPORARY_SECONDS:
                     entry.unlink()
 
-    def done(self, total: int) -> list[int]:
+    def chunk_numbers(self, total: int) -> list[int]:
         """Numbers of the chunks that have a file, complete or not."""
         names = [entry.name for entry in os.scandir(self.path / "chunks")]
         numbers = (int(name[:-4]) for name in names if name.endswith(".npz") and name[:-4].isdigit())

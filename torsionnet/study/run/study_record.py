@@ -59,7 +59,7 @@ def record_text(record: dict[str, Any]) -> str:
     return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
 
 
-def unlike(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
+def record_differences(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
     """Differences in words between the record of a folder and the one wanted now."""
     return [_said(key, kept.get(key), wanted.get(key)) for key in WORDS if kept.get(key) != wanted.get(key)]
 

@@ -60,7 +60,7 @@ class Workload:
         number = f"{self.count:,}".replace(",", " ")
         return f"{number} variants, {how}about {shown_time(self.total)} on one core"
 
-    def bearable(self, longest: float) -> None:
+    def require_shorter_than(self, longest: float) -> None:
         """Refuse a study that takes longer than ``longest`` seconds on one core."""
         if self.total > longest:
             raise UsageError(

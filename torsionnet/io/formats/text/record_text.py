@@ -131,8 +131,8 @@ def _source(
                 check_lengths(rows, [known[column] for column in columns], path.name)
             count_empty(rows, columns, discovered)
             if clock and rows.stamps.first and not rows.faults:
-                told = f"time counts from the first stamp, {rows.stamps.first}"
-                discovered[:] = [*(note for note in discovered if note != told), told]
+                zero_note = f"time counts from the first stamp, {rows.stamps.first}"
+                discovered[:] = [*(note for note in discovered if note != zero_note), zero_note]
             yield block
 
     return Source(

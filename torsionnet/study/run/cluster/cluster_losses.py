@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import TorsionnetError
-from torsionnet.study.run.executor import named
+from torsionnet.study.run.executor import part_name
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -25,7 +25,7 @@ KEPT = "what was calculated is kept, and the study goes on from there when it is
 
 
 @contextmanager
-def scheduler_expected(client: Client) -> Iterator[None]:
+def scheduler_errors(client: Client) -> Iterator[None]:
     """Turn errors of a lost scheduler into ClusterError."""
     from distributed import CancelledError
     from distributed.comm import CommClosedError
@@ -41,12 +41,12 @@ def scheduler_expected(client: Client) -> Iterator[None]:
 
 
 @contextmanager
-def workers_expected(parts: Sequence[object]) -> Iterator[None]:
+def worker_errors(parts: Sequence[object]) -> Iterator[None]:
     """Turn the deaths of workers on these chunks into ClusterError."""
     from distributed import KilledWorker
 
     first, last = parts[0], parts[-1]
-    chunks = named(first) if first == last or not isinstance(first, int) else f"chunks {first} to {last}"
+    chunks = part_name(first) if first == last or not isinstance(first, int) else f"chunks {first} to {last}"
     try:
         yield
     except KilledWorker as error:
@@ -58,7 +58,7 @@ def workers_expected(parts: Sequence[object]) -> Iterator[None]:
         raise ClusterError(f"a worker's memory does not suffice for {chunks}; {KEPT}") from error
 
 
-def let_go(client: Client, tasks: Iterable[Future]) -> None:
+def cancel_tasks(client: Client, tasks: Iterable[Future]) -> None:
     """Cancel tasks whose results are not needed any more."""
     if client.status == "running":
         with suppress(OSError):
@@ -86,7 +86,7 @@ class WorkerAbsence:
     >>> seconds = iter([0.0, 12.0])
     >>> absence = WorkerAbsence(print, clock=lambda: next(seconds))
     >>> for threads in (4, 0, 0, 4):
-    ...     absence.seen(threads, left=3)
+    ...     absence.update(threads, left=3)
     the scheduler has no workers now, 3 chunks left; waiting for some to join (dask worker ADDRESS)
     no workers now for 12 s, 3 chunks left
     """
@@ -96,7 +96,7 @@ class WorkerAbsence:
     _began: float | None = None
     _every: float = 0.0
 
-    def seen(self, threads: int, left: int | None = None) -> None:
+    def update(self, threads: int, left: int | None = None) -> None:
         """Take note of the number of threads now, and of the chunks left where some were calculated before."""
         if threads:
             self._began = None
@@ -141,6 +141,6 @@ def await_workers(
     """
     absence = WorkerAbsence(notify, clock)
     while not (found := threads()):
-        absence.seen(found)
+        absence.update(found)
         sleep(LOOK_EVERY)
     return found

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-def must_answer(address: str, patience: float) -> None:
+def require_scheduler(address: str, patience: float) -> None:
     """Refuse an address where no scheduler answers within ``patience`` seconds."""
     from distributed.utils import LoopRunner
 
@@ -184,7 +184,7 @@ def _address_in(file: Path) -> str:
 def _client(address: str, patience: float) -> Iterator[Client]:
     from distributed import Client
 
-    must_answer(address, patience)
+    require_scheduler(address, patience)
     with _quiet():
         client = Client(address, timeout=patience, set_as_default=False)
     try:

@@ -19,9 +19,9 @@ from torsionnet.study.run.cluster.cluster_losses import (
     Notify,
     WorkerAbsence,
     await_workers,
-    let_go,
-    scheduler_expected,
-    workers_expected,
+    cancel_tasks,
+    scheduler_errors,
+    worker_errors,
 )
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def check_folder(client: Client, folder: Path) -> None:
     token = folder.resolve() / f".seen_by_workers_{word}"
     token.write_text(word)
     try:
-        said = client.run(trouble_with, str(token), word, on_error="return")
+        said = client.run(folder_fault, str(token), word, on_error="return")
     finally:
         token.unlink()
     refuse_faults(
@@ -43,7 +43,7 @@ def check_folder(client: Client, folder: Path) -> None:
     )
 
 
-def trouble_with(token: str, word: str) -> str:
+def folder_fault(token: str, word: str) -> str:
     """Message of why this worker cannot use the folder in which another process wrote ``word``; empty if it can."""
     file = Path(token)
     try:
@@ -142,7 +142,7 @@ class DaskExecutor:
         """
         if getattr(work, "folder", self.folder) is None:
             raise UsageError("on a cluster a study needs a folder for its results, which all workers share")
-        with scheduler_expected(self.client):
+        with scheduler_errors(self.client):
             await_workers(lambda: sum(self.client.nthreads().values()), self.notify)
             needed = self._versions
         running: _Running[S] = _Running(self.client, self.folder.name, needed, WorkerAbsence(self.notify))
@@ -172,14 +172,14 @@ class _Running(Generic[S]):
     def results(self, work: Callable[[S], T], left: deque[S]) -> Iterator[tuple[S, T]]:
         try:
             while left or self.tasks:
-                with scheduler_expected(self.client):
+                with scheduler_errors(self.client):
                     self._submit(work, left)
                     self._await(len(left))
                     done = self._next()
                 self.size.learn(one.seconds for _, one in done)
                 yield from ((part, one.result) for part, one in done)
         finally:
-            let_go(self.client, self.tasks)
+            cancel_tasks(self.client, self.tasks)
 
     def _submit(self, work: Callable[[S], T], left: deque[S]) -> None:
         bound = (1 + TASKS_AHEAD) * max(self._threads(), 1)
@@ -204,14 +204,14 @@ class _Running(Generic[S]):
             with self.finished.thread_condition:
                 self.finished.thread_condition.wait(PAUSE)
             if not self.finished.has_ready():
-                self.absence.seen(self._threads(), later + sum(map(len, self.tasks.values())))
+                self.absence.update(self._threads(), later + sum(map(len, self.tasks.values())))
 
     def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
         """Pairs of part and report of the tasks that finished since the last call, one task at least."""
         ended = self.finished.next_batch(block=True)
         for task in ended:
             if task.status != "finished":
-                with workers_expected(self.tasks[task]):
+                with worker_errors(self.tasks[task]):
                     task.result()
         # All together: one by one each would take the time of a round to its worker.
         results: list[list[DoneChunk[Any]]] = self.client.gather(ended)
