@@ -59,7 +59,7 @@ def check_limits(
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
     found = examination.at(examined.first(breaks))
     if examined.refine:
-        found = refine(found, examination.wanted, examination.with_more)
+        found = refined_curve(found, examination.wanted, examination.with_more)
     run, evidence = found.run, found.evidence
     verdicts = tuple(
         verdict
