@@ -28,7 +28,7 @@ from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitCheck, listed_names
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.speed_refinement import speeds_to_refine
+from torsionnet.response.speed_refinement import refined_curve, speeds_to_refine
 from torsionnet.response.speed_spans import spans_above
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.mean_response import mean_response

@@ -42,7 +42,11 @@ def refined_response(
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
     found = at(examined.first(np.empty(0)))
-    return refined_curve(found, _wanted, lambda known, more: known.with_more(at(more))).run if examined.refine else found.run
+    return (
+        refined_curve(found, _wanted, lambda known, more: known.with_more(at(more))).run
+        if examined.refine
+        else found.run
+    )
 
 
 def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
