@@ -13,18 +13,20 @@ import numpy as np
 from torsionnet.bench.exciter_torque import ExciterOutput, exciter_output, quantised
 from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.model.bench.bench_checks import check_plan, sensor_of
 from torsionnet.model.channels import Sensor
 from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.response.table import Column, Table
 
 ANTI_ALIAS_ORDER = 4
 """Order of the Butterworth anti-alias filter of the analog channels."""
 
 
-@dataclass(frozen=True)
-class Bench:
+@dataclass(frozen=True, repr=False)
+class Bench(NotebookResult):
     """Drivetrain with the plan of a test on it: excitation, exciter, channels and data acquisition.
 
     Raises
@@ -52,6 +54,18 @@ class Bench:
         faults = check_plan(self.plan, self.drivetrain.definition)
         if faults:
             raise ModelError(faults, f"the bench of {self.drivetrain.title}")
+
+    def table(self) -> Table:
+        """Table of the channels: the sensor and quantity that each reads, and by what."""
+        sensors = self.sensors
+        rows = tuple(
+            (name, sensors[name].quantity if name in sensors else "torque", part.kind)
+            for name, part in self.plan.channels.items()
+        )
+        torque = f"{self.plan.excitation.kind} of {self.plan.excitation.duration:g} s on {self.drive}"
+        columns = (Column("channel"), Column("quantity"), Column("read by"))
+        rate = f"{self.plan.acquisition.rate:g} Hz"
+        return Table(f"{self.drivetrain.title}: bench", columns, rows, (f"{torque}, recorded at {rate}",))
 
     @property
     def drive(self) -> str:

@@ -40,7 +40,7 @@ ENDLESS_ADVICE = {  # advice by dimension for a value that grows without end
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit(FitResult):
     """Parameters found from measurements.
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import LackOfFit
@@ -45,9 +47,11 @@ class Compared:
     has_phase: bool = True
 
 
-@dataclass(frozen=True, eq=False)
-class FitResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FitResult(NotebookResult):
     """Values and standard errors of a fit as they are written to a file; fields as in :class:`torsionnet.Fit`."""
+
+    picture: ClassVar[str] = "fit"
 
     values: Mapping[str, float]
     standard_errors: Mapping[str, float]
@@ -106,6 +110,3 @@ class FitResult:
     def __repr__(self) -> str:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in self.values.items())
         return f"<Fit {shown}>"
-
-    def _repr_html_(self) -> str:
-        return self.table().to_html()

@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.threads import one_thread
 from torsionnet.identification.cause_fits import CauseFit, explaining_fits, fit_causes, overall_misfit, sum_of_squares
 from torsionnet.identification.causes import possible_causes
@@ -65,8 +66,8 @@ class RankedCause:
         return cause_in_words(self.kind, self.of, self.value, self.before)
 
 
-@dataclass(frozen=True)
-class Ranking:
+@dataclass(frozen=True, repr=False)
+class Ranking(NotebookResult):
     """Causes of a misfit ranked by what each leaves of it, the best first.
 
     Attributes

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out, json_schema
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
@@ -24,8 +25,8 @@ LARGEST_POLE_DISTANCE = 0.5
 """Distance of poles, over ``|lambda|`` of the model, above which modes are no pair: the default of ``match``."""
 
 
-@dataclass(frozen=True, eq=False)
-class Match:
+@dataclass(frozen=True, eq=False, repr=False)
+class Match(NotebookResult):
     """Pairs of an identified mode and a mode of the model.
 
     Attributes

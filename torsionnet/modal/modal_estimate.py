@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
@@ -45,8 +46,8 @@ IDENTIFIED_COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class ModalEstimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class ModalEstimate(NotebookResult):
     """Modes identified from frequency responses; one entry per conjugate pair or real pole, by ``|lambda|``.
 
     Attributes
@@ -200,9 +201,6 @@ class ModalEstimate:
         )
         more = ", ..." if len(self) > 6 else ""
         return f"<ModalEstimate: {len(self)} modes at {listed}{more}>"
-
-    def _repr_html_(self) -> str:
-        return self.table().to_html()
 
 
 def estimate_from_expansion(

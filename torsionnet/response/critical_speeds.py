@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.number_text import screen_text
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
@@ -199,8 +200,8 @@ class CriticalSpeed:
         return f"{self.order:g}" + (f" {self.fixed:+g} Hz" if self.fixed else "")
 
 
-@dataclass(frozen=True, eq=False)
-class CriticalSpeeds:
+@dataclass(frozen=True, eq=False, repr=False)
+class CriticalSpeeds(NotebookResult):
     """Critical speeds in and near an operating range, for one condition (configuration) of a model.
 
     Attributes
@@ -233,6 +234,8 @@ class CriticalSpeeds:
     >>> round(found.speed() * 30 / 3.14159265), found.margin, found.passes  # 19.49 Hz at order 2
     (585, 0.0, False)
     """
+
+    picture: ClassVar[str] = "interference_diagram"
 
     reference: str
     speed_range: tuple[float, float]
@@ -335,6 +338,10 @@ class CriticalSpeeds:
             "generalised force: torques of all cylinders summed on the shape with their phases, largest angle 1 rad",
         ]
         return (*notes, *([f"margins: {self.rule}"] if self.rule else []), *self.notes)
+
+    def notebook_tables(self) -> tuple[Table, ...]:
+        """Tables of modes and critical speeds."""
+        return self.mode_table(), self.table()
 
     def mode_table(self) -> Table:
         """Table with a row per mode: frequencies with and without damping, damping ratio, amplification."""

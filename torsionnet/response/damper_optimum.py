@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import expected_unit
 from torsionnet.response.conventions import SI, Conventions
@@ -105,8 +106,8 @@ class DamperRecord:
     words: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class DamperOptimum:
+@dataclass(frozen=True, eq=False, repr=False)
+class DamperOptimum(NotebookResult):
     """Optimal damper: the values for which the largest level is smallest.
 
     Attributes
@@ -127,6 +128,8 @@ class DamperOptimum:
     fixed_points : tuple of FixedPoint
         Points common to the curves of all dampings; none if the rest of the drivetrain is damped, or over speed.
     """
+
+    picture: ClassVar[str] = "damper_design"
 
     channel: Channel
     of: tuple[str, str]

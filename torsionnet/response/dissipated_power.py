@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.table import Column, Table
@@ -14,8 +15,8 @@ from torsionnet.response.table import Column, Table
 FORMULA = "P = sum over frequencies of Re(T conj(dgamma/dt))/2, T the whole torque of the element, elastic and damping"
 
 
-@dataclass(frozen=True, eq=False)
-class DissipatedPower:
+@dataclass(frozen=True, eq=False, repr=False)
+class DissipatedPower(NotebookResult):
     """Mean dissipated power by speed and element, W.
 
     Attributes

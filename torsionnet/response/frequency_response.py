@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.table import Column, Table
@@ -44,8 +45,8 @@ class Channel:
     unit: str
 
 
-@dataclass(frozen=True, eq=False)
-class FrequencyResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrequencyResponse(NotebookResult):
     """Transfer functions from inputs to outputs over frequency.
 
     Attributes
@@ -92,6 +93,8 @@ class FrequencyResponse:
     >>> tn.load("dmf_rig").frequency_response("theta_1", "T_M", test.frequencies).inputs == test.inputs
     True
     """
+
+    picture: ClassVar[str] = "bode"
 
     frequencies: FloatArray
     values: ComplexArray
@@ -295,11 +298,6 @@ class FrequencyResponse:
         count = len(self.frequencies)
         span = f"{self.frequencies.min():g} to {self.frequencies.max():g} Hz" if count else "no frequencies"
         return f"<FrequencyResponse {outputs} / {inputs}: {count} frequencies, {span}>"
-
-    def _repr_html_(self) -> str:
-        table = self.table()
-        step = max(1, len(table.rows) // 20)
-        return replace(table, rows=table.rows[::step]).to_html()
 
 
 def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:

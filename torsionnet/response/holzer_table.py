@@ -9,6 +9,7 @@ from typing import Annotated
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Schema
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 
@@ -119,8 +120,8 @@ class HolzerRecord:
     branches: tuple[HolzerBranch, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class HolzerTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class HolzerTable(NotebookResult):
     """Holzer table of a drivetrain at one frequency: its branches, main lines first.
 
     Attributes

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.listing import comma_list
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
@@ -169,8 +170,8 @@ class LimitPoint:
     utilisation: Annotated[float, Out("utilisation")]
 
 
-@dataclass(frozen=True, eq=False)
-class LimitCheck:
+@dataclass(frozen=True, eq=False, repr=False)
+class LimitCheck(NotebookResult):
     """Check of all limits of a model in one configuration, with their verdicts.
 
     Attributes
@@ -193,6 +194,8 @@ class LimitCheck:
     left_out : tuple of str
         Limits and excitations that were left out, in words.
     """
+
+    picture: ClassVar[str] = "limit_check"
 
     speeds: FloatArray
     reference: str

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 
@@ -45,8 +46,8 @@ class MarginsRecord:
     modulus: Margin
 
 
-@dataclass(frozen=True, eq=False)
-class LoopMargins:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopMargins(NotebookResult):
     """Open loop L(j omega) at the torque of a controller, all other loops closed, with its stability margins.
 
     The drivetrain with the loop closed has its poles where 1 + L(s) = 0: L is the torque of the controller, with the
@@ -72,6 +73,8 @@ class LoopMargins:
         Smallest distance of L from -1.
     title : str
     """
+
+    picture: ClassVar[str] = "nyquist"
 
     controller: str
     frequencies: NDArray[np.float64]

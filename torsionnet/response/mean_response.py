@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.table import Column, Table
 
 
-@dataclass(frozen=True, eq=False)
-class MeanResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class MeanResponse(NotebookResult):
     """Mean values of outputs (torques, twists, stresses) over speed.
 
     Attributes

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.mode_numbers import (
@@ -84,8 +85,8 @@ class ModesRecord:
     modes: tuple[ModeRow, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Modes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(NotebookResult):
     """Complex modes of a drivetrain, one per conjugate pair, real pole or rigid-body mode, sorted by ``|lambda|``.
 
     Attributes
@@ -265,6 +266,3 @@ class Modes:
         listed = ", ".join(f"{value:.4g}" for value in self.natural_frequencies[:8])
         more = ", ..." if len(self) > 8 else ""
         return f"<Modes: {len(self)} modes at {listed}{more} Hz>"
-
-    def _repr_html_(self) -> str:
-        return self.table().to_html()

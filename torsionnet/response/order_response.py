@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.cycle_extremes import COARSE_POINTS_PER_PERIOD, LONG_CYCLE_PERIODS, refined_extremes
@@ -45,8 +46,8 @@ class MeanValues(Protocol):
     def outputs(self) -> tuple[Channel, ...]: ...
 
 
-@dataclass(frozen=True, eq=False)
-class OrderResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class OrderResponse(NotebookResult):
     """Order response of a drivetrain: complex amplitudes by speed, order line and output.
 
     Attributes
@@ -62,6 +63,8 @@ class OrderResponse:
     title : str
         Name of the model with its configuration.
     """
+
+    picture: ClassVar[str] = "order_response"
 
     speeds: FloatArray
     reference: str
@@ -307,6 +310,10 @@ class OrderResponse:
     def rms(self) -> FloatArray:
         """Root mean square of the sum of all orders, shape (n_speeds, n_out)."""
         return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
+
+    def notebook_tables(self) -> tuple[Table, ...]:
+        """Table of every output."""
+        return tuple(self.table(channel.name) for channel in self.outputs)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
         """Table of the worst speed of an output, the largest orders there, and the worst speed of each of them."""

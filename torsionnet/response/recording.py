@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.response.table import Column, Table
 
 FloatArray = NDArray[np.float64]
@@ -55,8 +57,8 @@ class Signal:
         return QUANTITY_UNITS.get(self.quantity, "")
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(NotebookResult):
     """Recording of signals with a common sampling rate.
 
     Attributes
@@ -79,6 +81,8 @@ class Recording:
     >>> record["T_T"].unit, record.duration
     ('N*m', 0.0002)
     """
+
+    picture: ClassVar[str] = "time_histories"
 
     signals: tuple[Signal, ...]
     sampling_rate: float
@@ -153,9 +157,6 @@ class Recording:
         rows = tuple(_described(signal) for signal in self.signals)
         span = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
         return Table(self.title or "Recording", columns, rows, (span, *self.notes))
-
-    def _repr_html_(self) -> str:
-        return self.table().to_html()
 
 
 def _described(signal: Signal) -> tuple[str | float | None, ...]:

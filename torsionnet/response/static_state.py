@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
@@ -64,8 +65,8 @@ class StaticRecord:
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class StaticState:
+@dataclass(frozen=True, repr=False)
+class StaticState(NotebookResult):
     """Static state of a drivetrain: mean torque, twist, stress and power of every element at one speed.
 
     Attributes

@@ -24,7 +24,7 @@ EQUAL_SEARCHED_HALF_RANGE = 1e-5
 """Relative difference up to which half ranges are equal if angles between engines were searched."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WorstResponse(OrderResponse):
     """Order response of several cases: for each output and speed the amplitudes of the case of largest half range.
 

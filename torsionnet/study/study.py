@@ -10,7 +10,9 @@ from typing import Any
 
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.response.table import Column, Table
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import StudyAnswer
 from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
@@ -24,8 +26,8 @@ FEWEST_COMPILED = 2000
 """Number of variants from which on the compiled solver is used; with fewer, loading it takes longer than it saves."""
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(NotebookResult):
     """Variants of a drivetrain with the quantities, limits and answers sought; :func:`define` makes a study.
 
     Attributes
@@ -59,6 +61,14 @@ class Study:
     @property
     def title(self) -> str:
         return self.name or f"study of {self.model.name}"
+
+    def table(self) -> Table:
+        """Table of what varies, what is asked of every variant, and what is concluded."""
+        rows = [(name, "varies", "") for name in self.space.names]
+        rows += [(name, "quantity", one.kind) for name, one in self.quantities.items()]
+        rows += [(name, "answer", one.kind) for name, one in self.answers.items()]
+        count = f"{self.count} variants" + (f", seed {self.seed}" if self.seed is not None else "")
+        return Table(f"{self.title}: {count}", (Column("name"), Column("is"), Column("type")), tuple(rows))
 
     @property
     def count(self) -> int:

@@ -17,6 +17,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out, json_schema, to_json
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
@@ -49,7 +50,7 @@ class StatisticsRecord:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StudyResult:
+class StudyResult(NotebookResult):
     """Results of a study.
 
     Attributes

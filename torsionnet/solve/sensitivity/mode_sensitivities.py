@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Table
@@ -66,8 +67,8 @@ class SensitivityRecord:
     words: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class ModeSensitivities:
+@dataclass(frozen=True, eq=False, repr=False)
+class ModeSensitivities(NotebookResult):
     """Derivatives of poles, natural frequencies and damping ratios with respect to parameters.
 
     Attributes
@@ -83,6 +84,8 @@ class ModeSensitivities:
     numbers : tuple of int or None
         Of the modes, as :class:`~torsionnet.response.Modes` has them; real poles have none.
     """
+
+    picture: ClassVar[str] = "tornado"
 
     parameters: tuple[str, ...]
     values: FloatArray

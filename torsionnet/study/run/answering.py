@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import html
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import cast
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.notebook import drawn, thinned
 from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValues
 from torsionnet.study.quantities.evaluator import BlockCalculator, Evaluator
 from torsionnet.study.run import run_chunks
@@ -23,6 +26,7 @@ from torsionnet.study.run.study_folder import StudyFolder, writing
 from torsionnet.study.run.study_record import study_record
 from torsionnet.study.run.workers import Workers
 from torsionnet.study.run.workload import Workload
+from torsionnet.study.shown_units import ShownUnits, shown_units
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
 
@@ -47,7 +51,7 @@ Answering = Callable[[str, int, int | None], None]
 """Callback with the name of an answer, the number of variants calculated, and that of all, None if not known."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class AnsweredStudy:
     """Result of a study, with its answers.
 
@@ -59,11 +63,27 @@ class AnsweredStudy:
         Name of an answer -> its conclusion.
     unanswered : mapping
         Name of an answer that failed -> its error.
+    units : ShownUnits
+        Units in which a notebook draws the answers: those written in the study and in the model.
     """
 
     result: StudyResult | None
     conclusions: Conclusions
     unanswered: Mapping[str, SolveError] = field(default_factory=dict)
+    units: ShownUnits = field(default_factory=ShownUnits)
+
+    def __repr__(self) -> str:
+        found = [f"{name}: {' '.join(one.sentences)}" for name, one in self.conclusions.items()]
+        return f"<AnsweredStudy {'; '.join(found)}>"
+
+    def _repr_html_(self) -> str:
+        tables = [self.result.table()] if self.result is not None else []
+        parts = [thinned(table).to_html() for table in tables]
+        for one in self.conclusions.values():
+            parts += [thinned(one.table()).to_html(), *(f"<p>{html.escape(text)}</p>" for text in one.sentences)]
+            parts.append(drawn(partial(one.figure, units=self.units)))
+        parts += [f"<p>{html.escape(f'{name}: {error}')}</p>" for name, error in self.unanswered.items()]
+        return "\n".join(parts)
 
 
 def answer_study(
@@ -166,7 +186,7 @@ def _answered(
             conclusions[name] = answer.conclude(study, cast("VariantValues", result))  # None: it needs no variants
         except SolveError as error:
             unanswered[name] = error
-    return AnsweredStudy(result, conclusions, unanswered)
+    return AnsweredStudy(result, conclusions, unanswered, shown_units(study))
 
 
 def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:

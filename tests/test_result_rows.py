@@ -1,0 +1,128 @@
+"""Results declared once: JSON, its schema and tables from the fields of a class."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import jsonschema
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from torsionnet.core.result_rows import NUMBER_ROWS, Out, json_schema, out_fields, to_json
+from torsionnet.response import Conventions
+from torsionnet.response.table import Column, result_table
+
+
+@dataclass(frozen=True)
+class Part:
+    """Part of a row."""
+
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Row with a field of every kind."""
+
+    name: Annotated[str, Out("name")]
+    frequency: Annotated[float, Out("frequency", "Hz", "frequency_Hz", digits=4)]
+    speed: Annotated[float | None, Out("speed", "rpm", factor=10.0)]
+    pole: complex
+    shape: Mapping[str, complex]
+    curve: NDArray[np.float64]
+    matrix: Annotated[NDArray[np.float64], Out(schema=NUMBER_ROWS)]
+    parts: tuple[Part, ...]
+    verdict: Literal["pass", "fail"]
+    hidden: Annotated[int, Out(json=None)] = 3
+    more: Annotated[int | None, Out(optional=True)] = None
+
+    @property
+    def twice(self) -> Annotated[float, Out("twice", json="twice_Hz", after="frequency")]:
+        """Twice the frequency."""
+        return 2 * self.frequency
+
+    @property
+    def plain(self) -> int:
+        """A property that is not declared."""
+        return 1
+
+
+def row(**changes):
+    values = {
+        "name": "a", "frequency": 1.5, "speed": None, "pole": -1 + 2j, "shape": {"n": np.complex128(1j)},
+        "curve": np.array([1.0, np.nan]), "matrix": np.eye(2), "parts": (Part(0.5),), "verdict": "pass",
+    }  # fmt: skip
+    return Row(**values | changes)
+
+
+def test_json_has_the_declared_keys_in_their_order():
+    data = to_json(row())
+    assert list(data) == [
+        "name",
+        "frequency_Hz",
+        "twice_Hz",
+        "speed",
+        "pole",
+        "shape",
+        "curve",
+        "matrix",
+        "parts",
+        "verdict",
+    ]
+    assert data["pole"] == [-1.0, 2.0]
+    assert data["shape"] == {"n": [0.0, 1.0]}
+    assert data["matrix"] == [[1.0, 0.0], [0.0, 1.0]]
+    assert data["parts"] == [{"share": 0.5}]
+    assert data["twice_Hz"] == 3.0
+    assert to_json(row(more=4))["more"] == 4
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({}, ""),
+        ({"more": 2}, ""),
+        ({"name": None}, "name"),
+        ({"verdict": "maybe"}, "verdict"),
+        ({"curve": ["x"]}, "curve"),
+        ({"more": -1}, "more"),
+        ({"twice_Hz": "x"}, "twice_Hz"),
+        ({"another": 1}, "another"),
+    ],
+)
+def test_schema_takes_what_is_written_and_nothing_else(change, fault):
+    data = to_json(row(curve=np.ones(2))) | change
+    found = list(jsonschema.Draft202012Validator(json_schema(Row)).iter_errors(data))
+    assert bool(found) == bool(fault)
+    assert not fault or fault in str(found[0])
+
+
+def test_every_key_but_optional_ones_is_required():
+    data = to_json(row(curve=np.ones(2)))
+    for key in data:
+        rest = {name: value for name, value in data.items() if name != key}
+        assert list(jsonschema.Draft202012Validator(json_schema(Row)).iter_errors(rest)), key
+
+
+def test_table_has_the_fields_with_headings_in_the_units_shown():
+    table = result_table("t", [row(), row(speed=2.0)], Row, conventions=Conventions(frequency="rpm"))
+    assert table.columns == (Column("name"), Column("frequency", "rpm", 4), Column("twice"), Column("speed", "rpm"))
+    assert table.rows == (("a", 90.0, 3.0, None), ("a", 90.0, 3.0, 20.0))
+    some = result_table("t", [row()], Row, ["speed", "name"])
+    assert [column.name for column in some.columns] == ["speed", "name"]
+
+
+def test_types_without_a_schema_are_refused():
+    with pytest.raises(TypeError, match=r"Out\(schema"):
+        json_schema(object)
+
+
+def test_declared_units_stand_in_the_keys():
+    """A key that ends in a unit is of a field whose column, if any, has that unit or one converted from it."""
+    assert [(one.name, one.key) for one in out_fields(Row) if one.key and one.key.endswith("_Hz")] == [
+        ("frequency", "frequency_Hz"),
+        ("twice", "twice_Hz"),
+    ]

@@ -1,0 +1,77 @@
+"""Results in a notebook: their tables, and their picture where there is one."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from torsionnet.core.errors import TorsionnetError
+
+if TYPE_CHECKING:
+    from torsionnet.response.table import Table
+
+MOST_ROWS = 30
+"""Rows of a table in a notebook beyond which it is thinned out: what fits on a screen."""
+DOTS_PER_INCH = 100
+"""Resolution of a picture in a notebook: sharp at the size at which it is shown."""
+
+
+class Plots:
+    """The package of plots, set by the whole package: plots are made from results and not the other way."""
+
+    package: ClassVar[Callable[[], ModuleType] | None] = None
+
+
+class NotebookResult:
+    """Base class of results that a notebook shows as tables, and as a picture where ``picture`` names one."""
+
+    picture: ClassVar[str] = ""
+    """Function of :mod:`torsionnet.plot` that draws the result alone; empty: none does."""
+
+    def table(self) -> Table:
+        """Table of the result."""
+        raise NotImplementedError
+
+    def notebook_tables(self) -> Iterable[Table]:
+        """Tables that a notebook shows."""
+        return (self.table(),)
+
+    def __repr__(self) -> str:
+        title = next(iter(self.notebook_tables())).title.splitlines()
+        return f"<{type(self).__name__} {title[0] if title else ''}>"
+
+    def _repr_html_(self) -> str:
+        return "\n".join([*(thinned(table).to_html() for table in self.notebook_tables()), self._picture()])
+
+    def _picture(self) -> str:
+        return drawn(lambda plot: getattr(plot, self.picture)(self)) if self.picture else ""
+
+
+def drawn(draw: Callable[[ModuleType], Any]) -> str:
+    """Picture as HTML of the figure that ``draw`` makes with :mod:`torsionnet.plot`; empty where nothing is to draw."""
+    if Plots.package is None:
+        return ""
+    try:
+        return figure_html(draw(Plots.package()))
+    except TorsionnetError:  # as of a response without frequencies
+        return ""
+
+
+def thinned(table: Table) -> Table:
+    """Copy of a table with at most ``MOST_ROWS`` rows, evenly chosen, and a note on how many there are."""
+    step = -(-len(table.rows) // MOST_ROWS)
+    if step <= 1:
+        return table
+    rows = table.rows[::step]
+    return replace(table, rows=rows, notes=(*table.notes, f"{len(rows)} of {len(table.rows)} lines"))
+
+
+def figure_html(figure: Any) -> str:
+    """Picture of a matplotlib figure as an element of HTML that needs no other file."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+    return f'<img src="data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode("ascii")}" alt="">'
