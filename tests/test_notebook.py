@@ -24,7 +24,7 @@ def results():
     rig = tn.loads(RIG).configured("soft")
     bench = tn.load_bench("dmf_bench")
     study = tn.study.define(
-        "dmf_rig",
+        tn.load("dmf_rig"),
         vary={"k_2": {"type": "normal", "deviation": "5 %"}},
         sampling={"count": 30},
         quantities={"f_1": {"type": "natural_frequency", "mode": 1}},
