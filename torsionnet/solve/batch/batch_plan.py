@@ -63,7 +63,7 @@ class BatchPlan:
         """
         if set(values) != set(self.names):
             raise UsageError(
-                f"this plan varies {', '.join(self.names)}; give values for these, not for {', '.join(values) or 'none'}"
+                f"this plan varies {', '.join(self.names)}; give values for these, not {', '.join(values) or 'none'}"
             )
         columns = {name: np.array(values[name], dtype=float, ndmin=1) for name in self.names}
         if len({column.shape for column in columns.values()}) > 1:

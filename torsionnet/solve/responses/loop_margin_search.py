@@ -39,10 +39,11 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
     finite = np.isfinite(loop)
     frequencies, loop = frequencies[finite], loop[finite]
     crossings = _met(at, frequencies, loop, lambda value: np.abs(value) - 1)
-    real_crossings = _met(at, frequencies, loop, lambda value: np.asarray(value.imag))
+    phase_crossings = _met(at, frequencies, loop, lambda value: np.asarray(value.imag))
     return LoopMargins(
         name, frequencies, loop, not bool((modes.eigenvalues.real > 0).any()),
-        *_gains(real_crossings, at(real_crossings)), *_phases(crossings, at(crossings)), _modulus(at, frequencies, loop),
+        *_gains(phase_crossings, at(phase_crossings)), *_phases(crossings, at(crossings)),
+        _modulus(at, frequencies, loop),
         drivetrain.title,
     )  # fmt: skip
 
@@ -51,7 +52,7 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
     known = list(dict.fromkeys(one.owner for one in actions))
     if not known:
         raise UsageError(
-            "stability margins need a controller, fluid coupling or other element with feedback; this drivetrain has none"
+            "stability margins need a controller, fluid coupling or other feedback; this drivetrain has none"
         )
     if name is None:
         if len(known) > 1:
