@@ -13,7 +13,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import summed_sizes
-from torsionnet.response.speed_refinement import refine, speeds_to_refine
+from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.response.worst_response import join_responses
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.order_response import order_response
@@ -42,7 +42,11 @@ def refined_response(
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
     found = at(examined.first(np.empty(0)))
-    return refine(found, _wanted, lambda known, more: known.with_more(at(more))).run if examined.refine else found.run
+    return (
+        refine_speeds(found, _wanted, lambda known, more: known.with_more(at(more))).run
+        if examined.refine
+        else found.run
+    )
 
 
 def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
