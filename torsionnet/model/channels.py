@@ -105,7 +105,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """Imposed excitation: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
+    """Model input: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
 
     With ``against``, a second node, +T acts on the first node and -T on the second, or the angle of the first relative
     to the second is imposed. Against the ground that is the same as on the node alone. An imposed twist e is what the
