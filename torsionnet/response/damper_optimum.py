@@ -107,7 +107,7 @@ class DamperRecord:
 
 @dataclass(frozen=True, eq=False)
 class DamperOptimum:
-    """Optimal damper: the values for which the largest level is smallest.
+    """Optimal damper, the values for which the largest level is smallest.
 
     Attributes
     ----------

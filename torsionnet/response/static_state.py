@@ -66,7 +66,7 @@ class StaticRecord:
 
 @dataclass(frozen=True)
 class StaticState:
-    """Static state of a drivetrain: mean torque, twist, stress and power of every element at one speed.
+    """Static state of a drivetrain, mean torque, twist, stress and power of every element at one speed.
 
     Attributes
     ----------
