@@ -173,7 +173,7 @@ def test_blocks_do_not_matter(monkeypatch):
     rig, rng = tn.load("amt_rig").configured("V"), np.random.default_rng(2)
     batch = batch_of(rig, {"k_1": rng.uniform(300, 600, 23), "c_O": rng.uniform(0, 300, 23)})
     whole = together(batch, "theta_1", "T_T", F)
-    monkeypatch.setattr(module, "POINTS", 9)
+    monkeypatch.setattr(module, "POINTS_AT_ONCE", 9)
     np.testing.assert_allclose(together(batch, "theta_1", "T_T", F), whole, rtol=1e-13)
 
 

@@ -117,9 +117,9 @@ class TestMargins:
 
     def test_names(self):
         plant = tn.Drivetrain("plain", shaft_loop(-1)[:-1])
-        with pytest.raises(tn.UsageError, match="margins need an element that acts by itself"):
+        with pytest.raises(tn.UsageError, match="stability margins need a controller"):
             plant.loop_margins()
-        with pytest.raises(tn.UsageError, match='"governr" is not there; did you mean "governor"'):
+        with pytest.raises(tn.UsageError, match='"governr" is not in this drivetrain; did you mean "governor"'):
             speed_loop().loop_margins("governr")
 
 

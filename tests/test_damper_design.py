@@ -184,7 +184,7 @@ class TestRefusals:
         ("settings", "words"),
         [
             ({"parameters": "d", "input": "a"}, 'no parameter is named "d"'),
-            ({"parameters": [], "input": "a"}, "say which parameter is sought"),
+            ({"parameters": [], "input": "a"}, "name at least one parameter to optimise"),
             ({"parameters": {"c": (200, 100)}, "input": "a"}, "a lower and a higher value"),
             ({"parameters": {"c": (-1, 100)}, "input": "a"}, "no value below 0"),
             ({"parameters": {"c": ("10 N*m/rad", 100)}, "input": "a"}, r'"10 N\*m/rad" is not in N\*m\*s/rad'),
@@ -192,8 +192,8 @@ class TestRefusals:
             ({"parameters": {"c": (10,)}, "input": "a"}, "bounds are two values"),
             ({"parameters": "k_film", "input": "a"}, "say between which bounds"),
             ({"parameters": "c", "input": "a", "band": (50, 20)}, "a band goes from"),
-            ({"parameters": "c", "band": (5, 20)}, "a band of frequencies needs the input"),
-            ({"parameters": "c", "input": "a", "speeds": [100.0]}, "an input is asked for over frequencies"),
+            ({"parameters": "c", "band": (5, 20)}, "a band of frequencies needs input="),
+            ({"parameters": "c", "input": "a", "speeds": [100.0]}, "speeds and excitations do not go with an input"),
             ({"parameters": "c"}, "the model has no entry speeds"),
         ],
     )

@@ -495,7 +495,7 @@ class TestComparison:
     @pytest.mark.parametrize(
         ("other", "message"),
         [
-            ({"frequencies": (1.0, 2.0, 3.1)}, "ask the model at the frequencies of the test"),
+            ({"frequencies": (1.0, 2.0, 3.1)}, "calculate the model at the frequencies of the test"),
             ({"unit": "rad/s"}, "outputs differ: t in rad against t in rad/s"),
         ],
     )

@@ -264,7 +264,7 @@ HEAD = "mass;J [kg*m^2];k [N*m/rad]\n"
     [
         ("mass;k [N*m/rad]\na;1\nb;\n", 1, 1, "no column of inertias"),
         ("mass;J;k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, 'the column "J" has no unit; write its heading as J [kg*m^2]'),
-        ("mass;J [kg];k [N*m/rad];J [kg*m^2]\na;1;2;3\nb;1;;3\n", 1, 6, '"kg" is no unit of inertia'),
+        ("mass;J [kg];k [N*m/rad];J [kg*m^2]\na;1;2;3\nb;1;;3\n", 1, 6, '"kg" is not a unit of inertia'),
         ("mass;Inertia (kgx-m2);k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, '"kgx" is not a known unit'),
         ("mass;J [kgmm];k [N*m/rad];I kgm2\na;1;2;3\nb;1;;3\n", 1, 6, '"kgmm" is not a known unit'),
         ("mass;J [kg*m^2];inertia [kg*m^2];k [N*m/rad]\na;1;1;2\nb;1;1;\n", 1, 17, "both mean inertia"),

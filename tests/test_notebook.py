@@ -12,6 +12,7 @@ from test_cli_records import RIG
 import torsionnet as tn
 from torsionnet.core import notebook
 from torsionnet.response import Table
+from torsionnet.solve.sensitivity import mode_sensitivities
 from torsionnet.study import answer_study
 
 LONGEST_NAME = 200
@@ -41,7 +42,7 @@ def results():
             "modes": ship.modes(),
             "holzer": ship.holzer_table(1),
             "response": rig.frequency_response("phi", "T", np.linspace(1, 25, 500)),
-            "sensitivities": tn.load("dmf_rig").mode_sensitivities(),
+            "sensitivities": mode_sensitivities(tn.load("dmf_rig")),
             "bench": bench,
             "study": study,
             "answers": answer_study(study),

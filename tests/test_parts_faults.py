@@ -63,7 +63,7 @@ CASES = [  # old, new, line:column, message
         "16:3",
         '"left" is an element; what is used needs another name',
     ),
-    ("right: {part", "a.b: {part", "17:3", '"a.b" is no name'),
+    ("right: {part", "a.b: {part", "17:3", '"a.b" is not a valid name'),
     ("parameters: {k_l: 8", "parameters: {left.J: 2, k_l: 8", "16:3", '"left.J" is already there among the parameters'),
 ]
 

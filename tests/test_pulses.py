@@ -100,7 +100,7 @@ class TestBetweenPulses:
 
     def test_a_speed_that_jumps_is_refused(self):
         times = np.cumsum(np.where(np.arange(2000) // 3 % 2 == 0, 1.0, 1.45))
-        with pytest.raises(SolveError, match=r"the speed changes too fast around \d+\.?\d* s for the angle"):
+        with pytest.raises(SolveError, match=r"the speed changes too fast around \d+\.?\d* s to interpolate the angle"):
             angle_from_pulses(times, LINES, 1.0, fill=False)
 
 

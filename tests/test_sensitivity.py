@@ -316,7 +316,7 @@ def test_what_poles_are_not_derived_for():
         ]
     with pytest.raises(UsageError, match=r"equal poles .* tabulated over frequency: mount_a, mount_b, mount_c"):
         mode_sensitivities(tn.Drivetrain("star", star, parameters={"J": 0.2}))
-    with pytest.raises(UsageError, match="called by its name, got 3"):
+    with pytest.raises(UsageError, match="given by its name, got 3"):
         mode_sensitivities(one_mass(J=1, k=1, c=1), [3])
 
 

@@ -197,7 +197,7 @@ class TestBenchFiles:
                 "rate: 10 kHz",
                 "rate: 1e308 Hz",
                 "acquisition: {rate: ",
-                "no size that anything in a drivetrain or its tests has",
+                "far outside the sizes of drivetrains and their tests",
             ),
         ],
     )

@@ -47,7 +47,7 @@ def unit_load(n, at=0):
 def sampled_stiffness(kappa):
     """From values (n_f, n_laws) alone."""
     nothing = np.zeros((1, kappa.shape[1]))
-    return LawStiffness(nothing, nothing, nothing, np.zeros(len(kappa))).sampled_as(kappa.T.astype(complex))
+    return LawStiffness(nothing, nothing, nothing, np.zeros(len(kappa))).with_sampled_stiffness(kappa.T.astype(complex))
 
 
 def problem_of(system, loads, rows):
@@ -366,7 +366,7 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
     kappa = sampled_stiffness(stiffness(system, np.linspace(1, 300, 50)))
     forward = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     found = starmesh.respond_in_numpy(forward, kappa).values
-    monkeypatch.setattr(tape_writing, "FEW", 0)
+    monkeypatch.setattr(tape_writing, "MOST_FORWARD_READINGS", 0)
     back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     assert len(back.tape) != len(forward.tape)
     assert starmesh.respond_in_numpy(back, kappa).values == pytest.approx(found, rel=1e-12)
@@ -393,7 +393,7 @@ def test_large_work_is_compiled_where_that_works(monkeypatch, broken):
     monkeypatch.setattr(starmesh, "respond_compiled", compiled)
     assert np.array_equal(starmesh.respond(problem, kappa).values, expected)
     assert not asked
-    monkeypatch.setattr(starmesh, "WORTH", 10)
+    monkeypatch.setattr(starmesh, "COMPILED_WORK", 10)
     assert np.array_equal(starmesh.respond(problem, kappa).values, expected)
     assert len(asked) == 1
 

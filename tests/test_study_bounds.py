@@ -88,8 +88,8 @@ def test_remarks_of_many_chunks_are_few():
 def test_modes_of_the_model_are_found_once(monkeypatch):
     """However many blocks and quantities ask which mode is which."""
     given = []
-    tracked = variant_block.tracked
-    monkeypatch.setattr(variant_block, "tracked", lambda *given_: (given.append(given_[1]), tracked(*given_))[1])
+    tracked = variant_block.track_modes
+    monkeypatch.setattr(variant_block, "track_modes", lambda *given_: (given.append(given_[1]), tracked(*given_))[1])
     study = small_study(10)
     two = {f"f_{number}": NaturalFrequency(mode=number) for number in (1, 2)}
     evaluator = Evaluator(study.model_in("II"), study.space.names, two)

@@ -66,8 +66,8 @@ def test_blocks_cut_variants_and_frequencies(monkeypatch):
     rig, variants = tn.load("dmf_rig"), {"k_2": np.linspace(300, 600, 7)}
     whole = rig.frequency_responses("theta_1", "T_T", F, variants).values
     for size in (2, 11):
-        monkeypatch.setattr(sweep, "FEWEST", size)
-        monkeypatch.setattr(sweep, "MOST", size)
+        monkeypatch.setattr(sweep, "FEWEST_POINTS", size)
+        monkeypatch.setattr(sweep, "MOST_POINTS", size)
         assert rig.frequency_responses("theta_1", "T_T", F, variants).values == pytest.approx(whole, rel=1e-13)
 
 

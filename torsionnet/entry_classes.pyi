@@ -348,7 +348,7 @@ class Plan(_Plan):
     ) -> None: ...
 
 class Samples(_Samples):
-    r"""How values of parameters with a distribution are drawn.
+    r"""Number, method and seed of the draws of parameters with a distribution.
 
     Random draws are independent of each other, which confidence intervals rest on. A Latin hypercube has one draw in
     each of ``count`` equally likely ranges of every parameter; a Sobol sequence fills the space evenly, best where

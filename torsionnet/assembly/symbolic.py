@@ -22,6 +22,7 @@ from torsionnet.model.elements import Action, Law, Row, Values
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
+"""Sympy symbol of the circular frequency in rad/s."""
 MOST_TERMS = 1000
 """Largest number of terms up to which a sum is multiplied out: longer ones are not read term by term."""
 

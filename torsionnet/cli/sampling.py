@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.core.errors import UsageError
-from torsionnet.solve.responses.grid import BELOW, vibration_range
+from torsionnet.solve.responses.grid import RANGE_BELOW, vibration_range
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,8 +40,8 @@ class Sampling:
         start, stop = self.start, self.stop
         if start is None or stop is None:
             low, high = vibration_range(*(case.drivetrain.modes() for case in cases))
-            start = min(low * scale, stop / BELOW if stop else math.inf) if start is None else start
-            stop = max(high * scale, start * BELOW) if stop is None else stop
+            start = min(low * scale, stop / RANGE_BELOW if stop else math.inf) if start is None else start
+            stop = max(high * scale, start * RANGE_BELOW) if stop is None else stop
         return frequency_range(start, stop, self.points or DEFAULT_POINTS, self.logarithmic) / scale
 
 
@@ -53,7 +53,7 @@ def frequency_range(start: float, stop: float, points: int, logarithmic: bool | 
     if not (math.isfinite(start) and math.isfinite(stop) and 0 <= start < stop):
         raise UsageError(f"--from must not be negative and must be smaller than --to, got {start:g} and {stop:g}")
     if logarithmic is None:
-        logarithmic = 0 < start <= stop / BELOW
+        logarithmic = 0 < start <= stop / RANGE_BELOW
     if logarithmic and start == 0:
         raise UsageError("a logarithmic range cannot begin at 0")
     return np.asarray(np.geomspace(start, stop, points) if logarithmic else np.linspace(start, stop, points))

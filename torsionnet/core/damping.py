@@ -102,7 +102,7 @@ def convert_damping(
     try:
         eta = source.to_loss_factor(float(value), FLOAT, ratio)
         if to == "log_decrement" and abs(eta) >= 2:
-            raise DampingError(f"{measure} = {value:g} is zeta = {eta / 2:g}; from 1 on there is no decrement")
+            raise DampingError(f"{measure} = {value:g} is zeta = {eta / 2:g}; a decrement needs zeta below 1")
         return float(target.from_loss_factor(eta, FLOAT, ratio))
     except ZeroDivisionError:
         raise DampingError(f"{measure} = {value:g} has no finite {to}") from None

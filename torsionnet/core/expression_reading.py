@@ -51,7 +51,7 @@ def check_name(name: str) -> str | None:
     (None, None, '"omega" is reserved: it stands for the angular frequency; choose another name')
     """
     if not _NAME.fullmatch(name):
-        return f'"{name}" is no name: a letter comes first, then letters, digits and _ (no accents)'
+        return f'"{name}" is not a valid name: a letter comes first, then letters, digits and _ (no accents)'
     return next((fault for fault in map(_word_fault, name.split(".")) if fault), None)
 
 
@@ -59,7 +59,7 @@ def _word_fault(word: str) -> str | None:
     if word.lower() in ("nan", "inf", "infinity"):
         return f'"{word}" is no finite number'
     if keyword.iskeyword(word):
-        return f'"{word}" is a word of the Python language'
+        return f'"{word}" is a word of the Python language; choose another name'
     meaning = RESERVED.get(word)
     return f'"{word}" is reserved: it stands for {meaning}; choose another name' if meaning else None
 
@@ -133,7 +133,7 @@ class _Reader:
         try:
             return self.read(ast.parse(self.source, mode="eval").body, 0)
         except SyntaxError as error:
-            raise self.fault("this is no complete expression", (error.offset or len(self.source)) - 1) from None
+            raise self.fault("the expression is incomplete here", (error.offset or len(self.source)) - 1) from None
         except (RecursionError, MemoryError):
             raise ExpressionError("the expression is too deeply nested") from None
 

@@ -35,7 +35,7 @@ def float_if_long(value: Any) -> Any:
 def exact_sqrt(value: Fraction | float) -> Fraction | float:
     """Square root of a number, as a fraction where the root is one."""
     if value < 0:
-        raise ArithmeticError(f"there is no root of {float(value):.4g}")
+        raise ArithmeticError(f"the square root of {float(value):.4g} is not real; check the signs of the values")
     if not isinstance(value, Fraction | int):
         return math.sqrt(value)
     root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))

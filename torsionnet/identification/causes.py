@@ -25,7 +25,7 @@ REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "
 
 @dataclass(frozen=True)
 class Cause:
-    """Possible cause of a misfit: one additional unknown of the model or of a measuring channel.
+    """Possible cause of a misfit, one additional unknown of the model or of a measuring channel.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Explanations of a misfit: single additional unknowns with which the model would fit, and all values then."""
+"""Explanations of a misfit, single additional unknowns with which the model would fit, and all values then."""
 
 from __future__ import annotations
 

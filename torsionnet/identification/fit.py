@@ -1,4 +1,4 @@
-"""Result of a fit: values, standard errors, verdicts in words, and how it is made from an optimum."""
+"""Result of a fit with values, standard errors, verdicts in words, and how it is made from an optimum."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Fit(FitResult):
 def make_fit(
     model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
 ) -> Fit:
-    """Make a :class:`Fit` from an optimum: standard errors, correlation, comparisons, verdicts and notes.
+    """Make a :class:`Fit` from an optimum, standard errors, correlation, comparisons, verdicts and notes.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
     correlation R of the residuals, times the reduced chi squared; errors by the steps of sensors and the bias by noise

@@ -1,4 +1,4 @@
-"""Reader of fit files (YAML): model, measurements, parameters and settings of a fit."""
+"""Reader of fit files (YAML) with model, measurements, parameters and settings of a fit."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ ReadResponse = Callable[[Path], FrequencyResponse]
 
 @dataclass(frozen=True, eq=False)
 class FitPlan:
-    """Contents of a fit file: the arguments of :func:`identify`, and true values where they are known."""
+    """Contents of a fit file with the arguments of :func:`identify`, and true values where they are known."""
 
     model: Drivetrain
     measurements: tuple[Measurement, ...]

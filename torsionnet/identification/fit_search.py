@@ -29,7 +29,7 @@ SCALE_ROUNDS, SETTLED_SCALE_CHANGE = 30, 1e-4
 
 @dataclass(frozen=True)
 class LeastSquaresSolution:
-    """End of a search: values, cost, convergence, and the ``scale`` (standard deviation) that a robust loss used."""
+    """End of a search, values, cost, convergence, and the ``scale`` (standard deviation) that a robust loss used."""
 
     x: FloatArray
     cost: float
@@ -104,7 +104,7 @@ def search_bounds(problem: FitProblem) -> tuple[FloatArray, FloatArray]:
 
 
 def typical_steps(problem: FitProblem, start: FloatArray) -> FloatArray:
-    """Typical step of each unknown (n,): its start value; for a delay a tenth of the shortest period."""
+    """Typical step of each unknown (n,), its start value; for a delay a tenth of the shortest period."""
     top = max(float(block.frequencies[-1]) for block in problem.blocks)
     extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]
     return np.where(np.abs(start) > 0, np.abs(start), np.array(extra))

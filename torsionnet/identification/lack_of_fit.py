@@ -1,4 +1,4 @@
-"""Test of lack of fit: whether the residuals of a fit are more than noise."""
+"""Test of lack of fit, whether the residuals of a fit are more than noise."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Misfit:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Explanation of a misfit: one additional unknown with which the model fits, or fits much better.
+    """Explanation of a misfit, one additional unknown with which the model fits, or fits much better.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class LackOfFit:
-    """Lack of fit: tests of all measurements, and what would explain the misfit.
+    """Lack of fit, tests of all measurements, and what would explain the misfit.
 
     Attributes
     ----------

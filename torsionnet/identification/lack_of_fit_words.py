@@ -1,4 +1,4 @@
-"""Sentences on lack of fit: that a model does not fit, what would explain it and what to do."""
+"""Sentences on lack of fit, that a model does not fit, what would explain it and what to do."""
 
 from __future__ import annotations
 

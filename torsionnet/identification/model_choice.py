@@ -29,7 +29,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """Result of a choice between models: their fits to the same data, weighed by the same noise.
+    """Result of a choice between models with their fits to the same data, weighed by the same noise.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Profile-likelihood intervals: how far one value can move while the others are fitted again."""
+"""Profile-likelihood intervals, how far one value can move while the others are fitted again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Unknown parameter of a fit: start value, bounds and prior."""
+"""Unknown parameter of a fit, start value, bounds and prior."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verdicts of a fit in words: undetermined or correlated parameters, values at bounds, outlying measurements."""
+"""Verdicts of a fit in words, undetermined or correlated parameters, values at bounds, outlying measurements."""
 
 from __future__ import annotations
 

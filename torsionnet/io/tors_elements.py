@@ -1,4 +1,4 @@
-"""The words of TORS, the JSON format of openTorsion and its editor, and how a file in it is taken apart.
+"""Checked content of TORS files, the JSON format of openTorsion and its editor.
 
 A file has ``components``, each a chain of ``elements``, and ``structure``, pairs ``[component.element,
 component.element]`` that let a component begin where an element of another one ends. Lengths are in mm. A disk, a gear
@@ -16,7 +16,7 @@ from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.groups import Groups
 
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0
-"""Pa and kg/m^3; the format has no shear modulus, and openTorsion takes this density where none is given."""
+"""Shear modulus in Pa, which the format has no entry for, and density in kg/m^3 that openTorsion takes by default."""
 
 NUMBERS: dict[str, dict[str, str]] = {
     "Disk": {"inertia": "", "damping": "?", "stiffness": "?"},
@@ -24,12 +24,12 @@ NUMBERS: dict[str, dict[str, str]] = {
     "ShaftContinuous": {"length": "+", "outerDiameter": "+", "innerDiameter": "?", "damping": "?", "density": "+?"},
     "GearElement": {"inertia": "", "diameter": "+?", "teeth": "+?"},
 }
-"""Element types and their numbers; ? may be missing, + has to be greater than 0."""
+"""Numbers of each element type of TORS; ? may be missing, + has to be greater than 0."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """An element of a component; ``values`` are its numbers as written."""
+    """Element of a component of a TORS file; ``values`` are its numbers as written."""
 
     component: str
     name: str
@@ -47,7 +47,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class TorsDocument:
-    """A TORS file: components in their order, and which component begins where an element ends."""
+    """Components of a TORS file in their order, and the component that begins where an element ends."""
 
     name: str
     components: Mapping[str, tuple[Entry, ...]]
@@ -56,7 +56,7 @@ class TorsDocument:
 
 
 def read_document(data: Any) -> tuple[TorsDocument | None, list[Fault]]:
-    """A file taken apart, or None; and every fault."""
+    """Content of a TORS file, or None for a file without components, and all its faults."""
     if not isinstance(data, Mapping) or not isinstance(data.get("components"), list):
         text = 'this is no TORS file: it has no list of "components" (elements) and "structure" (connections)'
         return None, [Fault(text)]
@@ -176,7 +176,7 @@ def _end(text: str, components: Mapping[str, tuple[Entry, ...]], path: Path) -> 
 def _start(
     components: Mapping[str, tuple[Entry, ...]], onward: Mapping[tuple[str, str], tuple[str, ...]]
 ) -> tuple[str, list[Fault]]:
-    """The component nothing leads to, from which all others are reached."""
+    """Component that no connection leads to, from which all others are reached, and faults of the tree."""
     entered = {name for names in onward.values() for name in names}
     free = [name for name in components if name not in entered]
     if len(free) != 1:

@@ -1,4 +1,4 @@
-"""TORS files of openTorsion as drivetrains."""
+"""Reading of TORS files of openTorsion as drivetrains."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from torsionnet.model.elements import GROUND, Damper, Element, Gear, Inertia, Sh
 from torsionnet.model.files.located_yaml import compose
 
 VERSION = "openTorsion 0.3.2"
+"""Version of openTorsion whose reading of files is taken as the rule."""
 
 
 def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
@@ -90,7 +91,7 @@ def _placed(faults: Iterable[Fault], source: Path) -> list[Fault]:
 
 
 def from_tors(data: Any, file: str = "TORS data") -> Drivetrain:
-    """As :func:`read_tors`, for JSON data that is already at hand."""
+    """Drivetrain of the JSON data of a TORS file, as :func:`read_tors` gives for the file itself."""
     document, faults = read_document(data)
     if document is None or faults:
         raise ModelError(faults, file)
@@ -105,14 +106,14 @@ def from_tors(data: Any, file: str = "TORS data") -> Drivetrain:
 
 
 class _Place:
-    """A node to be; it gets the first good name that comes along."""
+    """Node of the drivetrain before it has a name; it gets the first good name that comes along."""
 
     def __init__(self, fallback: str) -> None:
         self.name, self.is_named, self.fallback = "", False, fallback
 
 
 class _Builder:
-    """Follows the chains and collects elements between places."""
+    """Builder of a drivetrain, which follows the chains of components and collects elements between places."""
 
     def __init__(self, document: TorsDocument) -> None:
         self.document = document
@@ -127,7 +128,7 @@ class _Builder:
         self.differences: list[str] = []
 
     def component(self, start: str, place: _Place | None) -> None:
-        """A component and all that hangs on it; a stack instead of recursion, for chains of any length."""
+        """Add a component and all that begin at its elements; no recursion, so that chains may be of any length."""
         open_names: list[tuple[str, _Place | None]] = [(start, place)]
         while open_names:
             name, place = open_names.pop()
@@ -149,7 +150,7 @@ class _Builder:
         self.differences.append(f"{what}; {VERSION} takes the wrong node there, this model has the right one")
 
     def _entry(self, entry: Entry, here: _Place) -> _Place:
-        """The place where the element ends."""
+        """Add an element that begins at ``here`` and return the place where it ends."""
         end = here
         if entry.kind.startswith("Shaft"):
             end = _Place(f"{self.short[entry.label]}_end")
@@ -243,7 +244,7 @@ def _common(parent: Entry, child: Entry) -> str:
 
 
 def _ratio(parent: Entry, child: Entry) -> dict[str, Any]:
-    """Wheels in mesh turn in opposite senses."""
+    """Entries of a gear with the ratio of two wheels, negative as wheels in mesh turn in opposite senses."""
     key = _common(parent, child)
     first, second = parent.values[key], child.values[key]
     if key == "teeth" and first == int(first) and second == int(second):
@@ -252,7 +253,7 @@ def _ratio(parent: Entry, child: Entry) -> dict[str, Any]:
 
 
 def _short_names(document: TorsDocument) -> dict[str, str]:
-    """``component.element`` -> the element's name alone where it is the only one of that name."""
+    """Short name of each element by ``component.element``: its own name where no other element has it."""
     entries = [entry for component in document.components.values() for entry in component]
     names = [entry.name for entry in entries]
     return {

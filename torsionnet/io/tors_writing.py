@@ -1,4 +1,4 @@
-"""Drivetrains as TORS files of openTorsion."""
+"""Writing of drivetrains as TORS files of openTorsion."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ WHEEL = 100.0
 """Diameter in mm of the first wheel of a gear known by its ratio alone."""
 
 MOST_STARTS = 50
+"""Ends of the drivetrain from which the layout is tried; more would take longer where none is possible."""
 
 Item = dict[str, Any]
 
 
 def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
-    """The drivetrain as data of the TORS format, with the values of its parameters and its configuration.
+    """Data of a TORS file of the drivetrain, with the values of its parameters and its configuration.
 
     The format knows disks, shafts and gears in a tree. Nodes joined by a rigid coupling become one; springs and dampers
     between the same nodes one shaft; a gear of positive ratio a train with an idler; a shaft of another modulus than
@@ -56,7 +57,7 @@ def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
 
 
 def _laid_out(graph: Graph) -> _Layout:
-    """The tree written from the first end from which that is possible."""
+    """Layout of the graph as chains of elements, from the first end from which that is possible."""
     nodes = list(graph.disks)
     ends = [node for node in nodes if len(graph.at[node]) <= 1] or nodes[:1]
     refusals: list[UsageError] = []
@@ -72,7 +73,7 @@ def _laid_out(graph: Graph) -> _Layout:
 
 
 class _Chain:
-    """Elements of one component, each under a name of its own."""
+    """Chain of elements of one component, with unique names."""
 
     def __init__(self) -> None:
         self.items: list[Item] = []
@@ -89,7 +90,7 @@ class _Chain:
 
 
 class _Layout:
-    """Walks the tree from one end: chains of shafts in loops, branches in recursion."""
+    """Layout of a graph as chains of elements with branches, beginning at one end."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -109,7 +110,7 @@ class _Layout:
         return name, self.chains[name]
 
     def _walk(self, component: str, node: str) -> None:
-        """A node and all that follows: a shaft in the same chain, or in another one where gears follow, too."""
+        """Add a node and all that follows to the chain, or to another one where gears follow, too."""
         chain = self.chains[component]
         while True:
             for disk in self.graph.disks[node]:
@@ -152,7 +153,7 @@ class _Layout:
         self._walk(name, end)
 
     def _mesh(self, chain: _Chain, edge: Edge, wheel: Item, node: str) -> None:
-        """The wheel on the other side; wheels of TORS turn in opposite senses, an idler turns that round."""
+        """Add the second wheel of a gear; for a positive ratio an idler before it turns the sense round."""
         parent = wheel["name"]
         if edge.ratio > 0:
             idler = {**wheel, "name": f"{edge.names[0]} idler", "parent": parent}

@@ -25,7 +25,7 @@ from torsionnet.response.table import result_table
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedMode:
-    """One identified mode with standard errors; shape by sensor, 1 at the sensor that moves most."""
+    """Identified mode with standard errors; shape by sensor, 1 at the sensor that moves most."""
 
     mode: Annotated[int, Out("mode")]
     kind: Annotated[str, Out("kind", schema=MODE_KIND)]
@@ -162,7 +162,7 @@ class ModalEstimate(NotebookResult):
         return result_table(title, self.rows(), IdentifiedMode, IDENTIFIED_COLUMNS, conventions, self.notes)
 
     def rows(self) -> tuple[IdentifiedMode, ...]:
-        """One record for each mode."""
+        """Records of the modes, one for each mode."""
         names = [channel.name for channel in self.outputs]
         collinear = mpc(self.shapes)
         return tuple(

@@ -14,7 +14,7 @@ from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")
-"""Quantities of sensors.
+"""Quantities that a sensor can measure.
 
 Angle, velocity and acceleration of a node; twist of an element; torque through an element at one of its ports, and the
 nominal shear stress that this torque makes in a round shaft."""
@@ -72,7 +72,7 @@ class Sensor:
 
     @property
     def is_on_element(self) -> bool:
-        """Whether ``of`` is an element; else it is a node."""
+        """Whether the channel is on an element and not on a node."""
         return self.quantity in ELEMENT_QUANTITIES
 
     @property
@@ -105,7 +105,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """Input of a model: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
+    """Model input: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
 
     With ``against``, a second node, +T acts on the first node and -T on the second, or the angle of the first relative
     to the second is imposed. Against the ground that is the same as on the node alone. An imposed twist e is what the
@@ -134,7 +134,7 @@ class Input:
 
     @property
     def is_on_element(self) -> bool:
-        """Whether ``of`` is an element; else it is a node."""
+        """Whether the channel is on an element and not on a node."""
         return self.quantity == "twist"
 
     @property

@@ -26,7 +26,7 @@ Axes = Mapping[str, Mapping[str, "Overlay"]]
 
 @dataclass(frozen=True)
 class Overlay:
-    """Changes of an alternative: parameter values, elements on or off, operating point, entries."""
+    """Changes by an alternative: parameter values, elements on or off, operating point, entries."""
 
     parameters: Mapping[str, Expression] = field(default_factory=dict)
     on: tuple[str, ...] = ()
@@ -201,7 +201,7 @@ def label(choice: Mapping[str, str], axes: Axes) -> str:
 
 
 def other_configurations(choice: Mapping[str, str], axes: Axes) -> tuple[str, ...]:
-    """Names of the configurations that are not the one chosen.
+    """Names of all configurations but the chosen one.
 
     On an axis without a choice the model is as written; an alternative that changes nothing is the same.
     """

@@ -14,7 +14,7 @@ from torsionnet.model.elements import Element
 
 
 def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], list[Fault]]:
-    """Elements by name; a name used twice is a fault."""
+    """Elements by name, and the faults of names that are used twice."""
     table: dict[str, Element] = {}
     faults: list[Fault] = []
     if isinstance(elements, Mapping):

@@ -66,7 +66,7 @@ class Reduction:
         return Reduction(elimination)
 
     def eliminated(self) -> Iterator[Any]:
-        """Names that have a solution."""
+        """Eliminated names, for which there is a solution."""
         return (name for name in self._proportions.names() if not self.is_free(name))
 
     def is_free(self, name: Any) -> bool:

@@ -41,16 +41,16 @@ class LookupTable(Plural[Rows]):
                 faults.append(Fault(error.fault.message, (key,)))
         found.sort(key=lambda row: row[0].value)
         twice = [second for first, second in pairwise(found) if first[0].value == second[0].value]
-        faults += [Fault(f"{key} stands twice in the table") for key, _ in twice]
+        faults += [Fault(f"{key} stands twice in the table; keep one row") for key, _ in twice]
         faults += self.unit_faults(found)
         return ((), faults) if faults else (tuple(found), [])
 
     def key(self, raw: object) -> Number:
-        """First value of a row, as a number with its unit."""
+        """Key of a table row, as a number with its unit."""
         return _number(raw)
 
     def value(self, raw: object) -> Number:
-        """Second value of a row, as a number with its unit."""
+        """Value of a table row, as a number with its unit."""
         return _number(raw)
 
     def unit_faults(self, rows: list[tuple[Number, Number]]) -> list[Fault]:

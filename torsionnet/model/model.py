@@ -116,7 +116,7 @@ class Model:
 
     @property
     def definition(self) -> Definition:
-        """Typed content of the model."""
+        """Definition of the model, its typed content."""
         return self._definition
 
     @property
@@ -144,12 +144,12 @@ class Model:
 
     @property
     def inputs(self) -> Mapping[str, Input]:
-        """Excitations by name."""
+        """Inputs of the model by name."""
         return MappingProxyType(dict(self._definition.inputs))
 
     @property
     def sensors(self) -> Mapping[str, Sensor]:
-        """Measured quantities by name."""
+        """Sensors of the model by name."""
         return MappingProxyType(dict(self._definition.sensors))
 
     @cached_property

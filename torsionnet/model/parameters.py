@@ -116,7 +116,9 @@ class Parameter(Declared):
                 return [Fault(f"{extra[0]} needs by: {' or '.join(FOLLOWED_QUANTITIES)}", (extra[0],), on_key=True)]
             return [self.missing("value")] if self.value is None else []
         if self.value is not None and not isinstance(self.value, OperatingValue):
-            return [Fault(f"a parameter by {self.by} has no value of its own", ("value",), on_key=True)]
+            return [
+                Fault(f"a parameter by {self.by} has no value of its own; leave out value", ("value",), on_key=True)
+            ]
         what, dimension = FOLLOWED_QUANTITIES[self.by]
         if not self.of:
             return [Fault(f"by: {self.by} needs of: the name of {what}", on_key=True)]
@@ -198,10 +200,13 @@ def _visit(
 
 
 def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | float], list[Fault]]:
-    """Value in SI of every parameter that has one; faults for cycles, undefined names and impossible arithmetic."""
+    """Values in SI by parameter, and faults of cycles, undefined names and impossible arithmetic."""
     order, cycles = evaluation_order(parameters)
     faults = [
-        Fault(f"parameters define each other in a circle: {' -> '.join([*cycle, cycle[0]])}", ("parameters", cycle[0]))
+        Fault(
+            f"parameters define each other in a circle: {' -> '.join([*cycle, cycle[0]])}; give one of them a value",
+            ("parameters", cycle[0]),
+        )
         for cycle in cycles
     ]
     values: dict[str, Fraction | float] = {}

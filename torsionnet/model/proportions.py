@@ -78,7 +78,7 @@ class Proportions:
         self._links: dict[Hashable, ProportionLink] = {}
 
     def copy(self) -> Proportions:
-        """Copy of the groups that can be joined further."""
+        """Copy of the proportions, to which links can be added."""
         new = Proportions()
         new._links = dict(self._links)
         again = {group: ProportionalGroup(group.lead, group.size, group.solution) for group in self.groups()}
@@ -86,7 +86,7 @@ class Proportions:
         return new
 
     def names(self) -> list[Hashable]:
-        """Names that appeared in a row."""
+        """Names that appear in a link."""
         return list(self._home)
 
     def groups(self) -> list[ProportionalGroup]:

@@ -161,4 +161,4 @@ def _contradiction(definition: Definition, rows: Rows) -> str:
     shown = ", ".join(
         f"{node} {definition.operating_point.speed[node]}" for row in rows for node in row if node != UNIT
     )
-    return f"the mean speeds ({shown}) do not fit the ratios between these nodes"
+    return f"the mean speeds ({shown}) do not fit the ratios between these nodes; correct one of them"

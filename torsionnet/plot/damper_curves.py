@@ -24,12 +24,12 @@ WIDE_RANGE = 3.0
 MARK: dict[str, Any] = {"markersize": 6, "zorder": 5, "clip_on": False}
 
 
-def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def damper_design(result: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
     """Level with the values as given, with the optimal ones, without damping and locked; below, its maximum by value.
 
     Parameters
     ----------
-    found : DamperOptimum
+    result : DamperOptimum
     conventions : Conventions, optional
         Unit of angles.
     title : str, optional
@@ -39,58 +39,58 @@ def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title:
     -------
     matplotlib.figure.Figure
     """
-    largest = max(found.before.level, found.after.level)
-    scale, unit = axis_unit(found.channel.unit, largest, conventions)
-    count = len(found.parameters)
+    largest = max(result.before.level, result.after.level)
+    scale, unit = axis_unit(result.channel.unit, largest, conventions)
+    count = len(result.parameters)
     figure = style.new_figure(style.WIDTH, 6.4)
     grid = figure.add_gridspec(2, count, height_ratios=(1.5, 1))
-    _draw_levels(figure.add_subplot(grid[0, :]), found, scale, unit)
+    _draw_levels(figure.add_subplot(grid[0, :]), result, scale, unit)
     first = None
     for number in range(count):
-        first = _draw_effect(figure.add_subplot(grid[1, number], sharey=first), found, number, scale)
+        first = _draw_effect(figure.add_subplot(grid[1, number], sharey=first), result, number, scale)
     figure.axes[1].set_ylabel(f"its maximum [{unit}]")
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> None:
+def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> None:
     style.style_axes(axes)
-    for number, curve in enumerate(found.curves):
+    for number, curve in enumerate(result.curves):
         axes.plot(curve.points, curve.levels * scale, label=curve.label, **style.line_style(number))
-    for label, mark, points in (("maximum", "o", found.peaks), ("all films meet", "x", found.fixed_points)):
+    for label, mark, points in (("maximum", "o", result.peaks), ("all films meet", "x", result.fixed_points)):
         if points:
             sizes = [one.level * scale for one in points]
             axes.plot([one.point for one in points], sizes, mark, color=style.INK, label=label, **MARK)
-    top = max(found.before.level, found.after.level) * scale
-    lowest = min(curve.levels.min() for curve in found.curves[:2]) * scale
+    top = max(result.before.level, result.after.level) * scale
+    lowest = min(curve.levels.min() for curve in result.curves[:2]) * scale
     low, high = max(0.8 * lowest, top / BOTTOM_FACTOR), TOP_FACTOR * top
     axes.set_yscale("log")
     axes.set_ylim(low, high)
     style.log_ticks(axes.yaxis, low, high)
-    along = found.curves[0].points
+    along = result.curves[0].points
     if along[-1] > 10 * along[0]:
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, along[0], along[-1])
     if len(along) > 1:
         axes.set_xlim(along[0], along[-1])
-    axes.set_xlabel(f"{found.of[0]} [{found.of[1]}]")
-    axes.set_ylabel(f"{found.channel.name} [{unit}]")
+    axes.set_xlabel(f"{result.of[0]} [{result.of[1]}]")
+    axes.set_ylabel(f"{result.channel.name} [{unit}]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
-def _draw_effect(axes: Axes, found: DamperOptimum, number: int, scale: float) -> Axes:
+def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> Axes:
     """Draw the maximum over one value, with the value as given as a vertical line."""
     style.style_axes(axes)
-    one = found.parameters[number]
-    values, sizes = found.effects[one.name].T
+    one = result.parameters[number]
+    values, sizes = result.effects[one.name].T
     axes.plot(values, sizes * scale, color=style.INK, linewidth=1.6)
-    axes.plot([one.value], [found.after.level * scale], "o", color=style.INK, **MARK)
+    axes.plot([one.value], [result.after.level * scale], "o", color=style.INK, **MARK)
     if one.lower <= one.start <= one.upper:
         axes.axvline(one.start, label="as given", **style.line_style(0))
     if one.lower > 0 and one.upper > WIDE_RANGE * one.lower:
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, one.lower, one.upper)
-    every = np.concatenate([effect[:, 1] for effect in found.effects.values()]) * scale
+    every = np.concatenate([effect[:, 1] for effect in result.effects.values()]) * scale
     lowest, highest = every.min(), every.max()
     if highest > WIDE_RANGE * lowest:
         axes.set_yscale("log")

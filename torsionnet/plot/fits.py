@@ -22,7 +22,7 @@ MOST_MEASUREMENTS = 6
 HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
 
 
-def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
     """Magnitude and phase of test and model, and residuals in units of their noise, a column for each measurement.
 
     The model explains the test if the residuals scatter about zero within two; a pattern in them shows what the model
@@ -30,7 +30,7 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
 
     Parameters
     ----------
-    found : Fit
+    result : Fit
     conventions : Conventions, optional
     title : str, optional
 
@@ -43,11 +43,11 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
     >>> import torsionnet as tn
     >>> rig = tn.load("dmf_rig")
     >>> test = rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 40))
-    >>> found = tn.identify(rig.configured(c_2=10), tn.Measurement(test, "theta_1", "T_T"), ["c_2"])
-    >>> len(fit(found).axes)
+    >>> result = tn.identify(rig.configured(c_2=10), tn.Measurement(test, "theta_1", "T_T"), ["c_2"])
+    >>> len(fit(result).axes)
     3
     """
-    shown = found.comparisons[:MOST_MEASUREMENTS]
+    shown = result.comparisons[:MOST_MEASUREMENTS]
     if not shown:
         raise UsageError("the fit holds no measurement to plot")
     width = max(style.WIDTH, 2.6 * len(shown))
@@ -66,30 +66,30 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
     above, below = size.get_legend_handles_labels(), panels[2][0].get_legend_handles_labels()
     handles, names = above[0] + below[0], above[1] + below[1]
     figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
-    values = ", ".join(f"{name} = {value:.4g}" for name, value in list(found.values.items())[:4])
-    style.set_title(figure, f"{found.title}: {values}" if title is None else title)
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in list(result.values.items())[:4])
+    style.set_title(figure, f"{result.title}: {values}" if title is None else title)
     return figure
 
 
-def correlation(found: Fit, *, title: str | None = None) -> Figure:
+def correlation(result: Fit, *, title: str | None = None) -> Figure:
     """Matrix of the correlation of fitted parameters; near 1 or -1 the data cannot tell two of them apart."""
-    names = list(found.values)
+    names = list(result.values)
     side = max(3.0, 0.55 * len(names) + 1.6)
     figure = style.new_figure(side + 0.8, side)
     axes = figure.subplots()
     shown_names = [symbol(name) for name in names]
-    shown = axes.imshow(found.correlation, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto")
+    shown = axes.imshow(result.correlation, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto")
     axes.set_xticks(range(len(names)), shown_names, rotation=45, ha="right", fontsize=style.SMALL)
     axes.set_yticks(range(len(names)), shown_names, fontsize=style.SMALL)
     for i in range(len(names)):
         for j in range(len(names)):
-            value = float(found.correlation[i, j])
+            value = float(result.correlation[i, j])
             colour = style.PAPER if abs(value) > 0.6 else style.INK
             axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=style.SMALL, color=colour)
     bar = figure.colorbar(shown, ax=axes)
     bar.set_label("correlation [-]", fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 

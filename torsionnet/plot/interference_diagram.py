@@ -23,7 +23,7 @@ HEADROOM, NEAREST = 1.12, 0.028
 """Upper end of the axis over the highest crossing, and least distance of two labels over the height of the axes."""
 
 
-def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
+def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
     """Interference (Campbell) diagram with modes as horizontal lines over speed, orders as rays, crossings as marks.
 
     The area of a mark grows with the generalised force of that crossing over the largest one; a cross is a crossing
@@ -31,7 +31,7 @@ def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None,
 
     Parameters
     ----------
-    found : CriticalSpeeds
+    result : CriticalSpeeds
     highest : float, optional
         Upper end of the frequencies, Hz; by default above the highest mode that an order meets in the range.
     title : str, optional
@@ -44,24 +44,24 @@ def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None,
     figure = style.new_figure(style.WIDTH, 5.2)
     axes = figure.subplots()
     style.style_axes(axes)
-    low, high = (speed * RPM for speed in found.speed_range)
-    end = 1.06 * max([high, *(_speed(one) for one in found.crossings if math.isfinite(_speed(one)))])
-    top = highest or HEADROOM * max([_natural(one) for one in found.crossings] or [found.modes[0].undamped_frequency])
+    low, high = (speed * RPM for speed in result.speed_range)
+    end = 1.06 * max([high, *(_speed(one) for one in result.crossings if math.isfinite(_speed(one)))])
+    top = highest or HEADROOM * max([_natural(one) for one in result.crossings] or [result.modes[0].undamped_frequency])
     axes.set(xlim=(0, end), ylim=(0, top))
-    _shade(axes, found, low, high)
-    _modes(axes, found, top, end)
-    _orders(axes, found, top, end)
-    _marks(axes, [one for one in found.crossings if _natural(one) <= top], _names(found))
-    axes.set_xlabel(f"speed of {found.reference} [r/min]")
+    _shade(axes, result, low, high)
+    _modes(axes, result, top, end)
+    _orders(axes, result, top, end)
+    _marks(axes, [one for one in result.crossings if _natural(one) <= top], _names(result))
+    axes.set_xlabel(f"speed of {result.reference} [r/min]")
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _names(found: CriticalSpeeds) -> list[str]:
+def _names(result: CriticalSpeeds) -> list[str]:
     """Names of the excitations in the order of their colours."""
-    return list(dict.fromkeys(one.excitation for one in found.lines))
+    return list(dict.fromkeys(one.excitation for one in result.lines))
 
 
 def _natural(one: CriticalSpeed) -> float:
@@ -74,8 +74,8 @@ def _speed(one: CriticalSpeed) -> float:
     return one.speed("undamped" if math.isnan(one.mode.natural_frequency) else "natural") * RPM
 
 
-def _shade(axes: Axes, found: CriticalSpeeds, low: float, high: float) -> None:
-    margins = [one.required for one in found.crossings if one.required]
+def _shade(axes: Axes, result: CriticalSpeeds, low: float, high: float) -> None:
+    margins = [one.required for one in result.crossings if one.required]
     axes.axvspan(low, high, color=style.PALETTE[5], alpha=0.18, linewidth=0, label="operating range")
     if margins:
         widest = max(margins)
@@ -84,14 +84,14 @@ def _shade(axes: Axes, found: CriticalSpeeds, low: float, high: float) -> None:
         axes.axvspan(high, high * (1 + widest), color=style.PALETTE[6], alpha=0.16, linewidth=0)
 
 
-def _modes(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
+def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     first = True
-    for mode in found.modes:
+    for mode in result.modes:
         if mode.undamped_frequency <= top:
             axes.axhline(mode.undamped_frequency, color=style.MUTED, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1.5,
                          label="undamped natural frequency" if first else None)  # fmt: skip
             first = False
-    shown = sorted((one for one in found.modes if one.natural_frequency <= top), key=lambda one: one.natural_frequency)
+    shown = sorted((one for one in result.modes if one.natural_frequency <= top), key=lambda one: one.natural_frequency)
     groups: list[list[VibrationMode]] = []
     for number, mode in enumerate(shown):
         axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
@@ -106,12 +106,12 @@ def _modes(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
                       fontsize=style.SMALL - 1, color=style.INK, path_effects=[HALO])  # fmt: skip
 
 
-def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
+def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     """Draw the line of each order in the colour of its excitation, with the order where the line leaves the axes."""
-    names = _names(found)
+    names = _names(result)
     labelled: list[tuple[float, float]] = []
     speeds = np.linspace(0, end, SPEED_POINTS)
-    for line in sorted(found.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
+    for line in sorted(result.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
         frequencies = np.abs(line.frequency(speeds / RPM))
         seen = np.flatnonzero(frequencies <= top)
         if not len(seen):
@@ -129,11 +129,11 @@ def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
                           fontsize=style.SMALL - 1, color=color, clip_on=False,
                           ha="center" if above else "left", va="bottom" if above else "center")  # fmt: skip
     for number, name in enumerate(names):
-        axes.plot([], [], color=style.PALETTE[number % len(style.PALETTE)], linewidth=1.2, label=_label(found, name))
+        axes.plot([], [], color=style.PALETTE[number % len(style.PALETTE)], linewidth=1.2, label=_label(result, name))
 
 
-def _label(found: CriticalSpeeds, name: str) -> str:
-    ordered = any(one.order for one in found.lines if one.excitation == name)
+def _label(result: CriticalSpeeds, name: str) -> str:
+    ordered = any(one.order for one in result.lines if one.excitation == name)
     return f"orders of {name}" if ordered else name
 
 

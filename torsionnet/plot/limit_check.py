@@ -18,8 +18,6 @@ from torsionnet.response.limit_check import LimitCheck, LimitVerdict
 
 MOST_LINES = 4
 """Orders drawn in a panel, the largest; more would not fit beside it in the legend."""
-LIMIT_COLOR = "#B00020"
-"""Red of limits; it is none of the colours of curves."""
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 
 
@@ -93,7 +91,7 @@ def _draw(
     style.style_axes(panel)
     for number, span in enumerate(span for one in verdicts for span in one.barred):
         label = None if number else "to be barred"
-        panel.axvspan(span.low * RPM, span.high * RPM, color=LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)
+        panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)
     panel.plot(
         check.rpm,
         first.values * scale,
@@ -107,7 +105,12 @@ def _draw(
     for number, one in enumerate(verdicts):
         dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]
         panel.plot(
-            check.rpm, one.allowed * scale, color=LIMIT_COLOR, linestyle=dashes, linewidth=1.6, label=one.criterion
+            check.rpm,
+            one.allowed * scale,
+            color=style.LIMIT_COLOR,
+            linestyle=dashes,
+            linewidth=1.6,
+            label=one.criterion,
         )
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
     panel.set_ylabel(f"[{unit}]")

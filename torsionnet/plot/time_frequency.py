@@ -23,7 +23,7 @@ HEADROOM = 1.1
 
 
 def spectrogram(
-    seen: Spectrogram,
+    result: Spectrogram,
     *,
     highest: float | None = None,
     span: float = 60.0,
@@ -34,7 +34,7 @@ def spectrogram(
 
     Parameters
     ----------
-    seen : Spectrogram
+    result : Spectrogram
     highest : float, optional
         Upper end of the frequency axis, Hz; by default a tenth above the last level that the colours show.
     span : float, optional
@@ -56,17 +56,17 @@ def spectrogram(
     >>> spectrogram(calculated(record, "T")).axes[0].get_ylabel()
     'frequency [Hz]'
     """
-    scale = conventions.scale(seen.unit) if seen.unit else 1.0
-    levels = seen.decibels(conventions.db_reference / scale)
-    unit = typeset_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
-    label = f"{seen.name} [dB re {conventions.db_reference:g} {unit}]"
+    scale = conventions.scale(result.unit) if result.unit else 1.0
+    levels = result.decibels(conventions.db_reference / scale)
+    unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
+    label = f"{result.name} [dB re {conventions.db_reference:g} {unit}]"
     figure = style.new_figure(style.WIDTH, 3.6)
     axes = figure.subplots()
-    kept = seen.frequencies <= (_last_shown(seen.frequencies, levels, span) if highest is None else highest)
-    _map(figure, axes, seen.times, seen.frequencies[kept], levels[kept], span, label)
+    kept = result.frequencies <= (_last_shown(result.frequencies, levels, span) if highest is None else highest)
+    _map(figure, axes, result.times, result.frequencies[kept], levels[kept], span, label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("frequency [Hz]")
-    style.set_title(figure, seen.name if title is None else title)
+    style.set_title(figure, result.name if title is None else title)
     return figure
 
 
@@ -77,52 +77,54 @@ def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> flo
     return float(HEADROOM * frequencies[carrying[-1]]) if len(carrying) and frequencies[carrying[-1]] else np.inf
 
 
-def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def order_map(
+    result: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None
+) -> Figure:
     """Order map of a signal with the level in colours over speed and order.
 
     Parameters
     ----------
-    seen : OrderMap
+    result : OrderMap
     span : float, optional
         dB below the highest level at which the colours end.
     conventions : Conventions, optional
     title : str, optional
         By default the name of the signal.
     """
-    scale = conventions.scale(seen.unit) if seen.unit else 1.0
+    scale = conventions.scale(result.unit) if result.unit else 1.0
     with np.errstate(divide="ignore"):
-        levels = 20 * np.log10(seen.amplitude * scale / conventions.db_reference)
-    unit = typeset_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
+        levels = 20 * np.log10(result.amplitude * scale / conventions.db_reference)
+    unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
     figure = style.new_figure(style.WIDTH, 3.6)
     axes = figure.subplots()
-    speeds = seen.speeds * 60 / (2 * np.pi)
+    speeds = result.speeds * 60 / (2 * np.pi)
     rising = np.argsort(speeds, kind="stable")
-    label = f"{seen.name} [dB re {conventions.db_reference:g} {unit}]"
-    _map(figure, axes, speeds[rising], seen.orders, levels[:, rising], span, label)
+    label = f"{result.name} [dB re {conventions.db_reference:g} {unit}]"
+    _map(figure, axes, speeds[rising], result.orders, levels[:, rising], span, label)
     axes.set_xlabel("speed [rpm]")
     axes.set_ylabel("order [-]")
-    style.set_title(figure, seen.name if title is None else title)
+    style.set_title(figure, result.name if title is None else title)
     return figure
 
 
-def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def sweep_harmonics(result: Harmonics, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
     """Amplitude and phase of every order over the frequency of the sweep.
 
     Parameters
     ----------
-    found : Harmonics
+    result : Harmonics
     conventions : Conventions, optional
     title : str, optional
         By default the name of the signal.
     """
-    scale = conventions.scale(found.unit) if found.unit else 1.0
-    unit = typeset_unit(conventions.unit(found.unit)) if found.unit else "unknown unit"
+    scale = conventions.scale(result.unit) if result.unit else 1.0
+    unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
     figure = style.new_figure(style.WIDTH, 4.2)
     size, phase = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
-    for number, order in enumerate(found.orders):
+    for number, order in enumerate(result.orders):
         look = style.line_style(number)
-        size.plot(found.frequencies, found.amplitude[:, number] * scale, label=f"{order:g}x", **look)
-        phase.plot(found.frequencies, np.unwrap(found.phase[:, number], period=360), **look)
+        size.plot(result.frequencies, result.amplitude[:, number] * scale, label=f"{order:g}x", **look)
+        phase.plot(result.frequencies, np.unwrap(result.phase[:, number], period=360), **look)
     for axes in (size, phase):
         style.style_axes(axes)
     size.set_yscale("log")
@@ -130,8 +132,8 @@ def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: s
     size.set_ylabel(f"amplitude [{unit}]")
     phase.set_ylabel("phase [deg]")
     phase.set_xlabel("frequency of the sweep [Hz]")
-    style.set_title(figure, found.name if title is None else title)
-    figure.legend(loc="outside lower center", ncols=len(found.orders), frameon=False, fontsize=style.SMALL)
+    style.set_title(figure, result.name if title is None else title)
+    figure.legend(loc="outside lower center", ncols=len(result.orders), frameon=False, fontsize=style.SMALL)
     return figure
 
 

@@ -24,12 +24,12 @@ ROUNDING = 1e-9
 """Sensitivity in percent per percent up to which it is a rounding error of zero."""
 
 
-def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: str | None = None) -> Figure:
+def tornado(result: ModeSensitivities, *, modes: list[int] | None = None, title: str | None = None) -> Figure:
     """Bars with the percent of natural frequency and of damping ratio of modes per percent of each parameter.
 
     Parameters
     ----------
-    found : ModeSensitivities
+    result : ModeSensitivities
     modes : list of int, optional
         Numbers of modes as in their table; by default the first four, real poles among them.
     title : str, optional
@@ -41,55 +41,55 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = tn.sensitivity.mode_sensitivities(tn.load("dmf_rig"))
-    >>> len(tornado(found, modes=[1]).axes)
+    >>> result = tn.sensitivity.mode_sensitivities(tn.load("dmf_rig"))
+    >>> len(tornado(result, modes=[1]).axes)
     2
     """
-    known = [found.number(index) for index in range(len(found.poles))]
+    known = [result.number(index) for index in range(len(result.poles))]
     have = [str(number) for number in known if number is not None]
     wrong = [number for number in modes or () if number not in known]
     if wrong or not known:
         there = f"there are {', '.join(have)}" if have else "there is none that vibrates"
         raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {there}")
     chosen = [known.index(number) for number in modes] if modes else list(range(len(known)))
-    chosen = [mode for mode in chosen if _moves(found, mode)][: len(chosen) if modes else MOST_MODES]
+    chosen = [mode for mode in chosen if _moves(result, mode)][: len(chosen) if modes else MOST_MODES]
     if not chosen:
         raise UsageError(
             "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters"
         )
-    size = (np.abs(found.relative_frequencies) + np.abs(found.relative_dampings))[chosen].max(axis=0)
+    size = (np.abs(result.relative_frequencies) + np.abs(result.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]
-    damped = any(np.abs(found.relative_dampings[mode]).max() > ROUNDING for mode in chosen)
+    damped = any(np.abs(result.relative_dampings[mode]).max() > ROUNDING for mode in chosen)
     figure = style.new_figure(style.WIDTH, 1.2 + len(chosen) * (0.6 + 0.22 * len(shown)))
     panels = figure.subplots(len(chosen), 2 if damped else 1, squeeze=False)
     for row, mode in zip(panels, chosen, strict=True):
-        _bars(row[0], found, found.relative_frequencies[mode], shown, style.PALETTE[0])
-        row[0].set_title(_title(found, mode), fontsize=style.FONT)
+        _bars(row[0], result, result.relative_frequencies[mode], shown, style.PALETTE[0])
+        row[0].set_title(_title(result, mode), fontsize=style.FONT)
         if damped:
-            _damping(row[1], found, mode, shown)
+            _damping(row[1], result, mode, shown)
     for axes, what in zip(_lowest(panels), ("natural frequency", "damping ratio"), strict=False):
         axes.set_xlabel(f"{what} [% per %]")
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _moves(found: ModeSensitivities, mode: int) -> bool:
-    slopes = np.abs(np.concatenate([found.relative_frequencies[mode], found.relative_dampings[mode]]))
+def _moves(result: ModeSensitivities, mode: int) -> bool:
+    slopes = np.abs(np.concatenate([result.relative_frequencies[mode], result.relative_dampings[mode]]))
     return bool(slopes.max(initial=0.0) > ROUNDING)
 
 
-def _title(found: ModeSensitivities, mode: int) -> str:
-    return f"{found.name(mode)}: {found.natural_frequencies[mode]:.4g} Hz"
+def _title(result: ModeSensitivities, mode: int) -> str:
+    return f"{result.name(mode)}: {result.natural_frequencies[mode]:.4g} Hz"
 
 
-def _damping(axes: Axes, found: ModeSensitivities, mode: int, shown: list[int]) -> None:
+def _damping(axes: Axes, result: ModeSensitivities, mode: int, shown: list[int]) -> None:
     """Draw the bars of the damping ratio; remove the panel of a real pole or a mode without damping."""
-    slopes = found.relative_dampings[mode]
+    slopes = result.relative_dampings[mode]
     if np.abs(slopes[shown]).max(initial=0.0) <= ROUNDING:
         axes.remove()
         return
-    _bars(axes, found, slopes, shown, style.PALETTE[1])
-    axes.set_title(f"damping ratio {100 * found.damping_ratios[mode]:.3g} %", fontsize=style.FONT)
+    _bars(axes, result, slopes, shown, style.PALETTE[1])
+    axes.set_title(f"damping ratio {100 * result.damping_ratios[mode]:.3g} %", fontsize=style.FONT)
 
 
 def _lowest(panels: Any) -> list[Axes]:
@@ -97,11 +97,11 @@ def _lowest(panels: Any) -> list[Axes]:
     return [[axes for axes in column if axes.figure is not None][-1] for column in panels.T]
 
 
-def _bars(axes: Axes, found: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:
+def _bars(axes: Axes, result: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:
     """Draw the bars of the parameters that move a mode, the longest on top."""
     style.style_axes(axes)
     sizes = np.abs(slopes)
     falling = sorted(shown, key=lambda p: -float(f"{sizes[p]:.6g}"))  # equal ones in the order of the parameters
     longest = [p for p in falling if sizes[p] > max(SHORTEST_BAR * sizes[falling[0]], ROUNDING)]
-    name_rows(axes, [found.parameters[p] for p in longest])
+    name_rows(axes, [result.parameters[p] for p in longest])
     draw_bars(axes, len(longest), [Bars(slopes[longest], colour)])

@@ -1,4 +1,4 @@
-"""Results of calculations and tests: frequency responses, modes, order responses, limits and tables of them."""
+"""Results of calculations and tests, frequency responses, modes, order responses, limits and tables of them."""
 
 from torsionnet.core.lazy_imports import lazy_exports
 

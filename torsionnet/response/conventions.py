@@ -1,4 +1,4 @@
-"""Conventions for showing results: units of angle and frequency, kind of amplitude, dB reference.
+"""Conventions for showing results, units of angle and frequency, kind of amplitude, dB reference.
 
 Results are kept in SI with frequencies in Hz, for motion ~ exp(+j omega t), so that a lag is a negative phase.
 """

@@ -1,4 +1,4 @@
-"""Critical speeds: crossings of excitation orders with natural frequencies, their margins and generalised forces."""
+"""Critical speeds, crossings of excitation orders with natural frequencies, their margins and generalised forces."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class CriticalSpeedsRecord:
 
 @dataclass(frozen=True)
 class CriticalSpeed:
-    """Critical speed: crossing of one excitation order, or one fixed frequency, with one mode.
+    """Critical speed, crossing of one excitation order, or one fixed frequency, with one mode.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class CriticalSpeed:
 
     @property
     def remark(self) -> str:
-        """Remark for tables: of the mode, and whether it is not excited here or in which condition it is."""
+        """Remark for tables, of the mode, and whether it is not excited here or in which condition it is."""
         said = [self.mode.remark] if self.mode.remark else []
         if self.excited is False:
             elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
@@ -297,7 +297,7 @@ class CriticalSpeeds(NotebookResult):
         )
 
     def table(self) -> Table:
-        """Table with a row per crossing: critical speed, peaks, margin and generalised force."""
+        """Table with a row per crossing, critical speed, peaks, margin and generalised force."""
         geared = any(one.order and one.ratio != 1 for one in self.crossings)
         columns = [
             Column("mode"),

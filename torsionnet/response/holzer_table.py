@@ -1,4 +1,4 @@
-"""Holzer table: amplitudes and torques along a drivetrain at one frequency, station by station."""
+"""Holzer table, amplitudes and torques along a drivetrain at one frequency, station by station."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class HolzerLink:
 
 @dataclass(frozen=True)
 class HolzerStation:
-    """Station of a Holzer table: one node, with real quantities of its own shaft, SI units, peak values.
+    """Station of a Holzer table, one node, with real quantities of its own shaft, SI units, peak values.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class HolzerStation:
 
 @dataclass(frozen=True)
 class HolzerBranch:
-    """Branch of a Holzer table: stations from a free end to where it joins another branch, or to the last station.
+    """Branch of a Holzer table, stations from a free end to where it joins another branch, or to the last station.
 
     ``joins`` is the node it joins, None for a main line.
     """

@@ -1,4 +1,4 @@
-"""Result of a check of limits: worst speed, utilisation and verdict of each criterion, and speeds to be barred."""
+"""Result of a check of limits with worst speed, utilisation and verdict of each criterion, and speeds to be barred."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
 from torsionnet.response.table import Column, Table, result_table
 
 PASS, BARRED, INCOMPLETE, OPEN, FAIL = "pass", "barred range", "incomplete", "not judged", "fail"
-"""Verdicts from best to gravest: the limit holds at every speed; outside of barred speeds; at all that was examined;
+"""Verdicts from best to gravest, the limit holds at every speed; outside of barred speeds; at all that was examined;
 data are missing; it does not hold."""
 
 VERDICT: Schema = {"enum": [PASS, BARRED, INCOMPLETE, OPEN, FAIL]}

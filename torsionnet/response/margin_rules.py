@@ -54,7 +54,7 @@ class MarginRule:
     fixed: float | None = None
 
     def required(self, order: float) -> float | None:
-        """Margin required for an order (0: a fixed frequency, negative: a slip); None if the rule does not cover it."""
+        """Margin required for an order (0 is a fixed frequency, below 0 a slip); None if the rule does not cover it."""
         if order <= 0:
             return self.fixed
         return next((clause.margin for clause in self.clauses if clause.covers(order)), None)

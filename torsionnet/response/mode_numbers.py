@@ -19,7 +19,7 @@ COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles hav
 
 
 def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
-    """Numbers of modes by rising ``|lambda|``: those that vibrate are counted from 1, others have none.
+    """Numbers of modes by rising ``|lambda|``, those that vibrate are counted from 1, others have none.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
 
 
 def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
-    """Names of modes in headings: their number, or their kind, with a letter if there are several of it.
+    """Names of modes in headings, their number, or their kind, with a letter if there are several of it.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def _letters(number: int) -> str:
-    """Letters for a number from 1: a to z, then aa, ab and so on."""
+    """Letters for a number from 1, a to z, then aa, ab and so on."""
     whole, rest = divmod(number - 1, 26)
     return (_letters(whole) if whole else "") + chr(ord("a") + rest)
 

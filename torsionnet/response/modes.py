@@ -1,4 +1,4 @@
-"""Complex modes of a drivetrain: eigenvalues, shapes and energy shares, with their tables."""
+"""Complex modes of a drivetrain, eigenvalues, shapes and energy shares, with their tables."""
 
 from __future__ import annotations
 
@@ -138,12 +138,12 @@ class Modes(NotebookResult):
 
     @property
     def numbers(self) -> tuple[int | None, ...]:
-        """Number of every mode: vibrations from 1 by rising ``|lambda|``, None for rigid bodies and real poles."""
+        """Number of every mode, vibrations from 1 by rising ``|lambda|``, None for rigid bodies and real poles."""
         return mode_numbers(self.kinds)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Name of every mode in headings: its number, or "rigid body", "real pole"."""
+        """Name of every mode in headings, its number, or "rigid body", "real pole"."""
         return mode_names(self.kinds)
 
     @cached_property
@@ -225,7 +225,7 @@ class Modes(NotebookResult):
         )
 
     def shape_table(self) -> Table:
-        """Table with a row per node: magnitude and phase of every mode shape."""
+        """Table with a row per node, magnitude and phase of every mode shape."""
         columns = [Column("node")]
         for name in self.names:
             columns += [Column(f"|shape {name}|", "rad"), Column(f"phase {name}", "deg")]
@@ -240,7 +240,7 @@ class Modes(NotebookResult):
         )
 
     def energy_table(self) -> Table:
-        """Table with a row per element: share in kinetic and strain energy and dissipation of each mode, percent."""
+        """Table with a row per element, share in kinetic and strain energy and dissipation of each mode, percent."""
         columns = [Column("element")]
         for name in self.names:
             columns += [Column(f"{what} {name}", "%", 4) for what in ("kinetic", "strain", "dissipated")]

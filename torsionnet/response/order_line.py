@@ -1,4 +1,4 @@
-"""Order line: one order or fixed frequency of an excitation, and its frequency at each speed."""
+"""Order line, one order or fixed frequency of an excitation, and its frequency at each speed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LARGEST_DENOMINATOR = 10**6
 
 @dataclass(frozen=True)
 class OrderLine:
-    """Line of an order response: one order of one excitation, or a fixed frequency of it.
+    """Line of an order response, one order of one excitation, or a fixed frequency of it.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class OrderLine:
 
     @property
     def relative(self) -> Fraction:
-        """Order of the reference shaft: vibrations per revolution of it, as a fraction."""
+        """Order of the reference shaft, vibrations per revolution of it, as a fraction."""
         return self.exact_order * self.ratio
 
     def frequency(self, speeds: FloatArray) -> FloatArray:

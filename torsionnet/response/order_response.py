@@ -180,7 +180,7 @@ class OrderResponse(NotebookResult):
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
-        """Waveform of an output: sum of all orders over the common cycle, with their phases.
+        """Waveform of an output, sum of all orders over the common cycle, with their phases.
 
         Returns
         -------
@@ -357,7 +357,7 @@ class OrderResponse(NotebookResult):
         return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
 
     def long_table(self) -> Table:
-        """Table of all complex amplitudes: speed, excitation, order, then real and imaginary part of each output; SI.
+        """Table of all complex amplitudes, speed, excitation, order, then real and imaginary part of each output; SI.
 
         Lines of one frequency, such as of an engine and of the propeller on its shaft, have a row each and, after the
         other lines of that speed, a row for their sum with its order of the reference shaft.

@@ -33,7 +33,7 @@ def is_rate(sampling_rate: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Signal of a recording: name, quantity and values of one channel.
+    """Signal of a recording, name, quantity and values of one channel.
 
     Attributes
     ----------

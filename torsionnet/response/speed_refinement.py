@@ -35,7 +35,7 @@ T = TypeVar("T")
 S = TypeVar("S", bound=Sized)
 
 
-def refined_curve(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
+def refine_speeds(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
     """Result refined until ``wanted`` gives no more speeds for it; ``looked`` adds the values at wanted speeds."""
     found = first
     for _ in range(MOST_REFINEMENTS):

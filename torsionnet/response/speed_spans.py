@@ -1,4 +1,4 @@
-"""Ranges of speed: where a limit is exceeded, and which speeds have to be barred."""
+"""Ranges of speed, where a limit is exceeded, and which speeds have to be barred."""
 
 from __future__ import annotations
 

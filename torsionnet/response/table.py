@@ -19,7 +19,7 @@ from torsionnet.response.conventions import SI, Conventions
 
 @dataclass(frozen=True)
 class Column:
-    """Column of a table: name, unit, and significant digits and most decimals of its numbers as text."""
+    """Column of a table, name, unit, and significant digits and most decimals of its numbers as text."""
 
     name: str
     unit: str = ""

@@ -26,7 +26,7 @@ EQUAL_SEARCHED_HALF_RANGE = 1e-5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WorstResponse(OrderResponse):
-    """Order response of several cases: for each output and speed the amplitudes of the case of largest half range.
+    """Order response of several cases, for each output and speed the amplitudes of the case of largest half range.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Warnings about an estimated response: unreliable peaks, and the frequency where a sensor stops resolving motion."""
+"""Warnings about an estimated response, unreliable peaks, and the frequency where a sensor stops resolving motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Decimation of recordings: an anti-alias filter, then every n-th sample."""
+"""Decimation of recordings by an anti-alias filter, then every n-th sample."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Order maps by order tracking: amplitudes at multiples of the rotation over speed."""
+"""Order maps by order tracking, amplitudes at multiples of the rotation over speed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_ANGLE_SAMPLES = 20_000_000
 
 @dataclass(frozen=True, eq=False)
 class OrderMap:
-    """Order map of a signal: amplitude over order and time, with the speed at each time.
+    """Order map of a signal, amplitude over order and time, with the speed at each time.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Repair of encoder pulses: lost ones are counted, double ones left out, others refused."""
+"""Repair of encoder pulses, where lost ones are counted, double ones left out, others refused."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class MissingPulses:
 
 @dataclass(frozen=True, eq=False)
 class Pulses:
-    """Repaired pulses of an encoder: times and numbers of those kept, and what was missing or left out.
+    """Repaired pulses of an encoder, times and numbers of those kept, and what was missing or left out.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
 
 
 def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Pulses:
-    """Repair encoder pulses: leave out double ones, and count missing ones in the numbers of the others.
+    """Repair encoder pulses by leaving out double ones and counting missing ones in the numbers of the others.
 
     Both show in the ratio of neighbouring intervals: a double pulse splits one in two, a lost one joins two. Gaps that
     return once per turn are missing teeth of the wheel.

@@ -1,4 +1,4 @@
-"""Recordings in blocks: parts of a long record, or repeated tests."""
+"""Recordings in blocks, parts of a long record, or repeated tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of a recording for faults: gaps, clipping, spikes, standstill, repetition, encoder errors."""
+"""Checks of a recording for faults with gaps, clipping, spikes, standstill, repetition, encoder errors."""
 
 from __future__ import annotations
 

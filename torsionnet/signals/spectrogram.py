@@ -31,7 +31,7 @@ class SpectrogramRecord:
 
 @dataclass(frozen=True, eq=False)
 class Spectrogram:
-    """Spectrogram of a signal: amplitude over frequency and time.
+    """Spectrogram of a signal, amplitude over frequency and time.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ ComplexArray = NDArray[np.complex128]
 
 
 def h1(s_xx: ComplexArray, s_xy: ComplexArray) -> ComplexArray:
-    """Estimator H1, (n_f, n_out, n_in): least squares on the outputs, unbiased if only the outputs are noisy."""
+    """Estimator H1, (n_f, n_out, n_in), least squares on the outputs, unbiased if only the outputs are noisy."""
     if s_xx.shape[1] == 1:
         return _quotient(s_xy.transpose(0, 2, 1), s_xx)
     return _complex((np.linalg.pinv(s_xx, hermitian=True) @ s_xy).transpose(0, 2, 1))

@@ -14,14 +14,14 @@ WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop",
 """Names of common windows; scipy has more."""
 
 MOST_SAMPLES = 2.0**62
-"""Most samples of a segment: more than any record has, but still exact as an integer."""
+"""Most samples of a segment, more than any record has, but still exact as an integer."""
 SHORTEST_SEGMENT, LONGEST_SEGMENT = 1e-6, 1e6
 """Shortest and longest segment in seconds; others are a mistake in the unit."""
 
 
 @dataclass(frozen=True)
 class Welch:
-    """Settings of Welch's method: window, segments, overlap, detrending, decimation, estimator.
+    """Settings of Welch's method with window, segments, overlap, detrending, decimation, estimator.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Welch:
 
 
 PAPER = Welch(window="hamming", seconds=2.0, overlap=0.8, decimation=50, estimator="H2")
-"""Settings of the source paper: records of 10 kHz decimated to 200 Hz, Hamming 2 s, 80 % overlap, H2."""
+"""Settings of the source paper with records of 10 kHz decimated to 200 Hz, Hamming 2 s, 80 % overlap, H2."""
 
 
 def effective_averages(weights: FloatArray, step: int, count: int) -> float:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+"""Pattern of names allowed in generated Python code: letters, digits and underscores."""
 MOST_MULTIPLIED_COORDINATES = 25
 """Coordinates (roughly) from which the code uses the continued fraction: longer products may overflow floats."""
 

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from torsionnet.assembly.symbolic import SymbolicMatrices
 
 PARTS = ("M", "C", "K", "H", "q", "B", "u")
+"""Names of the parts of the equations that can be requested."""
 DOTS = {"M": r"\ddot", "C": r"\dot", "K": ""}
+"""LaTeX accent of the time derivative that each matrix multiplies."""
 
 
 def to_latex(system: SymbolicMatrices, part: str = "") -> str:

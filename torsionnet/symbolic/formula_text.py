@@ -22,8 +22,10 @@ def for_display(expression: Any) -> Any:
         for number in expression.atoms(sympy.Rational)
         if len(str(number.p)) + len(str(number.q)) > LONG_RATIONAL_DIGITS
     }
-    turned = {power: (-power.base) ** power.exp for power in expression.atoms(sympy.Pow) if _begins_with_minus(power)}
-    return expression.xreplace({**long, **turned}) if long or turned else expression
+    sign_changed = {
+        power: (-power.base) ** power.exp for power in expression.atoms(sympy.Pow) if _begins_with_minus(power)
+    }
+    return expression.xreplace({**long, **sign_changed}) if long or sign_changed else expression
 
 
 def _begins_with_minus(power: Any) -> bool:

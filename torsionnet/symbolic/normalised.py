@@ -23,6 +23,7 @@ MOST_TERMS = 30
 long."""
 
 MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
+"""Largest numbers of operations and symbols of a polynomial that sympy factors: larger ones may take hours."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ class Rational:
     Attributes
     ----------
     coefficients : NamedCoefficients
-        As calculated; they become expressions when they are asked for.
+        As calculated; expressions are made when first used.
     """
 
     coefficients: NamedCoefficients

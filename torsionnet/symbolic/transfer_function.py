@@ -31,6 +31,7 @@ MOST_LEAVES = 5000
 """Largest number of elements and numbers of a nested expression that is written out: more fill pages."""
 
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
+"""Names of the forms in which a transfer function can be written."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class TransferFunction(SymbolicFraction):
     """Symbolic transfer function of one output over one input, exact, in the model's own symbols.
 
     Everything follows from one straight-line program for numerator and denominator, which has no subtraction and no
-    division; the forms are worked out when they are asked for.
+    division; the forms are worked out when first used.
 
     Examples
     --------

@@ -73,7 +73,7 @@ def parse_grid(lines: Sequence[str], file: str) -> CellGrid:
     body = [(number, line) for number, line in enumerate(lines, 1) if not line.lstrip().startswith(COMMENT_MARKS)]
     filled = [line for _, line in body if line.strip()]
     if len(filled) > MOST_ROWS:
-        raise _refused(f"more than {MOST_ROWS} rows are no sheet of a drivetrain", file, lines)
+        raise _refused(f"the sheet has more than {MOST_ROWS} rows; keep only rows of masses and shafts", file, lines)
     separator = next((sign for sign in CELL_SEPARATORS if 2 * sum(sign in line for line in filled) > len(filled)), None)
     if separator is None:
         what = "found no columns; they are separated by semicolons, commas or tabs"

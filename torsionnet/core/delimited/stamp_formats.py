@@ -96,4 +96,4 @@ def ordinal(text: str, order: str) -> int | None:
 
 def invalid_date(text: str) -> str:
     """Message that a text is not a valid date."""
-    return f'"{text}" is no date'
+    return f'"{text}" is not a date of the calendar; check day and month, or write it as 2024-05-03'

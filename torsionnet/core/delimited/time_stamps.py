@@ -87,7 +87,7 @@ class StampReader:
     def _unlike(self, text: str, found: re.Match[str] | None) -> str:
         """Message about a stamp whose format differs; the first stamp sets the format of all."""
         if found is None:
-            return f'"{text}" is no time stamp' + (f' like "{self.first}"' if self.first else "")
+            return f'"{text}" is not a time stamp; write it like "{self.first or "10:12:13.001"}"'
         form, mark = stamp_format(found), found["mark"] or ""
         if not self.first:
             self.first, self._form = text, form

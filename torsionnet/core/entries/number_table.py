@@ -67,7 +67,8 @@ class NumberTable(Spec[Stored_co]):
         if not column.zero and value.value == 0:
             raise EntryError(f"{column.name} must be greater than 0", (index, place))
         if is_beyond_range(float(value.value)):
-            raise EntryError(f"{float(value.value):g} is no size that anything in a drivetrain has", (index, place))
+            text = f"{float(value.value):g} is far outside the sizes of drivetrains; check its unit"
+            raise EntryError(text, (index, place))
         return value
 
     def plain(self, value: Any) -> Json:

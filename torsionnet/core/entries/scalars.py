@@ -241,5 +241,5 @@ def _finite(value: Fraction) -> float:
     if not float("-inf") < number < float("inf"):
         raise EntryError(f"expected a finite number, got {value!r}")
     if is_beyond_range(number):
-        raise EntryError(f"{number:g} is no size that anything in a drivetrain or its tests has")
+        raise EntryError(f"{number:g} is far outside the sizes of drivetrains and their tests; check its unit")
     return number

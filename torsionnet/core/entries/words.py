@@ -24,7 +24,7 @@ def name_fault(name: str) -> str | None:
     """
     if name.isascii() and all(is_single_word(piece) for piece in name.split(".")):
         return None
-    return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
+    return f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
 
 
 def is_single_word(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Instrumental variable of a record: the signal whose spectra multiply those of input and output in the estimate.
+"""Instrumental variable of a record, the signal whose spectra multiply those of input and output in the estimate.
 
 Welch's H1 multiplies by the input itself, and the noise on that, squared, never averages out: H1 is low by its share. A
 set-point shares no noise with the sensors, so its product with their noise averages out. Without one, segments in
@@ -84,7 +84,7 @@ class Instrument:
 def choose_instrument(
     model: AssembledModel, measurement: Measurement, record: Recording, settings: Welch
 ) -> Instrument:
-    """Instrument for a measurement: the reference asked for, else a set-point in the record, else the input.
+    """Instrument for a measurement, the reference asked for, else a set-point in the record, else the input.
 
     Raises
     ------

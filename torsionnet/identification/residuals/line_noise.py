@@ -37,7 +37,7 @@ def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
 
 
 def averaging_of(data: FrequencyResponse) -> Estimation | None:
-    """Averaging of a response: as stated, else the usual one if it has a coherence, else None.
+    """Averaging of a response, as stated, else the usual one if it has a coherence, else None.
 
     Lines of a window are evenly spaced by 1 / seconds.
     """

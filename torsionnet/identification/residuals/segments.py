@@ -153,7 +153,7 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def _backwards(self, lines: slice, spectrum: ComplexArray) -> ComplexArray:
-        """Product rows @ filter: effect of each sample before the filter on the lines, (n_lines, n)."""
+        """Product rows @ filter, effect of each sample before the filter on the lines, (n_lines, n)."""
         passed = np.fft.fft(self.dense(lines), len(spectrum), axis=1)
         passed *= spectrum.conj()
         return np.fft.ifft(passed, axis=1)[:, : self.count]

@@ -84,10 +84,12 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     head, *rest = grid.rows
     names = [named_unit(cell.text) for cell in head]
     place = next((index for index, (name, _) in enumerate(names) if name.casefold() == SIZE), None)
-    faults = [grid.fault(f'two columns are named "{name}"', head[[one for one, _ in names].index(name)])
+    faults = [grid.fault(f'two columns are named "{name}"; rename one', head[[one for one, _ in names].index(name)])
               for name, count in Counter(name for name, _ in names if name).items() if count > 1]  # fmt: skip
     if place is None:
-        faults.append(grid.fault('a catalogue has a column "size", by which a model names its rows', head[0]))
+        faults.append(
+            grid.fault('the catalogue has no column "size", by which a model names its rows; add it', head[0])
+        )
     units = [_unit(grid, cell, unit, faults) for cell, (_, unit) in zip(head, names, strict=True)]
     numbers = [cell for row in rest for cell in row if is_like_number(cell.text)]
     decimal, wrong = decimal_sign(numbers)

@@ -59,7 +59,7 @@ def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: f
     stated = stated_torques(external.definition, external.values)
     apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
     for node in apart:
-        text = f"the load makes it {torques[node]:.6g} N*m at this speed, not {stated[node]:.6g} N*m"
+        text = f"the load gives {torques[node]:.6g} N*m here at this speed, the operating point {stated[node]:.6g} N*m"
         yield Fault(f"{text}; leave one of them out", ("operating_point", "torque", node))
     if not stated or apart:
         return

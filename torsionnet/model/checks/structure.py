@@ -104,7 +104,7 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
                 held = (
                     f'"{node}", which is locked' if acting.against is None else f"{named_nodes(acting)}, held rigidly"
                 )
-                text = f"{name} acts on {held}; nothing would come of it"
+                text = f"{name} acts on {held}, and has no effect; move it to a node that turns"
                 faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)

@@ -141,7 +141,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     if not math.isfinite(value):
         return f"{expression} is not a finite number"
     if is_beyond_range(value):
-        return f"{expression} = {value:g} is no size that anything in a drivetrain has"
+        return f"{expression} = {value:g} is far outside the sizes of drivetrains; check its unit"
     reason = wrong_size(spec, value, measure=measure, wanted=wanted)
     if reason is None:
         return None

@@ -29,7 +29,7 @@ _WAYS = "a gain, {p, i, d, filter}, {numerator, denominator}, {zeros, poles, gai
 _MOST_COEFFICIENTS = 50
 """Coefficients, roots or states of a law; more would only make polynomials that lose their digits."""
 _LARGEST_COEFFICIENT = 10**40
-"""Coefficients of a law are below this: larger ones are slips, and products of them would overflow."""
+"""Limit of the coefficients of a control law: larger numbers are slips, and their products would overflow."""
 
 
 @dataclass(frozen=True)

@@ -115,4 +115,4 @@ class OnCurve(PhysicalQuantity):
         slack = 1e-9 * abs(last)
         if first - slack <= (abs(value) if first >= 0 else value) <= last + slack:
             return None
-        return f"lies beyond its curve, which goes from {self.rows[0][0]} to {self.rows[-1][0]}"
+        return f"lies beyond its curve, which goes from {self.rows[0][0]} to {self.rows[-1][0]}; extend it"

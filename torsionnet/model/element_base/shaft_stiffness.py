@@ -101,7 +101,7 @@ class ShaftStiffness(DynamicStiffness):
 
     @staticmethod
     def _slope(x: Complexes) -> Complexes:
-        """Derivative of ``_value`` to x^2."""
+        """Derivative of the dynamic stiffness over K to x^2."""
         raise NotImplementedError
 
     def _forms(self, s: complex) -> tuple[float, float, float, float]:

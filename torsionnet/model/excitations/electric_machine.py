@@ -97,7 +97,7 @@ class ShortCircuit(Declared):
 
 
 class _Pulsation(NamedTuple):
-    """Pulsation line: its order, the fixed frequency in Hz added to it, and its complex amplitude over speed."""
+    """Order, fixed frequency in Hz and complex amplitude over speed of a pulsation."""
 
     order: float
     fixed: float

@@ -97,7 +97,7 @@ class TableByOrder(Plural[Mapping[float, D]]):
                 faults.append(Fault(f"{article}: {error}", (key,), on_key=True))
                 continue
             if place in table:
-                faults.append(Fault(f"{self.key_name} {place:g} stands twice", (key,), on_key=True))
+                faults.append(Fault(f"{self.key_name} {place:g} stands twice; keep one", (key,), on_key=True))
                 continue
             one, found = self.of.read(value)
             table[place] = cast("D", one)

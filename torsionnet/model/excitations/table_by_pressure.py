@@ -18,7 +18,7 @@ MEAN_PRESSURE = Value("a mean indicated pressure", "pressure")
 SMALLEST_MEAN_PRESSURE = 1e3
 """Smallest mean indicated pressure in Pa but zero; below 0.01 bar, a number in bar was written without its unit."""
 PRESSURE_RTOL = 1e-6
-"""Relative distance beyond the table that is rounding; more of it is refused, because nothing is extrapolated."""
+"""Relative distance beyond a pressure table that counts as rounding; nothing further is extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,7 +39,7 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
                 faults.append(Fault(str(error), (key,), on_key=True))
                 continue
             if pressure in table:
-                faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
+                faults.append(Fault(f"{key} stands twice; keep one", (key,), on_key=True))
                 continue
             table[pressure], found = self.of.read(value)
             faults += [fault.under(key) for fault in found]

@@ -27,7 +27,7 @@ def use_name_fault(name: str) -> str | None:
     """Message that a name is not allowed for a use or a part, or None."""
     if name.isascii() and is_single_word(name):
         return None
-    return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
+    return f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
 
 
 def prefix_fault(name: str) -> str | None:

@@ -187,7 +187,7 @@ def _text_or_not(known: Sequence[Meaning], below: Sequence[Cell]) -> str:
 def _bad_unit(text: str, meaning: Meaning) -> str:
     try:
         sheet_unit(text)
-        said = f'"{text}" is no unit of {meaning.dimensions[0]}'
+        said = f'"{text}" is not a unit of {meaning.dimensions[0]}'
     except UnitError as error:
         said = str(error)
     return f"{said}; write the heading as {meaning.example}"

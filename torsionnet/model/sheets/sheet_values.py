@@ -106,7 +106,8 @@ class SheetValues:
     def _possible(self, value: SheetValue, cell: Cell) -> SheetValue | None:
         if not is_beyond_range(value.si):
             return value
-        self.faults.append(self.grid.fault(f"{cell.text} is no size that anything in a drivetrain has", cell))
+        text = f"{cell.text} is far outside the sizes of drivetrains; check its unit"
+        self.faults.append(self.grid.fault(text, cell))
         return None
 
     def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
@@ -130,7 +131,7 @@ class SheetValues:
             self.faults.append(self.grid.fault(f'"{cell.text}" is not a number: {error}', cell))
             return None
         if not meaning.fits(unit.dimension):
-            self.faults.append(self.grid.fault(f'"{text}" is no unit of {meaning.dimensions[0]}', cell))
+            self.faults.append(self.grid.fault(f'"{text}" is not a unit of {meaning.dimensions[0]}', cell))
             return None
         if column.unit is not None and (unit.factor, unit.dimension) != (column.unit.factor, column.unit.dimension):
             said = f'"{cell.text}" is in another unit than its heading says ("{column.unit_text}")'

@@ -15,6 +15,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFo
 # Okabe and Ito's colours without the yellow, which is lost on white: told apart with any kind of colour vision.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#444444", "#56B4E9", "#E69F00")
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
+LIMIT_COLOR = "#B00020"
+"""Red of limits, which is none of the colours of curves."""
 INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2

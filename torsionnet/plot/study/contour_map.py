@@ -52,7 +52,7 @@ LABEL_LINE = 0.155
 """Height in inches of a line of a label."""
 
 
-def contour_map(found: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Contours of a quantity over two parameters, a panel for each configuration; a limit of the quantity in red.
 
     Colours are the same in all configurations. An axis is logarithmic if the values of its parameter have equal
@@ -60,8 +60,8 @@ def contour_map(found: MapResult, *, units: ShownUnits = IN_SI, title: str | Non
 
     Parameters
     ----------
-    found : MapResult
-        What the answer ``map`` of a study found.
+    result : MapResult
+        Result of the answer ``map`` of a study.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -70,19 +70,19 @@ def contour_map(found: MapResult, *, units: ShownUnits = IN_SI, title: str | Non
     -------
     matplotlib.figure.Figure
     """
-    scale = units.scale(*found.quantity)
-    every = scale * finite_values(one.values for one in found.maps.values())
+    scale = units.scale(*result.quantity)
+    every = scale * finite_values(one.values for one in result.maps.values())
     levels, norm = _levels(every)
-    columns = style.panel_columns(len(found.maps))
-    rows = math.ceil(len(found.maps) / columns)
-    share_x, share_y = (_alike(getattr(one, side) for one in found.maps.values()) for side in "xy")
-    labels = _Labels.within(found, units, columns, rows, apart=0.0 if share_y else TICKS)
+    columns = style.panel_columns(len(result.maps))
+    rows = math.ceil(len(result.maps) / columns)
+    share_x, share_y = (_alike(getattr(one, side) for one in result.maps.values()) for side in "xy")
+    labels = _Labels.within(result, units, columns, rows, apart=0.0 if share_y else TICKS)
     figure = style.new_figure(style.WIDTH, labels.height)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y)
-    panels = grid.ravel()[: len(found.maps)].tolist()
-    for axes, (case, one) in zip(panels, found.maps.items(), strict=True):
-        _panel(axes, _axes_of(found, one, units), scale * one.values.T, levels, norm, labels.width)
-        _limits(axes, found, _axes_of(found, one, units), scale * one.values.T, scale)
+    panels = grid.ravel()[: len(result.maps)].tolist()
+    for axes, (case, one) in zip(panels, result.maps.items(), strict=True):
+        _panel(axes, _axes_of(result, one, units), scale * one.values.T, levels, norm, labels.width)
+        _limits(axes, result, _axes_of(result, one, units), scale * one.values.T, scale)
         if len(panels) > 1:
             panel_title(axes, case, labels.width)
     for axes in grid.ravel()[len(panels) :]:
@@ -93,8 +93,8 @@ def contour_map(found: MapResult, *, units: ShownUnits = IN_SI, title: str | Non
         axes.set_xlabel(labels.x)
         axes.tick_params(labelbottom=True)
     if len(every):
-        _bar(figure, found, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
-    style.set_title(figure, found.title if title is None else title)
+        _bar(figure, result, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
@@ -109,24 +109,24 @@ class _Labels:
     height: float
 
     @classmethod
-    def within(cls, found: MapResult, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
+    def within(cls, result: MapResult, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
         """Labels for panels in columns and rows; ``apart`` inches are kept for numbers along y between panels."""
         high = HEIGHTS[columns]
-        y = axis_label(found.y[0], units.unit(*found.y), high)
-        bar = label_with_remark(found.quantity[0], units.unit(*found.quantity), _besides(found), 0.8 * rows * high)
+        y = axis_label(result.y[0], units.unit(*result.y), high)
+        bar = label_with_remark(result.quantity[0], units.unit(*result.quantity), _besides(result), 0.8 * rows * high)
         sides = TICKS + LABEL_LINE * line_count([y]) + BAR + LABEL_LINE * line_count([bar])
         width = (style.WIDTH - sides) / columns - GAP - apart
-        x = axis_label(found.x[0], units.unit(*found.x), width)
-        titles = line_count(break_text(case, width) for case in found.maps) if len(found.maps) > 1 else 0
-        below = LABEL_LINE * line_count([x]) * (2 if len(found.maps) % columns else 1)
+        x = axis_label(result.x[0], units.unit(*result.x), width)
+        titles = line_count(break_text(case, width) for case in result.maps) if len(result.maps) > 1 else 0
+        below = LABEL_LINE * line_count([x]) * (2 if len(result.maps) % columns else 1)
         height = HEADING + rows * (high + TICKS + LABEL_LINE * titles) + below
         return cls(x, y, bar, width, height)
 
 
-def _besides(found: MapResult) -> str:
+def _besides(result: MapResult) -> str:
     """Remark at the bar of colours: the choice of the other parameters, and the meaning of blank fields."""
-    over = "" if found.others == "fixed" else f"{found.others} over the others"
-    blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else "blank where there is none"
+    over = "" if result.others == "fixed" else f"{result.others} over the others"
+    blank = "" if all(np.isfinite(one.values).all() for one in result.maps.values()) else "blank where there is none"
     return ", ".join(filter(None, (over, blank)))
 
 
@@ -143,8 +143,8 @@ def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
     return np.linspace(low, high, COLOURS + 1), Normalize(low, high)
 
 
-def _axes_of(found: MapResult, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
-    return one.x * units.scale(*found.x), one.y * units.scale(*found.y)
+def _axes_of(result: MapResult, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
+    return one.x * units.scale(*result.x), one.y * units.scale(*result.y)
 
 
 def _panel(
@@ -184,19 +184,19 @@ def _lines(here: FloatArray) -> Any:
     return 10.0 ** np.arange(first, last + 1, max(1, (last - first) // MOST_CONTOUR_LINES))
 
 
-def _limits(axes: Axes, found: MapResult, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
+def _limits(axes: Axes, result: MapResult, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
     here = values[np.isfinite(values)]
-    if found.limit is None or not len(here):
+    if result.limit is None or not len(here):
         return
-    for side in (found.limit.below, found.limit.above):
+    for side in (result.limit.below, result.limit.above):
         if side is not None and here.min() < scale * side < here.max():
             axes.contour(*at, values, levels=[scale * side], colors=BEYOND_COLOR, linewidths=2.2)
 
 
 def _bar(
-    figure: Figure, found: MapResult, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
+    figure: Figure, result: MapResult, panels: list[Axes], colours: ScalarMappable, units: ShownUnits, label: str
 ) -> None:
-    unit, scale = units.unit(*found.quantity), units.scale(*found.quantity)
+    unit, scale = units.unit(*result.quantity), units.scale(*result.quantity)
     bar: Colorbar = figure.colorbar(colours, ax=panels, shrink=0.9)
     low, high = bar.ax.get_ylim()
     if bar.ax.get_yscale() == "log":
@@ -206,7 +206,7 @@ def _bar(
         bar.ax.yaxis.set_major_locator(MaxNLocator(7))
     bar.set_label(label, fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
-    sides = [] if found.limit is None else [found.limit.below, found.limit.above]
+    sides = [] if result.limit is None else [result.limit.below, result.limit.above]
     for side in sides:
         if side is None:
             continue

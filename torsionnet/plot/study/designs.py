@@ -28,12 +28,12 @@ NEAR_BOUND = 0.2
 LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
 
 
-def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Parameters within their bounds, as given and optimal, and the best objective over the number of designs.
 
     Parameters
     ----------
-    found : DesignOptimum
+    result : DesignOptimum
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -43,19 +43,21 @@ def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: st
     -------
     matplotlib.figure.Figure
     """
-    figure = style.new_figure(style.WIDTH, 1.6 + max(1.4, 0.4 * len(found.parameters)))
+    figure = style.new_figure(style.WIDTH, 1.6 + max(1.4, 0.4 * len(result.parameters)))
     places, course = figure.subplots(1, 2, width_ratios=(1.6, 1))
-    _draw_places(places, found.parameters, units)
+    _draw_places(places, result.parameters, units)
     style.style_axes(course)
-    calculated, merits = found.history.T
-    scale, label = (1.0, "squared deviations [-]") if found.goals.targets else _shown(found.goals.objectives[0], units)
-    sign = 1.0 if found.goals.targets else found.goals.objectives[0].sign
+    calculated, merits = result.history.T
+    scale, label = (
+        (1.0, "squared deviations [-]") if result.goals.targets else _shown(result.goals.objectives[0], units)
+    )
+    sign = 1.0 if result.goals.targets else result.goals.objectives[0].sign
     course.step(calculated, sign * scale * merits, where="post", **style.line_style(0))
     course.set_xlabel("designs calculated")
     course.set_ylabel(label)
-    if found.goals.targets and is_wide(merits[np.isfinite(merits)]):
+    if result.goals.targets and is_wide(merits[np.isfinite(merits)]):
         log_axis(course, "y", merits.min(), merits.max())
-    style.set_title(figure, f"{found.title}: optimum".removeprefix(": ") if title is None else title)
+    style.set_title(figure, f"{result.title}: optimum".removeprefix(": ") if title is None else title)
     return figure
 
 
@@ -102,13 +104,13 @@ def _place(one: DesignParameter, value: float) -> float:
 
 
 def damper_over_conditions(
-    found: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
     """Largest level in every condition as given, with one damper for all, and with a damper for this condition alone.
 
     Parameters
     ----------
-    found : DamperOverConditions
+    result : DamperOverConditions
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -118,33 +120,33 @@ def damper_over_conditions(
     -------
     matplotlib.figure.Figure
     """
-    figure = style.new_figure(style.WIDTH, 1.4 + 0.45 * len(found.conditions))
+    figure = style.new_figure(style.WIDTH, 1.4 + 0.45 * len(result.conditions))
     axes = figure.subplots()
     style.style_axes(axes)
-    rows = np.arange(len(found.conditions))
+    rows = np.arange(len(result.conditions))
     marks = (("as given", "before", "s"), ("best for all", "after", "o"), ("best alone", "alone", "|"))
     scale, unit = (
-        units.scale(found.channel.name, found.channel.unit),
-        units.unit(found.channel.name, found.channel.unit),
+        units.scale(result.channel.name, result.channel.unit),
+        units.unit(result.channel.name, result.channel.unit),
     )
     for number, (label, what, mark) in enumerate(marks):
-        levels = [scale * getattr(one, what).level for one in found.conditions]
+        levels = [scale * getattr(one, what).level for one in result.conditions]
         axes.plot(levels, rows, mark, markersize=7, color=style.PALETTE[(4, 1, 0)[number]], label=label)
-    axes.axvline(scale * found.worst.after.level, color=style.MUTED, linewidth=0.8)
-    text_rows(axes, [one.condition or found.title for one in found.conditions], style.WIDTH)
-    axes.set_xlabel(f"largest {axis_label(found.channel.name, unit)}")
+    axes.axvline(scale * result.worst.after.level, color=style.MUTED, linewidth=0.8)
+    text_rows(axes, [one.condition or result.title for one in result.conditions], style.WIDTH)
+    axes.set_xlabel(f"largest {axis_label(result.channel.name, unit)}")
     legend_below(figure, *axes.get_legend_handles_labels())
-    best = ", ".join(f"{one.name} = {_value(one, units)}" for one in found.parameters)
-    style.set_title(figure, f"{found.title}: {best}" if title is None else title)
+    best = ", ".join(f"{one.name} = {_value(one, units)}" for one in result.parameters)
+    style.set_title(figure, f"{result.title}: {best}" if title is None else title)
     return figure
 
 
-def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def pareto_front(result: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Objectives of the designs of a Pareto front, each over the one before, a panel for each pair.
 
     Parameters
     ----------
-    found : ParetoFront
+    result : ParetoFront
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -154,31 +156,31 @@ def pareto_front(found: ParetoFront, *, units: ShownUnits = IN_SI, title: str | 
     -------
     matplotlib.figure.Figure
     """
-    count = len(found.objectives) - 1
+    count = len(result.objectives) - 1
     figure = style.new_figure(style.WIDTH, 3.6)
     for number, axes in enumerate(np.atleast_1d(figure.subplots(1, count)).tolist()):
         style.style_axes(axes)
-        (x, across_label), (y, up_label) = (_shown(one, units) for one in found.objectives[number : number + 2])
-        across, up = found.values[:, number] * x, found.values[:, number + 1] * y
+        (x, across_label), (y, up_label) = (_shown(one, units) for one in result.objectives[number : number + 2])
+        across, up = result.values[:, number] * x, result.values[:, number + 1] * y
         axes.plot(across, up, "o", markersize=4, color=style.PALETTE[0], label="best compromises")
-        middle = found.compromise
+        middle = result.compromise
         axes.plot(across[middle], up[middle], "D", color=style.PALETTE[1], label="near the best of all")
-        if np.isfinite(found.given[number : number + 2]).all():
-            given = found.given[number : number + 2] * (x, y)
+        if np.isfinite(result.given[number : number + 2]).all():
+            given = result.given[number : number + 2] * (x, y)
             axes.plot(*given, "s", color=style.MUTED, mfc=style.PAPER, label="as given")
-        axes.set_xlabel(f"{across_label}, {found.objectives[number].sense}d")
-        axes.set_ylabel(f"{up_label}, {found.objectives[number + 1].sense}d")
+        axes.set_xlabel(f"{across_label}, {result.objectives[number].sense}d")
+        axes.set_ylabel(f"{up_label}, {result.objectives[number + 1].sense}d")
     legend_below(figure, *figure.axes[0].get_legend_handles_labels())
-    style.set_title(figure, f"{found.title}: best compromises".removeprefix(": ") if title is None else title)
+    style.set_title(figure, f"{result.title}: best compromises".removeprefix(": ") if title is None else title)
     return figure
 
 
-def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def robust_optimum(result: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Mean and standard deviation under tolerances of each design, and the share of variants that keep the limits.
 
     Parameters
     ----------
-    found : RobustOptimum
+    result : RobustOptimum
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -188,21 +190,21 @@ def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: st
     -------
     matplotlib.figure.Figure
     """
-    shown = list(found.designs[0].mean)
-    panels = len(shown) + found.limited
+    shown = list(result.designs[0].mean)
+    panels = len(shown) + result.limited
     figure = style.new_figure(style.WIDTH, 3.2)
     every = np.atleast_1d(figure.subplots(1, panels)).tolist()
-    labels = [one.label for one in found.designs]
+    labels = [one.label for one in result.designs]
     for name, axes in zip(shown, every, strict=False):
-        means, deviations = ([getattr(one, what)[name] for one in found.designs] for what in ("mean", "deviation"))
+        means, deviations = ([getattr(one, what)[name] for one in result.designs] for what in ("mean", "deviation"))
         scale = units.scale(name)
         axes.errorbar(
             range(len(labels)), scale * np.array(means), scale * np.array(deviations), fmt="o", capsize=5,
             color=style.PALETTE[0],
         )  # fmt: skip
         axes.set_ylabel(f"{axis_label(name, units.unit(name), LABEL_WIDTH)}\nmean and standard deviation")
-    if found.limited:
-        shares = 100 * np.array([one.share_kept for one in found.designs])
+    if result.limited:
+        shares = 100 * np.array([one.share_kept for one in result.designs])
         ends = np.abs(shares[:, 1:].T - shares[:, 0])
         every[-1].errorbar(range(len(labels)), shares[:, 0], ends, fmt="o", capsize=5, color=style.PALETTE[2])
         every[-1].set_ylabel("keep all limits [%]\n95 % confidence")
@@ -210,5 +212,5 @@ def robust_optimum(found: RobustOptimum, *, units: ShownUnits = IN_SI, title: st
         style.style_axes(axes)
         axes.set_xticks(range(len(labels)), labels)
         axes.set_xlim(-0.5, len(labels) - 0.5)
-    style.set_title(figure, f"{found.title}: robust optimum".removeprefix(": ") if title is None else title)
+    style.set_title(figure, f"{result.title}: robust optimum".removeprefix(": ") if title is None else title)
     return figure

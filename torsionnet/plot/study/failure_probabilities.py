@@ -23,14 +23,14 @@ LEAST_LOG_RATIO = 4.0
 
 
 def failure_probabilities(
-    found: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
     """Probabilities that a limit is not kept, by configuration, with intervals; hollow where not to be trusted.
 
     Parameters
     ----------
-    found : FailureProbabilityResult
-        What the answer ``failure_probability`` of a study found.
+    result : FailureProbabilityResult
+        Result of the answer ``failure_probability`` of a study.
     units : ShownUnits, optional
         Probabilities have none.
     title : str, optional
@@ -40,7 +40,7 @@ def failure_probabilities(
     matplotlib.figure.Figure
     """
     del units
-    events = list(found.events.items())
+    events = list(result.events.items())
     ends = [
         side for _, one in events for side in (one.low, one.high, one.probability) if np.isfinite(side) and side > 0
     ]
@@ -57,9 +57,9 @@ def failure_probabilities(
     else:
         axes.set_xticks([])
     text_rows(axes, [case for case, _ in events], style.WIDTH)
-    words = textwrap.fill(f"probability of {typeset_unit(found.beyond)} [-]", style.WIDEST_TITLE)
-    axes.set_xlabel(f"{words}\n{100 * found.confidence:g} % interval")
-    style.set_title(figure, found.title if title is None else title)
+    words = textwrap.fill(f"probability of {typeset_unit(result.beyond)} [-]", style.WIDEST_TITLE)
+    axes.set_xlabel(f"{words}\n{100 * result.confidence:g} % interval")
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 

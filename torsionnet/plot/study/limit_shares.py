@@ -31,13 +31,13 @@ LEGEND_LINE = 0.165
 """Height in inches of a line of the legend."""
 
 
-def limit_shares(found: YieldResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def limit_shares(result: YieldResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Distributions of the variants of each configuration about every limit, with the range beyond it shaded.
 
     Parameters
     ----------
-    found : YieldResult
-        What the answer ``yield`` of a study found.
+    result : YieldResult
+        Result of the answer ``yield`` of a study.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -46,21 +46,21 @@ def limit_shares(found: YieldResult, *, units: ShownUnits = IN_SI, title: str | 
     -------
     matplotlib.figure.Figure
     """
-    names = list(dict.fromkeys(one.quantity for one in found.distributions))
-    cases = len(dict.fromkeys(one.configuration for one in found.distributions))
+    names = list(dict.fromkeys(one.quantity for one in result.distributions))
+    cases = len(dict.fromkeys(one.configuration for one in result.distributions))
     figure = style.new_figure(style.WIDTH, 0.8 + max(2.4, 0.9 + LEGEND_LINE * cases) * len(names))
     panels = figure.subplots(len(names), 1, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
-        _panel(axes, found, [one for one in found.distributions if one.quantity == name], units)
-    style.set_title(figure, found.title if title is None else title)
+        _panel(axes, result, [one for one in result.distributions if one.quantity == name], units)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _panel(axes: Axes, found: YieldResult, distributions: list[LimitedValues], units: ShownUnits) -> None:
+def _panel(axes: Axes, result: YieldResult, distributions: list[LimitedValues], units: ShownUnits) -> None:
     first = distributions[0]
     scale = units.scale(first.curve or first.quantity, first.unit)
     for number, one in enumerate(distributions):
-        _drawn(axes, one, scale, number, _label(found, one))
+        _drawn(axes, one, scale, number, _label(result, one))
     style.style_axes(axes)
     with_values = [one for one in distributions if one.counts.any()]
     if with_values:
@@ -74,9 +74,9 @@ def _panel(axes: Axes, found: YieldResult, distributions: list[LimitedValues], u
     (legend_inside if len(distributions) <= MOST_NAMES_INSIDE else legend_beside)(axes)
 
 
-def _label(found: YieldResult, one: LimitedValues) -> str:
+def _label(result: YieldResult, one: LimitedValues) -> str:
     share = next(
-        (each.share for each in found.shares
+        (each.share for each in result.shares
          if each.configuration == one.configuration and f" {one.quantity} " in f" {each.limit} "), None,
     )  # fmt: skip
     return one.configuration if share is None else f"{one.configuration}: {share.percent} beyond"

@@ -38,7 +38,7 @@ AXIS_DISTANCE, TALL_PANEL, LOW_PANEL, MOST_TALL = 0.95, 2.6, 1.5, 4
 
 
 def parallel_coordinates(
-    found: ParallelCoordinatesResult, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: ParallelCoordinatesResult, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
     """Variants as lines across parallel axes of parameters and quantities, those beyond a limit in red.
 
@@ -46,8 +46,8 @@ def parallel_coordinates(
 
     Parameters
     ----------
-    found : ParallelCoordinatesResult
-        What the answer ``parallel_coordinates`` of a study found.
+    result : ParallelCoordinatesResult
+        Result of the answer ``parallel_coordinates`` of a study.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -56,28 +56,28 @@ def parallel_coordinates(
     -------
     matplotlib.figure.Figure
     """
-    names = list(found.units)
-    scales = {name: units.scale(name, si) for name, si in found.units.items()}
-    every = {name: scales[name] * finite_values(one[name] for one in found.variants.values()) for name in names}
+    names = list(result.units)
+    scales = {name: units.scale(name, si) for name, si in result.units.items()}
+    every = {name: scales[name] * finite_values(one[name] for one in result.variants.values()) for name in names}
     width = max(style.WIDTH, AXIS_DISTANCE * len(names))
-    height = TALL_PANEL if len(found.variants) <= MOST_TALL else LOW_PANEL
-    figure = style.new_figure(width, 1.2 + height * len(found.variants))
-    panels = figure.subplots(len(found.variants), 1, squeeze=False)[:, 0]
-    for axes, (case, columns) in zip(panels, found.variants.items(), strict=True):
+    height = TALL_PANEL if len(result.variants) <= MOST_TALL else LOW_PANEL
+    figure = style.new_figure(width, 1.2 + height * len(result.variants))
+    panels = figure.subplots(len(result.variants), 1, squeeze=False)[:, 0]
+    for axes, (case, columns) in zip(panels, result.variants.items(), strict=True):
         shares = np.column_stack([_shares(columns[name] * scales[name], every[name]) for name in names])
-        _lines(axes, shares, found.beyond[case])
+        _lines(axes, shares, result.beyond[case])
         _scales(axes, [axis_ends(every[name]) if len(every[name]) else None for name in names])
         if not np.isfinite(shares).any():
             write_in_empty_panel(axes, "no variant has a value")
-        labels = [axis_label(name, units.unit(name, found.units[name]), width / len(names) - 0.1) for name in names]
+        labels = [axis_label(name, units.unit(name, result.units[name]), width / len(names) - 0.1) for name in names]
         axes.set_xticks(range(len(names)), labels if axes is panels[-1] else [""] * len(names))
         axes.tick_params(axis="x", labelsize=style.SMALL, length=0, pad=14)
-        if len(found.variants) > 1:
+        if len(result.variants) > 1:
             panel_title(axes, case, width, pad=TITLE_PAD)
-    if any(outside.any() for outside in found.beyond.values()):
+    if any(outside.any() for outside in result.beyond.values()):
         handles = [Line2D([], [], color=color) for color in (WITHIN_COLOR, BEYOND_COLOR)]
         legend_below(figure, handles, ["within limits", "beyond a limit"])
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 

@@ -31,13 +31,13 @@ PANEL_HEIGHT = 2.3
 """Height of a panel in inches."""
 
 
-def percentile_bands(found: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Percentiles of curves as bands, one within the other, the middle one as a line; a panel for each configuration.
 
     Parameters
     ----------
-    found : PercentileBandsResult
-        What the answer ``percentile_bands`` of a study found.
+    result : PercentileBandsResult
+        Result of the answer ``percentile_bands`` of a study.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -46,24 +46,24 @@ def percentile_bands(found: PercentileBandsResult, *, units: ShownUnits = IN_SI,
     -------
     matplotlib.figure.Figure
     """
-    count, quantity = len(found.lines), (found.quantity, found.measure.unit)
+    count, quantity = len(result.lines), (result.quantity, result.measure.unit)
     columns = style.panel_columns(count, MOST_COLUMNS)
     rows = math.ceil(count / columns)
     figure = style.new_figure(style.WIDTH, 1.1 + PANEL_HEIGHT * rows)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     panels = grid.ravel()[:count].tolist()
-    over_speed = found.measure.over == "speed"
-    points = found.measure.points * RPM if over_speed else found.measure.points
+    over_speed = result.measure.over == "speed"
+    points = result.measure.points * RPM if over_speed else result.measure.points
     scale = units.scale(*quantity)
-    for axes, (case, lines) in zip(panels, found.lines.items(), strict=True):
-        _bands(axes, points, lines * scale, found.percentiles)
+    for axes, (case, lines) in zip(panels, result.lines.items(), strict=True):
+        _bands(axes, points, lines * scale, result.percentiles)
         if count > 1:
             panel_title(axes, case, style.WIDTH / columns - 0.5)
     for axes in grid.ravel()[count:]:
         axes.remove()
     for axes in grid[:, 0]:
         axes.set_ylabel(axis_label(quantity[0], units.unit(*quantity), PANEL_HEIGHT))
-    every = finite_values(found.lines.values()) * scale
+    every = finite_values(result.lines.values()) * scale
     if is_wide(every):
         log_axis(panels[0], "y", every.min(), every.max())
     if points[0] > 0 and is_wide(points):
@@ -74,7 +74,7 @@ def percentile_bands(found: PercentileBandsResult, *, units: ShownUnits = IN_SI,
         axes.tick_params(labelbottom=True)
     handles, labels = panels[0].get_legend_handles_labels()
     legend_below(figure, handles, labels)
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 

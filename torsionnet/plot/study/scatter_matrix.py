@@ -39,14 +39,14 @@ WIDE_RANGE = 30.0
 
 
 def scatter_matrix(
-    found: ScatterResult, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: ScatterResult, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
     """Scatter plots of every quantity over every parameter, with the rank correlation in the corner.
 
     Parameters
     ----------
-    found : ScatterResult
-        What the answer ``scatter`` of a study found.
+    result : ScatterResult
+        Result of the answer ``scatter`` of a study.
     configuration : str, optional
         By default all, distinguished by colours; densities are drawn of all together.
     units : ShownUnits, optional
@@ -62,19 +62,19 @@ def scatter_matrix(
     UsageError
         No such configuration.
     """
-    cases = list(found.points) if configuration is None else [configuration]
-    if not set(cases) <= set(found.points):
-        raise UsageError(f'there is no configuration "{configuration}"; there are {", ".join(found.points)}')
-    shown = _strongest(found, cases)
-    si = {**found.parameter_units, **found.units}
-    columns = {name: _columns(found, cases, name, units.scale(name, si[name])) for name in (*shown, *found.units)}
+    cases = list(result.points) if configuration is None else [configuration]
+    if not set(cases) <= set(result.points):
+        raise UsageError(f'there is no configuration "{configuration}"; there are {", ".join(result.points)}')
+    shown = _strongest(result, cases)
+    si = {**result.parameter_units, **result.units}
+    columns = {name: _columns(result, cases, name, units.scale(name, si[name])) for name in (*shown, *result.units)}
     width = max(style.WIDTH, PANEL_WIDTH * len(shown))
-    figure = style.new_figure(width, 0.9 + PANEL_HEIGHT * len(found.units))
-    panels = figure.subplots(len(found.units), len(shown), squeeze=False, sharex="col", sharey="row")
-    for row, quantity in zip(panels, found.units, strict=True):
+    figure = style.new_figure(width, 0.9 + PANEL_HEIGHT * len(result.units))
+    panels = figure.subplots(len(result.units), len(shown), squeeze=False, sharex="col", sharey="row")
+    for row, quantity in zip(panels, result.units, strict=True):
         for axes, parameter in zip(row, shown, strict=True):
             _points(axes, columns[parameter], columns[quantity])
-            _coefficient(axes, found, cases, parameter, quantity)
+            _coefficient(axes, result, cases, parameter, quantity)
             style.style_axes(axes)
         _scaled(row[0], "y", columns[quantity])
         row[0].set_ylabel(axis_label(quantity, units.unit(quantity, si[quantity]), PANEL_HEIGHT))
@@ -84,20 +84,20 @@ def scatter_matrix(
     handles, labels = panels[0][0].get_legend_handles_labels()
     if len(labels) > 1:
         legend_below(figure, handles, labels, larger=3)
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _strongest(found: ScatterResult, cases: list[str]) -> list[str]:
+def _strongest(result: ScatterResult, cases: list[str]) -> list[str]:
     sizes = np.nan_to_num(
-        np.max([np.abs(one.coefficients) for (case, _), one in found.correlations.items() if case in cases], axis=0)
+        np.max([np.abs(one.coefficients) for (case, _), one in result.correlations.items() if case in cases], axis=0)
     )
     kept = sorted(np.argsort(-sizes, kind="stable")[:MOST_PARAMETERS].tolist())
-    return [list(found.parameter_units)[place] for place in kept]
+    return [list(result.parameter_units)[place] for place in kept]
 
 
-def _columns(found: ScatterResult, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
-    return {case: scale * found.points[case][name] for case in cases}
+def _columns(result: ScatterResult, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
+    return {case: scale * result.points[case][name] for case in cases}
 
 
 def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> None:
@@ -138,9 +138,9 @@ def _scaled(axes: Axes, side: str, columns: dict[str, FloatArray]) -> None:
         (axes.set_xlim if side == "x" else axes.set_ylim)(*ends)
 
 
-def _coefficient(axes: Axes, found: ScatterResult, cases: list[str], parameter: str, quantity: str) -> None:
-    place = list(found.parameter_units).index(parameter)
-    values = np.array([found.correlations[case, quantity].coefficients[place] for case in cases])
+def _coefficient(axes: Axes, result: ScatterResult, cases: list[str], parameter: str, quantity: str) -> None:
+    place = list(result.parameter_units).index(parameter)
+    values = np.array([result.correlations[case, quantity].coefficients[place] for case in cases])
     if np.isnan(values).all():
         return
     low, high = (round(float(value), 2) + 0.0 for value in (np.nanmin(values), np.nanmax(values)))

@@ -25,13 +25,13 @@ AXIS_ENDS = -0.1, 1.15
 """Ends of the axis of indices, at which wider intervals are cut off: indices lie between 0 and 1."""
 
 
-def sobol_indices(found: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Sobol indices (first-order and total) of every parameter; a panel for each quantity and configuration.
 
     Parameters
     ----------
-    found : SobolResult
-        What the answer ``sobol_indices`` of a study found.
+    result : SobolResult
+        Result of the answer ``sobol_indices`` of a study.
     units : ShownUnits, optional
         Shares have none.
     title : str, optional
@@ -41,35 +41,35 @@ def sobol_indices(found: SobolResult, *, units: ShownUnits = IN_SI, title: str |
     matplotlib.figure.Figure
     """
     del units
-    cases = list(dict.fromkeys(case for case, _ in found.indices))
-    rows = min(MOST_PARAMETERS, len(found.parameters))
-    if fills_a_page(len(found.indices), rows):
-        figure = _matrix(found, cases)
-        style.set_title(figure, found.title if title is None else title)
+    cases = list(dict.fromkeys(case for case, _ in result.indices))
+    rows = min(MOST_PARAMETERS, len(result.parameters))
+    if fills_a_page(len(result.indices), rows):
+        figure = _matrix(result, cases)
+        style.set_title(figure, result.title if title is None else title)
         return figure
-    figure, panels, width = study_bars(len(found.indices), rows, found.parameters)
-    for axes, ((case, quantity), one) in zip(panels, _by_quantity(found), strict=True):
-        _bars(axes, one, found.parameters, width)
+    figure, panels, width = study_bars(len(result.indices), rows, result.parameters)
+    for axes, ((case, quantity), one) in zip(panels, _by_quantity(result), strict=True):
+        _bars(axes, one, result.parameters, width)
         panel_title(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
     columns = round(style.WIDTH / width)
     for axes in panels[-columns:]:
         axes.set_xlabel("share of the variance [-]")
-    bars_legend(figure, panels, f", {100 * found.confidence:g} % interval")
-    style.set_title(figure, found.title if title is None else title)
+    bars_legend(figure, panels, f", {100 * result.confidence:g} % interval")
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _matrix(found: SobolResult, cases: list[str]) -> Figure:
+def _matrix(result: SobolResult, cases: list[str]) -> Figure:
     """Figure with a matrix of the total indices, without first-order indices."""
-    quantities = list(dict.fromkeys(name for _, name in found.indices))
-    totals = {name: np.column_stack([found.indices[case, name].total for case in cases]) for name in quantities}
+    quantities = list(dict.fromkeys(name for _, name in result.indices))
+    totals = {name: np.column_stack([result.indices[case, name].total for case in cases]) for name in quantities}
     scale = ColourScale("total index [-]", "Blues", 0.0, 1.0)
-    return parameter_matrix(totals, found.parameters, cases, dict.fromkeys(quantities, scale))
+    return parameter_matrix(totals, result.parameters, cases, dict.fromkeys(quantities, scale))
 
 
-def _by_quantity(found: SobolResult) -> list[tuple[tuple[str, str], SobolEstimates]]:
-    names = list(dict.fromkeys(name for _, name in found.indices))
-    return sorted(found.indices.items(), key=lambda one: names.index(one[0][1]))
+def _by_quantity(result: SobolResult) -> list[tuple[tuple[str, str], SobolEstimates]]:
+    names = list(dict.fromkeys(name for _, name in result.indices))
+    return sorted(result.indices.items(), key=lambda one: names.index(one[0][1]))
 
 
 def _bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:

@@ -17,11 +17,10 @@ from torsionnet.core.number_text import typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.bars import bar_panels, name_rows
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
+from torsionnet.plot.schematic.canvas import POINTS_PER_INCH
 from torsionnet.plot.schematic.texts import wrap_text
 
-LIMIT_COLOR = "#B00020"
-WITHIN_COLOR, BEYOND_COLOR = style.PALETTE[0], LIMIT_COLOR
-POINTS_IN_INCH = 72.0
+WITHIN_COLOR, BEYOND_COLOR = style.PALETTE[0], style.LIMIT_COLOR
 DECADE = 10.0
 """Ratio of the largest to the smallest value above which an axis is logarithmic."""
 EQUAL_VALUES = 1e-9
@@ -91,7 +90,7 @@ def break_text(text: str, inches: float) -> str:
         else:
             lines += [
                 part
-                for piece in wrap_text(word, AXIS_TEXT_ROLE, inches * POINTS_IN_INCH)
+                for piece in wrap_text(word, AXIS_TEXT_ROLE, inches * POINTS_PER_INCH)
                 for part in _cut(piece, inches)
             ]
     return _without_math("\n".join(lines))
@@ -114,7 +113,7 @@ def _without_math(text: str) -> str:
 
 def _width(text: str) -> float:
     """Width in inches of a text in the font of an axis."""
-    return text_width(text.replace("$", "S"), AXIS_TEXT_ROLE) / POINTS_IN_INCH
+    return text_width(text.replace("$", "S"), AXIS_TEXT_ROLE) / POINTS_PER_INCH
 
 
 def panel_title(axes: Axes, text: str, inches: float = math.inf, *, pad: float | None = None) -> None:

@@ -30,13 +30,13 @@ MOST_PARAMETERS = 12
 """Parameters in a panel, those with the widest bars."""
 
 
-def study_tornado(found: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Bars from the value of a quantity at the low end of each parameter to that at its high end, the widest on top.
 
     Parameters
     ----------
-    found : TornadoResult
-        What the answer ``tornado`` of a study found.
+    result : TornadoResult
+        Result of the answer ``tornado`` of a study.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -45,33 +45,33 @@ def study_tornado(found: TornadoResult, *, units: ShownUnits = IN_SI, title: str
     -------
     matplotlib.figure.Figure
     """
-    quantities, cases = list(found.units), list(found.spans)
-    names = list(found.parameter_units)
+    quantities, cases = list(result.units), list(result.spans)
+    names = list(result.parameter_units)
     pairs = [(case, quantity) for quantity in quantities for case in cases]
     if fills_a_page(len(pairs), min(MOST_PARAMETERS, len(names))):
-        figure = _matrix(found, units)
-        style.set_title(figure, found.title if title is None else title)
+        figure = _matrix(result, units)
+        style.set_title(figure, result.title if title is None else title)
         return figure
     figure, panels, width = study_bars(len(pairs), min(MOST_PARAMETERS, len(names)), names)
     for axes, (case, quantity) in zip(panels, pairs, strict=True):
-        scale, unit = units.scale(quantity, found.units[quantity]), units.unit(quantity, found.units[quantity])
-        one = found.swings[case, quantity]
-        _bars(axes, one, list(found.spans[case]), scale, width)
+        scale, unit = units.scale(quantity, result.units[quantity]), units.unit(quantity, result.units[quantity])
+        one = result.swings[case, quantity]
+        _bars(axes, one, list(result.spans[case]), scale, width)
         axes.set_xlabel(axis_label(quantity, unit, width))
         middle = "" if np.isnan(one.middle) else f"{screen_text(one.middle * scale, 4)} in the middle"
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
         panel_title(axes, ": ".join(told), width - 0.4)
     bars_legend(figure, panels)
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _matrix(found: TornadoResult, units: ShownUnits) -> Figure:
+def _matrix(result: TornadoResult, units: ShownUnits) -> Figure:
     """Figure with a matrix of the changes from the low to the high end of each parameter, for many panels."""
-    names, cases = list(found.parameter_units), list(found.spans)
+    names, cases = list(result.parameter_units), list(result.spans)
     changes, scales = {}, {}
-    for quantity, si in found.units.items():
-        swings = [found.swings[case, quantity] for case in cases]
+    for quantity, si in result.units.items():
+        swings = [result.swings[case, quantity] for case in cases]
         changes[quantity] = units.scale(quantity, si) * np.column_stack([one.at_high - one.at_low for one in swings])
         most = float(np.abs(np.nan_to_num(changes[quantity])).max()) or 1.0
         label = f"change from low to high end {unit_in_brackets(typeset_unit(units.unit(quantity, si)))}".rstrip()

@@ -26,13 +26,13 @@ PLACES = {"v": "at the lower bound", "^": "at the upper bound", "o": "between"}
 HALF_WIDTH = style.WIDTH / 2  # inches
 
 
-def worst_variants(found: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Values of a quantity as given and in the worst case on the left, parameters within tolerances on the right.
 
     Parameters
     ----------
-    found : WorstCaseResult
-        What the answer ``worst_case`` of a study found.
+    result : WorstCaseResult
+        Result of the answer ``worst_case`` of a study.
     units : ShownUnits, optional
         By default SI.
     title : str, optional
@@ -41,10 +41,10 @@ def worst_variants(found: WorstCaseResult, *, units: ShownUnits = IN_SI, title: 
     -------
     matplotlib.figure.Figure
     """
-    cases = list(dict.fromkeys(one.configuration for one in found.variants))
-    names = list(found.parameter_units)
-    figure = (_panels if len(cases) <= MOST_PANELS else _table)(found, cases, names, units)
-    directions = dict.fromkeys(one.direction for one in found.variants)
+    cases = list(dict.fromkeys(one.configuration for one in result.variants))
+    names = list(result.parameter_units)
+    figure = (_panels if len(cases) <= MOST_PANELS else _table)(result, cases, names, units)
+    directions = dict.fromkeys(one.direction for one in result.variants)
     marks = [Line2D([], [], color=style.MUTED, linewidth=1.0)]
     marks += [Line2D([], [], color=COLORS[one], linewidth=6.0) for one in directions]
     texts = ["as given", *(f"{one} value" for one in directions)]
@@ -52,41 +52,41 @@ def worst_variants(found: WorstCaseResult, *, units: ShownUnits = IN_SI, title: 
         marks += [Line2D([], [], marker=mark, color=style.MUTED, linestyle="none") for mark in PLACES]
         texts += PLACES.values()
     legend_below(figure, marks, texts)
-    style.set_title(figure, found.title if title is None else title)
+    style.set_title(figure, result.title if title is None else title)
     return figure
 
 
-def _panels(found: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
+def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
     """Figure with a row of panels for each configuration."""
     lines = max(axis_label(name, "", HALF_WIDTH / 2).count("\n") + 1 for name in names)
     height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
     figure = style.new_figure(style.WIDTH, 1.1 + len(cases) * height)
     panels = figure.subplots(len(cases), 2, squeeze=False, sharex="col")
     for row, case in zip(panels, cases, strict=True):
-        here = [one for one in found.variants if one.configuration == case]
-        _values(row[0], here, 0, units.scale(found.quantity, found.unit))
+        here = [one for one in result.variants if one.configuration == case]
+        _values(row[0], here, 0, units.scale(result.quantity, result.unit))
         text_rows(row[0], [case], HALF_WIDTH)
         row[0].set_ylim(0.6, -0.9)
         _places(row[1], here, names)
-    panels[-1][0].set_xlabel(axis_label(found.quantity, units.unit(found.quantity, found.unit), HALF_WIDTH))
+    panels[-1][0].set_xlabel(axis_label(result.quantity, units.unit(result.quantity, result.unit), HALF_WIDTH))
     panels[-1][1].set_xlabel("within the tolerance")
     panels[-1][1].set_xticks([0, 0.5, 1], ["lower", "middle", "upper"])
     return figure
 
 
-def _table(found: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
+def _table(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
     """Figure with a row for each configuration and direction: the value, and marks for the places of parameters."""
     figure = style.new_figure(max(style.WIDTH, HALF_WIDTH + 0.45 * len(names)), 1.9 + 0.38 * len(cases))
     values, places = figure.subplots(1, 2, sharey=True)
     for number, case in enumerate(cases):
-        here = [one for one in found.variants if one.configuration == case]
-        _values(values, here, number, units.scale(found.quantity, found.unit), texts=False)
+        here = [one for one in result.variants if one.configuration == case]
+        _values(values, here, number, units.scale(result.quantity, result.unit), texts=False)
         for one in here:
             level = number + (0.0 if len(here) == 1 else -0.2 if one.direction == "largest" else 0.2)
             _strip(places, list(_shares(one, names)), level, one.direction)
     text_rows(values, cases, HALF_WIDTH)
     places.tick_params(labelleft=False)
-    values.set_xlabel(axis_label(found.quantity, units.unit(found.quantity, found.unit), HALF_WIDTH))
+    values.set_xlabel(axis_label(result.quantity, units.unit(result.quantity, result.unit), HALF_WIDTH))
     width = (figure.get_figwidth() - HALF_WIDTH) / len(names)
     lines = [axis_label(name, "", max(width, 1.2)) for name in names]
     places.set_xticks(range(len(names)), lines, rotation=90 if max(map(len, names)) > MOST_PANELS else 0)

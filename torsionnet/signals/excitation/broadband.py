@@ -1,4 +1,4 @@
-"""Broadband test signals: periodic multisines and bursts of noise."""
+"""Broadband test signals, periodic multisines and bursts of noise."""
 
 from __future__ import annotations
 

@@ -62,10 +62,12 @@ class BatchPlan:
             Other names, or arrays of different lengths.
         """
         if set(values) != set(self.names):
-            raise UsageError(f"the plan is one for {', '.join(self.names)}, not for {', '.join(values) or 'nothing'}")
+            raise UsageError(
+                f"this plan varies {', '.join(self.names)}; give values for these, not {', '.join(values) or 'none'}"
+            )
         columns = {name: np.array(values[name], dtype=float, ndmin=1) for name in self.names}
         if len({column.shape for column in columns.values()}) > 1:
-            raise UsageError("the values of all parameters are as many")
+            raise UsageError("give the same number of values for every parameter")
         filling = BatchBuilder(self.drivetrain, columns)
         with np.errstate(all="ignore"):
             for places, decisions in passes(filling.count):

@@ -47,8 +47,8 @@ class BatchedModes:
         Angles of all nodes, 1 at the node that moves most.
     undamped_natural_frequencies : (n, n_undamped) array
         Hz, of M and K alone, ascending, rigid-body modes as 0.
-    doubtful : (n,) boolean array
-        Variants that were solved singly: rounding or equal modes left a doubt, or they have laws of other kinds.
+    uncertain : (n,) boolean array
+        Variants that were solved singly: rounding or equal modes made them uncertain, or their laws are of other kinds.
     singles : mapping
         Place -> assembly of these.
     batch : Batch or None
@@ -108,7 +108,7 @@ def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
 def batched_modes(batch: Batch) -> BatchedModes:
     """Modes of all variants of a batch, equal to ``batch.model(i).modes()`` within 1e-9.
 
-    Variants that stacks of matrices leave a doubt about are solved singly, and so are all of a drivetrain with torques
+    Variants that are uncertain from stacks of matrices are solved singly, and so are all of a drivetrain with torques
     that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
     not depend on what else is in the batch.
     """
@@ -184,13 +184,13 @@ class _Gathered:
         """Solve one variant as a single drivetrain and store its modes; impossible variants get a note instead."""
         try:
             model = make()
-            found, doubts = natural_modes(model)
+            found, warnings = natural_modes(model)
         except (ModelError, TorsionnetError) as error:
             self.notes.append(f"variant {place + 1} has no modes: {error}")
             return
         self.put([place], found.eigenvalues, found.shapes, 2 * np.pi * found.undamped_natural_frequencies)
         self.singles[place] = model.assembly
-        self.notes += [f"variant {place + 1}: {doubt}" for doubt in doubts]
+        self.notes += [f"variant {place + 1}: {warning}" for warning in warnings]
 
     def modes(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray], batch: Batch | None) -> BatchedModes:
         uncertain = np.zeros(len(self.done), dtype=bool)

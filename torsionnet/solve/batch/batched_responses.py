@@ -66,12 +66,12 @@ def batched_responses(
         Hz.
     method : str
     refused : callable
-        Told why a variant cannot be asked, which then has NaN, too; by default that is raised.
+        Called with the error of a variant that cannot be solved, which then has NaN; by default the error is raised.
 
     Raises
     ------
     UsageError
-        A variant cannot be asked.
+        A variant lacks a sensor or input of the request.
 
     Examples
     --------

@@ -2,7 +2,7 @@
 
 A mode is followed along its eigenvalue from the drivetrain's own values to those of the variant. Where every mode is
 most like the one of the same rank among its kind, nothing has to be followed. Otherwise the values move in steps, each
-short enough that neighbouring modes are told by what their states have in common (``mode_states``):
+short enough that neighbouring modes are identified by the energy their states have in common (``mode_states``):
 
 * modes that **cross** keep their shapes, so each is found where its shape went, and the order of frequencies changes;
 * modes that **veer** come near each other and turn away, exchanging their shapes on the way; each stays on its side,

@@ -1,7 +1,7 @@
 """Modes of variants that share rows, in double precision, with a mask of variants to be solved by themselves.
 
-Doubtful is what the solver of single drivetrains would go on with in many digits, and what does not say for certain in
-which order modes come.
+A variant is uncertain where the solver of single drivetrains would go on in many digits, and where the order of modes
+is not certain.
 
 >>> import torsionnet as tn
 >>> assembly = tn.load("oil_engine").assembly
@@ -56,7 +56,7 @@ class StackedModes:
         1 at the node that moves most.
     undamped : (n, n_undamped) array
         Natural frequencies of M and K alone, rad/s, 0 of rigid bodies.
-    doubtful : (n,) boolean array
+    uncertain : (n,) boolean array
         Variants that have to be solved singly; what stands for them here may be wrong.
     """
 

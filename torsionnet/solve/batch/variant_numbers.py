@@ -131,7 +131,7 @@ def _plain(number: Any) -> Any:
 
 def _root(number: Any) -> Any:
     if number < 0:
-        raise ArithmeticError("there is no root of a number below zero")
+        raise ArithmeticError("the square root of a negative number is not real")
     if isinstance(number, VariantNumber):
         return VariantNumber(np.sqrt(number.values), number.decisions)
     return math.sqrt(number)

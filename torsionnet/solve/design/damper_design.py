@@ -38,8 +38,8 @@ DEFAULT_BOUNDS_FACTOR = 10.0
 """Factor of the default bounds: a tenth to ten times the value."""
 EFFECT_POINTS = 33
 """Number of values over the bounds of one parameter at which its effect is calculated: more give a smoother curve."""
-FREE, LOCKED = 1e-6, 1e6
-"""Times the best film: as good as none, which would have infinite peaks, and one that lets nothing slip."""
+FREE_FACTOR, LOCKED_FACTOR = 1e-6, 1e6
+"""Factors on the best damping: nearly none, whose peaks stay finite, and so much that nothing slips."""
 FIXED_POINT_SPREAD = 0.02
 """Spread of levels over dampings up to which a crossing counts as a fixed point: 2 %, about the width of a curve."""
 
@@ -60,7 +60,7 @@ def damper_design(
     """Optimum of dampers in a drivetrain; see :meth:`torsionnet.Drivetrain.damper_design`."""
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names:
-        raise UsageError("say which parameter is sought, such as the damping of a film")
+        raise UsageError("name at least one parameter to optimise, such as the damping of a damper")
     varied = unknowns(drivetrain, names)
     given = parameters if isinstance(parameters, Mapping) else {}
     units = sought_units(varied)
@@ -73,7 +73,10 @@ def damper_design(
         for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
     )
     damping = np.array([one.is_damping for one in sought])
-    free, locked = (np.where(damping, factor * np.maximum(best, FREE * box.upper), best) for factor in (FREE, LOCKED))
+    free, locked = (
+        np.where(damping, factor * np.maximum(best, FREE_FACTOR * box.upper), best)
+        for factor in (FREE_FACTOR, LOCKED_FACTOR)
+    )
     cases = {"as given": start, "optimum": best}
     if damping.any():
         cases |= {"free": free, "locked": locked}
@@ -105,12 +108,14 @@ def levels_of(
     """Levels to be made small: over a band of frequencies from an input, or over speeds under the excitations."""
     if input is None:
         if band is not None:
-            raise UsageError("a band of frequencies needs the input whose response is meant; over speed give speeds")
+            raise UsageError("a band of frequencies needs input=; without an input, give speeds instead")
         chosen = None if excitations is None else [*excitations]
         run = order_response(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
         return OrderLevels(VariedModel(varied), output, chosen, run)
     if speeds is not None or excitations is not None:
-        raise UsageError("an input is asked for over frequencies; without it excitations act over speeds")
+        raise UsageError(
+            "speeds and excitations do not go with an input, which is swept over frequency; leave out one or the other"
+        )
     low, high = band or vibration_range(modes(drivetrain))
     if not 0 < low < high < np.inf:
         raise UsageError(f"a band goes from a frequency above 0 to a higher one, got {low:g} to {high:g} Hz")
@@ -132,7 +137,7 @@ def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
     for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
         written = given.get(name) or varied.definition.parameters[parameter].bounds
         if written is None and not start > 0:
-            raise UsageError(f"{name} is {start:g}: say between which bounds it is sought")
+            raise UsageError(f"{name} is {start:g}, which gives no default bounds; give a lower and a higher one")
         low, high = (
             (start / DEFAULT_BOUNDS_FACTOR, start * DEFAULT_BOUNDS_FACTOR)
             if written is None

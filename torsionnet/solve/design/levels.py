@@ -22,8 +22,8 @@ from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import ParametricResponse
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
-ROUNDS, POINTS = 4, 21
-"""Refinement of a maximum: each round divides its interval by ten."""
+REFINEMENT_ROUNDS, REFINEMENT_POINTS = 4, 21
+"""Rounds of refinement of a maximum and points in each: every round divides the interval by ten."""
 SLOPE_STEP = 1e-4
 """Relative step of a parameter for the central difference that gives the slope of a half range."""
 
@@ -118,10 +118,10 @@ class ReceptanceLevels:
         return _highest_first(np.array(found), self.at(values, np.array(found)))
 
     def _refined(self, values: FloatArray, low: float, high: float) -> float:
-        for _ in range(ROUNDS):
-            fine = np.linspace(low, high, POINTS)
+        for _ in range(REFINEMENT_ROUNDS):
+            fine = np.linspace(low, high, REFINEMENT_POINTS)
             best = int(np.argmax(self.at(values, fine)))
-            low, high = fine[max(best - 1, 0)], fine[min(best + 1, POINTS - 1)]
+            low, high = fine[max(best - 1, 0)], fine[min(best + 1, REFINEMENT_POINTS - 1)]
         return float(fine[best])
 
     def shown(self, points: FloatArray) -> FloatArray:

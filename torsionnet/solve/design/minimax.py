@@ -17,18 +17,18 @@ from scipy.stats import qmc
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
 
-ROUNDS, STEPS = 40, 60
-"""Rounds of new points, and steps of the programming in each."""
-SAMPLES, BEST = 16, 2
-"""Sets of values, times 2 for each after the first, from which the search may begin, and from how many it does."""
+CONSTRAINT_ROUNDS, PROGRAMMING_STEPS = 40, 60
+"""Limits of the rounds of new constraint points, and of the steps of quadratic programming in each."""
+SAMPLED_STARTS, SEARCHED_STARTS = 16, 2
+"""Number of sampled starts, doubled for each parameter after the first, and how many of the best are searched."""
 FIRST_CONSTRAINTS = 40
 """Number of points of the range that are constraints from the beginning; fewer cost more rounds."""
 WIDE_BOUNDS_RATIO = 3.0
 """Ratio of bounds above which a parameter is searched by equal factors."""
 SMALLEST_LEVEL = 1e-300
 """Smallest level for logarithms, near the smallest double, so that a level of zero has one."""
-FINE, FTOL = 1e-8, 1.3
-"""Levels that are known better are worth slopes; power of their precision to which the programming goes."""
+GRADIENT_PRECISION, TOLERANCE_POWER = 1e-8, 1.3
+"""Precision of levels down to which gradients are used, and power of it at which programming stops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,17 +69,17 @@ class Box:
 
 def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     """Parameter values (n_p,) with the smallest maximum, searched from the start and from samples of the box."""
-    if len(start) == 1 and levels.precision > FINE:
+    if len(start) == 1 and levels.precision > GRADIENT_PRECISION:
         return _along_one(levels, box, start)
-    places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
+    places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLED_STARTS * 2 ** (len(start) - 1))]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
-    found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
+    found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:SEARCHED_STARTS]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
 
 
 def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     """Value of a single parameter with the smallest maximum, by sampling and parabolas, without slopes."""
-    places = np.union1d(np.linspace(0, 1, SAMPLES + 1), box.place(start))
+    places = np.union1d(np.linspace(0, 1, SAMPLED_STARTS + 1), box.place(start))
 
     def level(place: float) -> float:
         return largest(levels, box.inside(np.array([place])), refined=False)
@@ -104,7 +104,7 @@ def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
     grid = levels.grid(box.inside(place))
     points = grid[:: max(len(grid) // FIRST_CONSTRAINTS, 1)]
     best, least = place, np.inf
-    for _ in range(ROUNDS):
+    for _ in range(CONSTRAINT_ROUNDS):
         maxima = levels.maxima(box.inside(place))
         level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + SMALLEST_LEVEL))
         if level < least:
@@ -138,7 +138,7 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
         method="SLSQP",
         bounds=[*((0.0, 1.0) for _ in start), (None, None)],
         constraints={"type": "ineq", "fun": lambda x: x[-1] - logs(x), "jac": slopes},
-        options={"ftol": levels.precision**FTOL, "maxiter": STEPS},
+        options={"ftol": levels.precision**TOLERANCE_POWER, "maxiter": PROGRAMMING_STEPS},
     )
     place = np.clip(found.x[:-1], 0.0, 1.0)
     return place, float(logs(np.append(place, 0.0)).max())

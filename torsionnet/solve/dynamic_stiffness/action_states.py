@@ -5,7 +5,7 @@ be symmetric; R/D has the states of a companion form in a time of its own,
 
     z' = w (F z + e y),    T = h z
 
-A delay has no finite number of states. Where points are asked for, the torque travels along a line of so many
+A delay has no finite number of states. With ``points``, the torque travels along a line of so many
 (collocation on Chebyshev points), which is right far beyond 1/delay but never everywhere.
 """
 

@@ -38,7 +38,7 @@ def close_loops(
     if not n_act:
         return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), uncertain)
     if len(kappa.actions) != n_act:
-        raise SolveError("the torques of controllers are not known here")
+        raise SolveError("this calculation does not include the torques of controllers; switch them off")
     gains = np.array([values_.ravel() for values_ in kappa.actions])
     sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
     by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)

@@ -34,9 +34,10 @@ cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
-SQUARE, SHARE_SQUARE = LARGE_CANCELLATION * LARGE_CANCELLATION, LARGE_SHARE * LARGE_SHARE
+CANCELLATION_SQUARE, SHARE_SQUARE = LARGE_CANCELLATION * LARGE_CANCELLATION, LARGE_SHARE * LARGE_SHARE
+"""Squares of the limits for lost digits, for comparison with squared magnitudes."""
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
-"""Squares beyond which a quotient is NaN: numpy, which scales it, does better."""
+"""Squared magnitudes beyond which a quotient is NaN here and solved in numpy, which scales divisions."""
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
@@ -62,7 +63,7 @@ def read(
     Returns
     -------
     (n_points, n_out, n_exc) array, (n_points,) array, (n_points,) boolean array
-        Readings, or quotients by the last one where it is measured; the conditioning of that; points in doubt.
+        Readings, or quotients by the last one where it is measured; its conditioning; mask of uncertain points.
     """
     values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
     conditioning, uncertain = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
@@ -115,7 +116,7 @@ def _walk(
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-                spare = SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
+                spare = CANCELLATION_SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
                 left[i] = spare if spare < left[i] else left[i]
         elif code == PIVOT:
             for i in range(POINTS_AT_ONCE):
@@ -135,7 +136,7 @@ def _walk(
             if J != 0.0 and (k != 0.0 or at >= 0):
                 for i in range(POINTS_AT_ONCE):
                     size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
-                    spare = SQUARE * size - (J * w2[i]) * (J * w2[i])
+                    spare = CANCELLATION_SQUARE * size - (J * w2[i]) * (J * w2[i])
                     left[i] = spare if spare < left[i] else left[i]
         elif code == QUOTIENT:
             for i in range(POINTS_AT_ONCE):

@@ -30,7 +30,10 @@ class PassedLoad(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionStep:
-    """Back-substitution: value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts``."""
+    """Motion of a row by back-substitution from an elimination step.
+
+    value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts`` (i, factor, source).
+    """
 
     slot: int
     load: float

@@ -72,7 +72,7 @@ def make_plan(
     outputs : sequence of rows
     reactions : sequence of int
         Given columns.
-    turned : bool
+    other_order : bool
         Eliminate towards another root than the first load.
     accuracy : Accuracy
         Of the coefficients.

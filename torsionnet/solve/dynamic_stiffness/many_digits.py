@@ -86,7 +86,7 @@ class ManyDigits:
         excited = [[sensed[i][e] for i in places] for e in range(n)]
         by_excitation = _quotient(excited, transposed)
         if by_excitation is None:
-            raise SolveError("the loop of a controller is at a pole here; ask for another frequency")
+            raise SolveError("the closed loop of a controller has a pole at this frequency; choose another frequency")
         torques = [[row[i] for row in by_excitation] for i in places]
         every = [[_left([row[e], *(row[n + i] * torques[i][e] for i in places)]) for e in range(n)] for row in solved]
         return every, torques
@@ -122,7 +122,7 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
         elif code in (ops.QUOTIENT, ops.INVERSE):
             above, below = (r[a], r[b]) if code == ops.QUOTIENT else (1, r[a])
             if not below:
-                raise SolveError("the response cannot be told from rounding; ask for another frequency")
+                raise SolveError("the response at this frequency is lost in rounding errors; choose another frequency")
             r[t] = above / below
         elif code == ops.OUTPUT:
             values[t] = factor * r[a]
@@ -144,7 +144,9 @@ def _action_gain(action: ActionLaw, s: Any) -> Any:
         polynomial([in_many_digits(value) for value in part], s) for part in (action.numerator, action.denominator)
     )
     if not below:
-        raise SolveError(f"the law of {action.owner} has a pole here; ask for another frequency")
+        raise SolveError(
+            f"the transfer function of {action.owner} has a pole at this frequency; choose another frequency"
+        )
     return above / below * (mpmath.exp(-s * in_many_digits(action.delay)) if action.delay else 1)
 
 

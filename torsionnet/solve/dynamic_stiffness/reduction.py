@@ -266,7 +266,9 @@ def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: A
     try:
         followed = np.linalg.inv(C_11) @ np.hstack([C_1x, forces])
     except np.linalg.LinAlgError:
-        raise SolveError("damping and negative damping cancel on a motion without inertia") from None
+        raise SolveError(
+            "positive and negative damping cancel on a motion without inertia; change one of them or add an inertia"
+        ) from None
     slip, creep = followed[:, : C_1x.shape[1]], followed[:, C_1x.shape[1] :]
     size = _norm(C_xx) + _norm(C_1x) * _norm(slip)
     return _Split(np.asarray(C_xx - C_1x.T @ slip), forces.T @ creep, forces.T @ slip, followed, size)

@@ -43,10 +43,10 @@ class ResponseProblem:
         Number of coordinates.
     excitations : tuple of Loading
     outputs : tuple of rows
-        Motions asked for, over all columns.
+        Rows of the motions to be solved for, over all columns.
     reactions : tuple of int
-        Given columns; asked for is the torque on each that the drivetrain, held there, exerts.
-    turned : bool
+        Given columns whose reaction is solved for: the torque that the drivetrain, held there, exerts.
+    other_order : bool
         Whether to eliminate towards another root, in coordinates of odd sizes: which gives the same but for rounding.
     accuracy : Accuracy
         Of the coefficients in all rows.

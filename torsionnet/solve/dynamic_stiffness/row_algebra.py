@@ -15,6 +15,7 @@ Row: TypeAlias = dict[int, float]
 Key: TypeAlias = tuple[tuple[int, Any], ...]
 
 LINK_ENTRIES = 2
+"""Number of entries of a row that links two coordinates."""
 
 
 def _rounded(coefficient: float) -> float:

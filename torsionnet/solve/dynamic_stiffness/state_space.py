@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     import control
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
+"""Share of the terms below which a coefficient that should vanish is rounding; smaller values refuse valid models."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
 """Memory in bytes of the registers worked on at once: more leave the processor's cache."""
-FEWEST, MOST = 1024, 4096
-"""Points worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
+FEWEST_POINTS, MOST_POINTS = 1024, 4096
+"""Number of points worked on at once: fewer cost more in the interpreter than in arithmetic, more leave the cache."""
 
 
 @dataclass
@@ -46,7 +46,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
     uncertain = np.zeros(kappa.n_points, dtype=bool)
     walk = list(zip(*tape.operations.T.tolist(), tape.factors.tolist(), strict=True))
     start = 0
-    for part in kappa.blocks(min(MOST, max(FEWEST, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
+    for part in kappa.blocks(min(MOST_POINTS, max(FEWEST_POINTS, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
         here = slice(start, start + part.n_points)
         lost_digits = LostDigits(part.n_points)
         _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], lost_digits)

@@ -4,12 +4,12 @@ A register holds one number for every point. What an operation does with its tar
 
     LAW       t = dynamic stiffness of slot a
     CONSTANT  t = factor
-    SUM       t = r_a + factor r_b;  the point is in doubt where little is left of r_b
-    PIVOT     the same without doubt: the shares of the sum tell
+    SUM       t = r_a + factor r_b;  the point is uncertain where little is left of r_b
+    PIVOT     as SUM, but not checked: the shares of the sum are
     PRODUCT   t = r_a r_b
     QUOTIENT  t = r_a / r_b
     INVERSE   t = 1 / r_a
-    WATCH     the point is in doubt where r_a, a share of a sum, is large
+    WATCH     the point is uncertain where r_a, a share of a sum, is large
     OUTPUT    value number t = factor r_a
 
 Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the
@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
+"""Codes of the operations on a tape, as listed above."""
 _READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
 """Number of registers that an operation reads; operations not listed read none."""
 

@@ -113,7 +113,7 @@ def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> T
     Raises
     ------
     UsageError
-        It does not have what was asked for.
+        The model lacks a sensor or input of the request.
     """
 
     def read(known: Functional) -> Functional:

@@ -15,9 +15,12 @@ PEAK_PHASE_RANGE = 85.0
 """Degrees of phase to either side of a resonance that get dense points; beyond, the flanks are smooth."""
 UNDAMPED_HALF_WIDTH = 1e-6
 """Half-width of a peak without damping, as a share of its frequency."""
-BELOW, ABOVE = 10.0, 2.0
+RANGE_BELOW, RANGE_ABOVE = 10.0, 2.0
+"""Factors of the range below the lowest and above the highest vibration, so that the asymptotes show."""
 FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
-WITHOUT_MODES = (0.1, 100.0)
+"""Number of vibrations in the first view, and factors of its range below and above them."""
+RANGE_WITHOUT_MODES = (0.1, 100.0)
+"""Frequency range in Hz of a drivetrain without vibrations."""
 EQUAL_FREQUENCY_DISTANCE = 1e-10
 """Relative distance of frequencies below which two points count as one: rounding would show as peaks between them."""
 
@@ -78,8 +81,8 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
     """
     found = [value for mode in modes for value in mode.damped_frequencies if value > 0]
     if not found:
-        return WITHOUT_MODES
-    return rounded(float(min(found)) / BELOW, up=False), rounded(float(max(found)) * ABOVE, up=True)
+        return RANGE_WITHOUT_MODES
+    return rounded(float(min(found)) / RANGE_BELOW, up=False), rounded(float(max(found)) * RANGE_ABOVE, up=True)
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:
@@ -91,7 +94,7 @@ def opening_range(*modes: Modes) -> tuple[float, float]:
     """
     found = [sorted(float(value) for value in mode.damped_frequencies if value > 0)[:FIRST_SEEN] for mode in modes]
     if not any(found):
-        return WITHOUT_MODES
+        return RANGE_WITHOUT_MODES
     low, high = min(few[0] for few in found if few), max(few[-1] for few in found if few)
     return rounded(low / MARGIN_BELOW, up=False), rounded(high * MARGIN_ABOVE, up=True)
 

@@ -18,7 +18,8 @@ from torsionnet.solve.dynamic_stiffness.reading_problem import make_reading_prob
 from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.modes.modes import natural_modes
 
-POINTS, NEAR = 2000, 60
+GRID_POINTS, POINTS_BESIDE_MARK = 2000, 60
+"""Frequencies over the whole range, and to each side of every resonance: more find narrower crossings."""
 BISECTIONS = 50
 """Bisections of an interval in which the loop crosses a margin: 50 reach the spacing of double precision."""
 
@@ -38,10 +39,11 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
     finite = np.isfinite(loop)
     frequencies, loop = frequencies[finite], loop[finite]
     crossings = _met(at, frequencies, loop, lambda value: np.abs(value) - 1)
-    turned = _met(at, frequencies, loop, lambda value: np.asarray(value.imag))
+    phase_crossings = _met(at, frequencies, loop, lambda value: np.asarray(value.imag))
     return LoopMargins(
         name, frequencies, loop, not bool((modes.eigenvalues.real > 0).any()),
-        *_gains(turned, at(turned)), *_phases(crossings, at(crossings)), _modulus(at, frequencies, loop),
+        *_gains(phase_crossings, at(phase_crossings)), *_phases(crossings, at(crossings)),
+        _modulus(at, frequencies, loop),
         drivetrain.title,
     )  # fmt: skip
 
@@ -49,16 +51,20 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
 def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionLaw, ...]) -> str:
     known = list(dict.fromkeys(one.owner for one in actions))
     if not known:
-        raise UsageError("margins need an element that acts by itself, as a controller; this drivetrain has none")
+        raise UsageError(
+            "stability margins need a controller, fluid coupling or other feedback; this drivetrain has none"
+        )
     if name is None:
         if len(known) > 1:
             raise UsageError(f"there are several controllers; name one of {', '.join(known)}")
         return known[0]
     if name not in known:
-        there = "is no controller" if name in drivetrain.elements else "is not there"
+        there = "is no controller" if name in drivetrain.elements else "is not in this drivetrain"
         raise UsageError(f'"{name}" {there}{did_you_mean(name, known)}; known: {", ".join(known)}')
     if sum(one.owner == name for one in actions) > 1:
-        raise UsageError(f"{name} acts in several places at once; there is no one place to open its loop")
+        raise UsageError(
+            f"{name} acts at several places at once, so its loop cannot be opened at one; choose another controller"
+        )
     return name
 
 
@@ -88,8 +94,10 @@ def _frequencies(undamped: FloatArray, damped: FloatArray, actions: tuple[Action
         marks += [float(abs(root)) / (2 * math.pi) for root in roots if root]
         marks += [1 / (2 * math.pi * float(one.delay))] if one.delay else []
     marks = marks or [1.0]
-    whole = np.geomspace(min(marks) / 1000, max(marks) * 100, POINTS)
-    aside = np.concatenate([-np.geomspace(0.3, 1e-7, NEAR), [0.0], np.geomspace(1e-7, 0.3, NEAR)])
+    whole = np.geomspace(min(marks) / 1000, max(marks) * 100, GRID_POINTS)
+    aside = np.concatenate(
+        [-np.geomspace(0.3, 1e-7, POINTS_BESIDE_MARK), [0.0], np.geomspace(1e-7, 0.3, POINTS_BESIDE_MARK)]
+    )
     return np.unique(np.concatenate([whole, *(mark * (1 + aside) for mark in marks)]))
 
 

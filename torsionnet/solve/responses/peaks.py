@@ -16,7 +16,8 @@ from torsionnet.response.frequency_response import FloatArray
 Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
 """Function that returns the frequency response at frequencies in Hz."""
 
-ROUNDS, POINTS = 3, 41
+REFINEMENT_ROUNDS, REFINEMENT_POINTS = 3, 41
+"""Rounds of refinement of a peak and points in each: every round divides the interval by twenty."""
 PEAK_PROMINENCE = 1e-9
 """Share of a magnitude by which a peak must exceed the valleys beside it: less may be rounding."""
 
@@ -35,11 +36,11 @@ def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -
     magnitude = response.magnitude[:, output, input]
     for index in _standing_out(magnitude):
         low, high = response.frequencies[index - 1], response.frequencies[index + 1]
-        for _ in range(ROUNDS):
-            grid = np.linspace(low, high, POINTS)
+        for _ in range(REFINEMENT_ROUNDS):
+            grid = np.linspace(low, high, REFINEMENT_POINTS)
             fine = solve(grid)
             best = int(np.argmax(fine.magnitude[:, output, input]))
-            low, high = grid[max(best - 1, 0)], grid[min(best + 1, POINTS - 1)]
+            low, high = grid[max(best - 1, 0)], grid[min(best + 1, REFINEMENT_POINTS - 1)]
         value = fine.values[best, output, input]
         yield Peak(float(grid[best]), float(abs(value)), float(np.degrees(np.angle(value))))
 

@@ -20,7 +20,8 @@ PROMISED_ERROR = 1e-9
 """Largest relative error of values that are returned without a warning."""
 ACCEPTED_ERROR = PROMISED_ERROR / 5
 """Estimated relative error up to which a value is kept: a fifth of the promised one, as the estimate is statistical."""
-DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
+PERTURBATIONS, PERTURBATION = 4, 8 * float(np.finfo(float).eps)
+"""Number of perturbed solutions, and relative perturbation of the stiffnesses in them: a few roundings."""
 MOST_WORK = 20_000
 """Largest number of laws times points that are solved in many digits: a few seconds."""
 
@@ -46,7 +47,7 @@ def refine_uncertain_points(
         Of all points.
     found : FrequencyPoints
     method : str
-        By which points in doubt are estimated.
+        Solver by which uncertain points are estimated.
 
     Raises
     ------
@@ -89,8 +90,10 @@ def expected_errors(
     """
     random, by_law = np.random.default_rng(0), kappa.by_law
     error = np.where(np.isfinite(values), 0.0, np.inf)
-    for draw in range(DRAWS):
-        moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
+    for draw in range(PERTURBATIONS):
+        moved = by_law * (
+            1 + PERTURBATION * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape)
+        )
         again = evaluate(kappa.with_sampled_stiffness(moved), draw % 2 > 0)
         with np.errstate(all="ignore"):
             change = np.abs(again - values) / np.abs(values)

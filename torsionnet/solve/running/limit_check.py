@@ -28,7 +28,7 @@ from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitCheck, listed_names
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.speed_refinement import refined_curve, speeds_to_refine
+from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.response.speed_spans import spans_above
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.mean_response import mean_response
@@ -59,7 +59,7 @@ def check_limits(
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
     found = examination.at(examined.first(breaks))
     if examined.refine:
-        found = refined_curve(found, examination.wanted, examination.with_more)
+        found = refine_speeds(found, examination.wanted, examination.with_more)
     run, evidence = found.run, found.evidence
     verdicts = tuple(
         verdict

@@ -13,7 +13,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import summed_sizes
-from torsionnet.response.speed_refinement import refined_curve, speeds_to_refine
+from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.response.worst_response import join_responses
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.order_response import order_response
@@ -43,7 +43,7 @@ def refined_response(
 
     found = at(examined.first(np.empty(0)))
     return (
-        refined_curve(found, _wanted, lambda known, more: known.with_more(at(more))).run
+        refine_speeds(found, _wanted, lambda known, more: known.with_more(at(more))).run
         if examined.refine
         else found.run
     )

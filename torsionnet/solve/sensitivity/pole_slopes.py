@@ -32,7 +32,7 @@ from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 CIRCLE_RADIUS, CIRCLE_RADIUS_MEASURED = 1e-6, 1e-4
-"""Radius of the circle around a pole on which responses are taken, over the distance of the next one.
+"""Radius of the circle around a pole on which responses are taken, as a share of the distance to the next pole.
 
 Next to a pole small twists stand out best; what is left of a difference, as against a measured input, does farther off.
 """

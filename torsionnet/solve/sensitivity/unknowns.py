@@ -82,10 +82,10 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
     parameters, start = [], []
     strange = [name for name in names if not isinstance(name, str)]
     if strange:
-        raise UsageError(f"a parameter is called by its name, got {strange[0]!r}")
+        raise UsageError(f"a parameter must be given by its name, got {strange[0]!r}")
     twice = sorted({name for name in names if list(names).count(name) > 1})
     if twice:
-        raise UsageError(f"{', '.join(twice)} was named twice")
+        raise UsageError(f"{', '.join(twice)} is named twice; name each parameter once")
     for name in names:
         if name in definition.parameters:
             parameters.append(name)

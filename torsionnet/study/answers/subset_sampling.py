@@ -111,7 +111,7 @@ class Chains:
         return np.concatenate(all_points, axis=1), np.concatenate(all_values, axis=1)
 
 
-RUNS = 20
+INDEPENDENT_RUNS = 20
 """Independent runs, from whose scatter the error is estimated; fewer leave the error itself uncertain."""
 FEWEST_VARIANTS_OF_LEVEL = 200
 """Fewest variants in a level of a run: with fewer, less than 20 chains begin in it."""
@@ -144,13 +144,13 @@ def subset_sampling(
         )
     numbers = np.random.default_rng(seed)
     levels = subset_levels(margin, 2 * count, n_parameters, numbers)
-    found, used = _runs(margin, levels, (RUNS, count, n_parameters), numbers)
+    found, used = _runs(margin, levels, (INDEPENDENT_RUNS, count, n_parameters), numbers)
     probability = float(found.mean())
     doubts = [] if 0 in levels.bounds else ["the margin stops falling before it is lost"]
     if (empty := int((found == 0).sum())) and not doubts:
-        doubts.append(f"{empty} of {RUNS} runs met no failure; take more variants")
+        doubts.append(f"{empty} of {INDEPENDENT_RUNS} runs met no failure; take more variants")
     low, high = _interval(found, confidence) if not empty else (np.nan, np.nan)
-    variation = float(found.std(ddof=1) / np.sqrt(RUNS) / probability) if probability else float("inf")
+    variation = float(found.std(ddof=1) / np.sqrt(INDEPENDENT_RUNS) / probability) if probability else float("inf")
     return RareEvent(probability, low, high, variation, levels.evaluations + used, tuple(doubts), "subset")
 
 
@@ -161,7 +161,9 @@ def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
     logarithms = np.log(found)
     scatter = logarithms.var(ddof=1)
     middle = logarithms.mean() + scatter / 2
-    half = stdtrit(RUNS - 1, (1 + confidence) / 2) * np.sqrt(scatter / RUNS + scatter**2 / (2 * (RUNS - 1)))
+    half = stdtrit(INDEPENDENT_RUNS - 1, (1 + confidence) / 2) * np.sqrt(
+        scatter / INDEPENDENT_RUNS + scatter**2 / (2 * (INDEPENDENT_RUNS - 1))
+    )
     return float(np.exp(middle - half)), min(1.0, float(np.exp(middle + half)))
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds, refine, speeds_to_refine
+from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
 from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
 from torsionnet.solve.running.order_response import OrderRequest
 from torsionnet.solve.running.resonant_speeds import around_poles
@@ -108,7 +108,7 @@ def largest_orders(
     around = [
         new_speeds(first, around_poles(poles[index][np.isfinite(poles[index])], lines, first)) for index in places
     ]
-    found = refine(search.looked(curves, around), _all_wanted, search.looked)
+    found = refine_speeds(search.looked(curves, around), _all_wanted, search.looked)
     yield from ((index, float(curve.values.max())) for index, curve in zip(places, found, strict=True))
 
 

@@ -23,7 +23,8 @@ from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, re
 from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
-FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
+HISTORY_FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
+"""Example of the entry ``history:``."""
 _RATE = Value("samples per second", "frequency", exclusive=True)
 _VALUES = Listed("torques", Value("a torque", "torque", lower=None), form="a list of torques")
 
@@ -41,7 +42,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
 
     @property
     def example(self) -> str:
-        return FORM
+        return HISTORY_FORM
 
     def read(self, raw: object) -> tuple[TorqueHistory | None, list[Fault]]:
         if isinstance(raw, TorqueHistory):
@@ -49,7 +50,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
             return self._listed(raw)
         if not isinstance(raw, Mapping) or set(raw) != {"file", "channel"}:
-            return None, [Fault(f"expected {FORM}, got {raw!r}")]
+            return None, [Fault(f"expected {HISTORY_FORM}, got {raw!r}")]
         try:
             return _recorded(str(raw["file"]), str(raw["channel"])), []
         except EntryError as error:

@@ -23,6 +23,7 @@ from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
 
 SAMPLING = "sampling: {count: 1000}"
+"""Example of the entry that a study without variants needs."""
 
 
 def no_variants(space: Space) -> str:

@@ -12,7 +12,7 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.study.space.many import Many
 from torsionnet.study.space.sampling_points import LatinHypercubePoints, RandomPoints, UnitPoints
-from torsionnet.study.space.sampling_sobol import BITS, SobolPoints
+from torsionnet.study.space.sampling_sobol import COORDINATE_BITS, SobolPoints
 
 RANDOM, LATIN, SOBOL = "random", "latin_hypercube", "sobol"
 
@@ -41,8 +41,8 @@ class Samples(Declared):
     seed: int = entry(Count("another seed draws other values", lower=0, upper=2**32 - 1), 1)
 
     def contradictions(self) -> list[Fault]:
-        if self.method == SOBOL and self.count > 2**BITS:
-            text = f"a Sobol sequence has at most {2**BITS} points; take method: {RANDOM} or {LATIN}"
+        if self.method == SOBOL and self.count > 2**COORDINATE_BITS:
+            text = f"a Sobol sequence has at most {2**COORDINATE_BITS} points; take method: {RANDOM} or {LATIN}"
             return [Fault(text, ("count",))]
         return []
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from torsionnet.response.frequency_response import FloatArray
 
-BITS = 30
+COORDINATE_BITS = 30
 """Number of bits of every coordinate, and of the number of points: the default of scipy."""
 LOW_BITS = 12
 """Number of low bits of the index that one table of 4096 points covers; more bits take a longer table to build."""
@@ -35,7 +35,7 @@ class SobolPoints:
             rest = _sums(np.array([block << LOW_BITS], dtype=np.uint32), directions)
             found[begin - start : end - start] = table[begin - (block << LOW_BITS) : end - (block << LOW_BITS)] ^ rest
         # Half a step keeps the points above 0, which no unbounded distribution could take.
-        return np.asarray((found + 0.5) * 2.0**-BITS)
+        return np.asarray((found + 0.5) * 2.0**-COORDINATE_BITS)
 
 
 def _sums(indices: Words, directions: Words) -> Words:
@@ -52,7 +52,7 @@ def _table(dimension: int, bits: int, seed: int) -> tuple[Words, Words]:
     """First points (2^LOW_BITS, n) of the sequence and direction numbers (bits, n)."""
     from scipy.stats.qmc import Sobol
 
-    engine = Sobol(dimension, bits=BITS, seed=np.random.default_rng(seed))
+    engine = Sobol(dimension, bits=COORDINATE_BITS, seed=np.random.default_rng(seed))
     first, *corners = (_taken(engine, index) for index in (0, *(2**bit for bit in range(bits))))
     directions = np.empty((bits, dimension), dtype=np.uint32)
     for bit, corner in enumerate(corners):
@@ -64,4 +64,4 @@ def _table(dimension: int, bits: int, seed: int) -> tuple[Words, Words]:
 def _taken(engine: Any, index: int) -> Words:
     if index > engine.num_generated:
         engine.fast_forward(index - engine.num_generated)
-    return np.asarray(np.rint(engine.random(1)[0] * 2.0**BITS), dtype=np.uint32)
+    return np.asarray(np.rint(engine.random(1)[0] * 2.0**COORDINATE_BITS), dtype=np.uint32)

@@ -16,7 +16,9 @@ SymbolRow: TypeAlias = Mapping[str, Any]
 """Row over coordinates with sympy coefficients, none of them zero."""
 
 ONE = sympy.Integer(1)
+"""Exact one of sympy, shared so that rows and laws compare quickly."""
 ZERO = sympy.Integer(0)
+"""Exact zero of sympy, for parts that a law lacks."""
 
 
 @dataclass(frozen=True)

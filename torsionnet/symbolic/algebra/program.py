@@ -16,6 +16,7 @@ from typing import Any, Protocol
 from torsionnet.core.memo import Memo
 
 ARITHMETIC = ("+", "*", "/")
+"""Operations of a program step that combine two other steps."""
 
 
 class ProgramAlgebra(Protocol):

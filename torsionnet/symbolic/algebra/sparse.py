@@ -17,6 +17,7 @@ from torsionnet.symbolic.algebra.network import Stiffness
 EXPONENT_BITS = 12
 """Bits of a packed monomial for the exponent of one generator: exponents up to 4095."""
 EXPONENT_MASK = (1 << EXPONENT_BITS) - 1
+"""Mask that extracts one exponent from a packed monomial."""
 
 
 class Sparse:
