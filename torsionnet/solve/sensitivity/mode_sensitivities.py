@@ -44,7 +44,7 @@ class ModeEffect:
 
 @dataclass(frozen=True, eq=False)
 class SensitivityRow:
-    """One mode and the effects of all parameters on it, arrays of shape (n_p,)."""
+    """Effects of all parameters on one mode, arrays of shape (n_p,)."""
 
     mode: Annotated[int | None, Out(schema=MODE_NUMBER)]
     natural_frequency: Annotated[float, Out(json="natural_frequency_Hz")]
