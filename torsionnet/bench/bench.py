@@ -62,7 +62,7 @@ class Bench(NotebookResult):
             (name, sensors[name].quantity if name in sensors else "torque", part.kind)
             for name, part in self.plan.channels.items()
         )
-        torque = f"{self.plan.excitation.kind} of {self.plan.excitation.duration:g} s on {self.drive}"
+        torque = f"{self.plan.excitation.kind} of {self.plan.excitation.length:g} s on {self.drive}"
         columns = (Column("channel"), Column("quantity"), Column("read by"))
         rate = f"{self.plan.acquisition.rate:g} Hz"
         return Table(f"{self.drivetrain.title}: bench", columns, rows, (f"{torque}, recorded at {rate}",))
