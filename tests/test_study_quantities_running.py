@@ -381,7 +381,7 @@ def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> No
     again, faults = QUANTITIES[kind].read(quantity.to_data())
     assert (again, faults) == (quantity, [])
     assert isinstance(quantity.measured(SHORT, asked), QuantityForm)
-    assert quantity.schema(told_by="type")["properties"]["type"]["const"] == kind
+    assert quantity.schema(type_key="type")["properties"]["type"]["const"] == kind
 
 
 def test_a_block_keeps_few_remarks() -> None:

@@ -145,8 +145,8 @@ class Definition(Declared):
         return [*super().key_faults(raw, name), *lacks]
 
     @classmethod
-    def schema(cls, *, told_by: str = "") -> Schema:
-        return super().schema(told_by=told_by) | {"anyOf": [{"required": ["elements"]}, {"required": ["use"]}]}
+    def schema(cls, *, type_key: str = "") -> Schema:
+        return super().schema(type_key=type_key) | {"anyOf": [{"required": ["elements"]}, {"required": ["use"]}]}
 
     def to_data(self) -> dict[str, Json]:
         """The entries of a model file; reading them again gives an equal definition."""

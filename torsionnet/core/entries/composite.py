@@ -132,7 +132,7 @@ class Typed(Composite[D]):
             self.name: {"type": "object", "properties": {self.key: word}, "required": [self.key], "allOf": rules}
         }
         for kind, cls in known.items():
-            found[names[kind]] = cls.schema(told_by=self.key)
+            found[names[kind]] = cls.schema(type_key=self.key)
             found |= cls.definitions()
         return found
 

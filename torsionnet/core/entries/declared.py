@@ -173,10 +173,10 @@ class Declared:
         }
 
     @classmethod
-    def schema(cls, *, told_by: str = "") -> Schema:
-        """JSON Schema of the entry; ``told_by`` is the key, as ``type``, that tells it from others."""
+    def schema(cls, *, type_key: str = "") -> Schema:
+        """JSON Schema of the entry; ``type_key`` is the key, as ``type``, that names its kind."""
         summary = (cls.__doc__ or "").strip().splitlines()[0]
-        head: Schema = {told_by: {"const": cls.kind, "description": summary}} if told_by else {}
+        head: Schema = {type_key: {"const": cls.kind, "description": summary}} if type_key else {}
         head |= dict.fromkeys(cls.head, VERSION_SCHEMA)
         properties = {declared.name: _with_default(declared) for declared in cls.declared()}
         return {

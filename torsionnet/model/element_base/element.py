@@ -289,12 +289,12 @@ class Element(Declared):
         return {name: value for name, value in data.items() if name not in same}
 
     @classmethod
-    def schema(cls, *, told_by: str = "") -> Schema:
+    def schema(cls, *, type_key: str = "") -> Schema:
         """JSON Schema of the element's entries; a catalogue may give the required ones."""
-        schema: dict[str, Any] = dict(super().schema(told_by=told_by))
-        from_row = [name for name in schema["required"] if name != told_by]
+        schema: dict[str, Any] = dict(super().schema(type_key=type_key))
+        from_row = [name for name in schema["required"] if name != type_key]
         lone = {"not": {"required": [CATALOGUE]}}
-        return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}
+        return {**schema, "required": [type_key] if type_key else [], "if": lone, "then": {"required": from_row}}
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -29,7 +29,7 @@ def file_schema(*kinds: type[Declared]) -> Schema:
     if len(kinds) > 1:
         schema["properties"] = {key: value for one in reversed(schemas) for key, value in one["properties"].items()}
         schema["required"] = [key for key in schemas[0]["required"] if all(key in one["required"] for one in schemas)]
-        schema["oneOf"] = [_told_by(one, schema["required"]) for one in schemas]
+        schema["oneOf"] = [_required_entries(one, schema["required"]) for one in schemas]
         schema.pop("anyOf", None)
     definitions: Schema = {"scalar": SCALAR}
     for kind in reversed(kinds):
@@ -37,7 +37,7 @@ def file_schema(*kinds: type[Declared]) -> Schema:
     return {**schema, "$defs": definitions}
 
 
-def _told_by(schema: Mapping[str, Any], common: Collection[str]) -> Schema:
+def _required_entries(schema: Mapping[str, Any], common: Collection[str]) -> Schema:
     """JSON Schema of the entries that one kind of file requires and the others do not."""
     required = [key for key in schema["required"] if key not in common]
     return {"anyOf": schema["anyOf"]} if "anyOf" in schema else {"required": required}

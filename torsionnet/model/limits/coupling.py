@@ -62,16 +62,16 @@ class CouplingLimit(ElementLimit):
     torque_temperature_factor: float = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
     power_temperature_factor: float = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [self.torque, self.twisting]
 
-    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+    def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         found = [self.torque] if self.T_KN is not None or self.T_Kmax is not None else []
         return found + ([self.twisting] if self.twist is not None else [])
 
-    def powered(self) -> list[str]:
+    def power_elements(self) -> list[str]:
         return [self.element] if self.P_KV is not None else []
 
     def text(self, evidence: Evidence) -> RuleText:

@@ -136,7 +136,7 @@ class CurveLimit(Limit):
             text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
             yield Fault(f"{text}; the rest is not judged", (key,), "warning", on_key=True)
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         sensor = self.sensor(subject)
         return [] if sensor is None else [sensor]
 

@@ -69,11 +69,11 @@ class GearLimit(ElementLimit):
     def torque(self) -> Sensor:
         return Sensor("torque", self.element, self.at)
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [self.torque]
 
-    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+    def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [self.torque]
 

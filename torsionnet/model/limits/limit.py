@@ -71,16 +71,16 @@ class Limit(Declared):
         del subject
         yield from ()
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         """Sensors whose orders the limit needs."""
         raise NotImplementedError
 
-    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+    def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
         """Sensors whose mean values the limit needs."""
         del subject
         return []
 
-    def powered(self) -> list[str]:
+    def power_elements(self) -> list[str]:
         """Names of elements whose dissipated power the limit needs."""
         return []
 
@@ -172,7 +172,7 @@ class Limit(Declared):
         barred: tuple[SpeedSpan, ...],
         remarks: tuple[str, ...],
     ) -> LimitVerdict:
-        case = _worst_case(evidence, line, self.seen(evidence.subject)[0])
+        case = _worst_case(evidence, line, self.order_sensors(evidence.subject)[0])
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,

@@ -45,7 +45,7 @@ class MachineAngleLimit(Limit):
     def named(self) -> tuple[tuple[Path, str, str], ...]:
         return ((("node",), "node", self.node),)
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [Sensor("angle", self.node)]
 
@@ -55,7 +55,7 @@ class MachineAngleLimit(Limit):
         return RuleText(self.source, formula, "swinging of machines that run in parallel against each other")
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
-        angle = self.seen(evidence.subject)
+        angle = self.order_sensors(evidence.subject)
         values, orders = self.pole_pairs * evidence.size(angle), self.pole_pairs * evidence.orders(angle)
         allowed = constant_over_speed(self.angle, evidence)
         yield LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)

@@ -74,10 +74,10 @@ class ShaftLimit(Limit):
                 text = f"the bore of {self.element}, {1000 * section.inner:g} mm, is no smaller than its diameter"
                 yield Fault(f"{text}, {1000 * section.outer:g} mm", (key,))
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         return torques_of(subject.elements[self.element])
 
-    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+    def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [Sensor("torque", self.element)]
 

@@ -50,11 +50,11 @@ class DamperLimit(ElementLimit):
         per_area = None if self.power_per_area is None else float(self.power_per_area * not_none(self.area))
         return float(self.power) if self.power is not None else per_area
 
-    def seen(self, subject: LimitSubject) -> list[Sensor]:
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [self.twisting]
 
-    def powered(self) -> list[str]:
+    def power_elements(self) -> list[str]:
         return [self.element] if self.allowed_power is not None else []
 
     def text(self, evidence: Evidence) -> RuleText:

@@ -187,9 +187,9 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
 
 def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
     """Sensors that the limits need, each once."""
-    found = [sensor for limit in limits for sensor in limit.seen(subject)]
+    found = [sensor for limit in limits for sensor in limit.order_sensors(subject)]
     for limit in limits:
-        for name in limit.powered():
+        for name in limit.power_elements():
             found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
     if not found:
         text = "all elements with limits are switched off in this condition"
@@ -201,7 +201,7 @@ def _means(
     drivetrain: AssembledModel, subject: LimitSubject, limits: Sequence[Limit], speeds: FloatArray
 ) -> tuple[dict[Sensor, FloatArray], str]:
     """Mean values (n_speeds,) by sensor that the limits need, and why some are unknown ("" if none is)."""
-    sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(subject)))
+    sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.mean_sensors(subject)))
     try:
         values = mean_response(drivetrain, sensors, speeds).values if sensors else np.empty((0, 0))
     except UsageError as error:
