@@ -34,13 +34,13 @@ from torsionnet.signals.recording_checks import check_recording as check_recordi
 from torsionnet.signals.resampling import resampled as resampled
 from torsionnet.signals.resolution import Resolution as Resolution
 from torsionnet.signals.resolution import resolution as resolution
-from torsionnet.signals.unaveraged_estimates import Step as Step
-from torsionnet.signals.unaveraged_estimates import full_record as full_record
-from torsionnet.signals.unaveraged_estimates import stepped_sine as stepped_sine
 from torsionnet.signals.spectra import cross_spectra as cross_spectra
 from torsionnet.signals.spectral_matrix import CrossSpectra as CrossSpectra
 from torsionnet.signals.spectrogram import Spectrogram as Spectrogram
 from torsionnet.signals.spectrogram import spectrogram as spectrogram
+from torsionnet.signals.unaveraged_estimates import Step as Step
+from torsionnet.signals.unaveraged_estimates import full_record as full_record
+from torsionnet.signals.unaveraged_estimates import stepped_sine as stepped_sine
 from torsionnet.signals.uncertainty import RandomError as RandomError
 from torsionnet.signals.uncertainty import random_error as random_error
 from torsionnet.signals.uncertainty import random_errors as random_errors
