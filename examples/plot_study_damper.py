@@ -17,7 +17,7 @@ plt.style.use(plot.STYLE)
 
 study = tn.load_study("inline_six_damper")
 result = tn.study.run_study(study)
-best = study.answers["damper"].found(study, result)
+best = study.answers["damper"].conclude(study, result)
 assert isinstance(best, DamperOverConditions)  # for type checkers: what an answer finds depends on its type
 figure = best.figure(plot)
 print("\n".join(best.sentences))

@@ -13,12 +13,12 @@ from torsionnet.study.shown_units import shown_units
 
 study = tn.load_study("amt_two_stiffnesses")
 result = tn.study.run_study(study)
-figure = study.answers["frequency"].found(study, result).figure(plot, units=shown_units(study))
+figure = study.answers["frequency"].conclude(study, result).figure(plot, units=shown_units(study))
 
 # %%
 # The damping ratio falls with the stiffness of the half-shaft.
 
-figure = study.answers["damping"].found(study, result).figure(plot, units=shown_units(study))
+figure = study.answers["damping"].conclude(study, result).figure(plot, units=shown_units(study))
 
 # %%
 # The same numbers as an array, k_1 along the first axis: the rigs whose first mode stays below 6 Hz with a damping

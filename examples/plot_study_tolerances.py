@@ -25,18 +25,18 @@ print(result.table())
 # The response at the motor, with the bands in which half and 95 % of the rigs lie. At the resonance the
 # largest of these responses are twice the smallest ones in every gear.
 
-bands = study.answers["resonance"].found(study, result)
+bands = study.answers["resonance"].conclude(study, result)
 figure = bands.figure(plot, units=shown_units(study))
 print("\n".join(bands.sentences))
 
 # %%
 # Which share of the rigs turns more than 0.5 deg/(N m) at 5 Hz? Third gear has its resonance there.
 
-share = study.answers["yield"].found(study, result)
+share = study.answers["yield"].conclude(study, result)
 print("\n".join(share.sentences))
 
 # %%
 # One parameter at a time over its tolerance: the oil decides in the lower gears, the dual-mass flywheel in fifth.
 
-influence = study.answers["influence"].found(study, result)
+influence = study.answers["influence"].conclude(study, result)
 figure = influence.figure(plot, units=shown_units(study))

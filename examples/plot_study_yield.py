@@ -14,7 +14,7 @@ from torsionnet.study.shown_units import shown_units
 
 study = tn.load_study("marine_yield")
 result = tn.study.run_study(study)
-share = study.answers["yield"].found(study, result)
+share = study.answers["yield"].conclude(study, result)
 figure = share.figure(plot, units=shown_units(study))
 print("\n".join(share.sentences))
 

@@ -173,7 +173,7 @@ class TestPlans:
         plan = batch_plan(tn.load("dmf_rig"), ["k_2", "c_2"])
         with pytest.raises(tn.UsageError, match="k_2, c_2"):
             plan.batch({"k_2": [1.0]})
-        with pytest.raises(tn.UsageError, match="as many"):
+        with pytest.raises(tn.UsageError, match="same number of values"):
             plan.batch({"k_2": [1.0, 2.0], "c_2": [1.0]})
 
     def test_parts_with_dots_in_their_names(self):

@@ -190,7 +190,7 @@ class TestRefusals:
             ({"parameters": {"c": ("10 N*m/rad", 100)}, "input": "a"}, r'"10 N\*m/rad" is not in N\*m\*s/rad'),
             ({"parameters": {"c": ("10 frob", 100)}, "input": "a"}, "frob"),
             ({"parameters": {"c": (10,)}, "input": "a"}, "bounds are two values"),
-            ({"parameters": "k_film", "input": "a"}, "say between which bounds"),
+            ({"parameters": "k_film", "input": "a"}, "give a lower and a higher one"),
             ({"parameters": "c", "input": "a", "band": (50, 20)}, "a band goes from"),
             ({"parameters": "c", "band": (5, 20)}, "a band of frequencies needs input="),
             ({"parameters": "c", "input": "a", "speeds": [100.0]}, "speeds and excitations do not go with an input"),

@@ -134,7 +134,7 @@ def test_teeth_of_opposite_sign_turn_the_sense():
         (lambda: tn.Spring("s", nodes="ab", stiffness=1), "two nodes"),
         (lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zeta": 0.1}), "stated frequency"),
         (lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zata": 0.1, "at": 1}), 'did you mean "zeta"'),
-        (lambda: tn.Inertia("1j", node="a", inertia=1), "no name"),
+        (lambda: tn.Inertia("1j", node="a", inertia=1), "not a valid name"),
         (lambda: tn.Inertia("j", node="ground", inertia=1), "ground does not move"),
         (lambda: tn.Inertia("j", node="a", inertia="3 kg*m"), "kg*m^2"),
         (lambda: tn.Inertia("j", node="a", inertia=True), "number"),

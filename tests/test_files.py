@@ -473,8 +473,8 @@ def test_a_pipe_gets_the_bytes_and_stays_a_pipe(tmp_path, through_link):
 def test_told_to_end_it_leaves_no_temporary_file(tmp_path):
     path = tmp_path / "out.csv"
     program = (
-        "import sys, time\nfrom torsionnet.core.atomic import replacing\n"
-        "with replacing(sys.argv[1]) as temporary:\n"
+        "import sys, time\nfrom torsionnet.core.atomic import atomic_replacement\n"
+        "with atomic_replacement(sys.argv[1]) as temporary:\n"
         "    temporary.write_text('half')\n    print('writing', flush=True)\n    time.sleep(60)\n"
     )
     with subprocess.Popen([sys.executable, "-c", program, str(path)], stdout=subprocess.PIPE) as running:

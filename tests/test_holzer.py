@@ -104,7 +104,7 @@ class TestPublishedCases:
         holzer = plant.holzer_table(mode)
         assert holzer.frequency * 60 == pytest.approx(per_minute, abs=0.3)
         assert holzer.relative_remainder < 1e-11
-        assert [branch.joins for branch in holzer.branches] == ["", "bull"]
+        assert [branch.joins for branch in holzer.branches] == [None, "bull"]
         check_equilibrium(plant, holzer)
 
 

@@ -127,7 +127,7 @@ configurations: {launch: {stall: {oil.speed_ratio: 0}, higher: {oil.speed_ratio:
         ({"k_factor": [[0, 1], [1, 2]], "performance": [[0, 1], [1, 2]]}, "give the capacity once"),
         ({"performance": [[0, 1], [1, 2]]}, "performance needs diameter"),
         ({"pump_torque": [[0, 1], [1, 2]]}, "pump_torque needs test_speed"),
-        ({"k_factor": [[0, 0], [1, 2]]}, "a K factor is above zero"),
+        ({"k_factor": [[0, 0], [1, 2]]}, "a K factor must be above zero"),
         ({"k_factor": [[0, 1], [0.4, 2]]}, "the table goes from 0 to 0.4 in k_factor; speed_ratio is 0.5"),
         ({"k_factor": [[0, 1], [0.4, "2 kg"]]}, "is not a value of a plain number"),
         ({"k_factor": [[0, 1], [1, 2]], "housing": "p"}, "must be on different nodes"),

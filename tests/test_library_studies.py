@@ -47,7 +47,7 @@ def test_every_study_answers_with_a_few_variants(name):
     study = few(load_study(name))
     result = run_study(study)
     for answer in study.answers.values():
-        found = answer.found(study, result)
+        found = answer.conclude(study, result)
         assert found.sentences or found.table().rows
 
 

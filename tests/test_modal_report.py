@@ -96,7 +96,7 @@ class TestMac:
         assert len(mac_matrix(np.eye(30)).axes[0].texts) == 0
 
     def test_messages(self):
-        with pytest.raises(UsageError, match="fewer than two common sensors"):
+        with pytest.raises(UsageError, match="fewer than two sensors in common"):
             mac_matrix(None)
         with pytest.raises(UsageError, match="2 modes need as many names, got 1"):
             mac_matrix(np.eye(2), rows=["a"])

@@ -151,7 +151,7 @@ class TestFrequencyResponse:
         np.testing.assert_allclose(receptance.values[:, 0, 0], response().values[:, 0, 0])
         np.testing.assert_allclose(receptance.values[:, 1, 0], response().values[:, 1, 0] / s)
         assert {channel.unit for channel in receptance.outputs} == {"rad"}
-        with pytest.raises(UsageError, match="T is no angle"):
+        with pytest.raises(UsageError, match="T is not an angle"):
             replace(response(), outputs=(OUTPUTS[0], INPUTS[0])).mobility()
 
     @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def test_a_study_without_draws_loads_no_heavy_package_and_no_kind_it_does_not_na
     folders = [f"torsionnet.study.{name}." for name in ("space.variations", "quantities", "answers", "design")]
     kinds = {name for name in loaded if name.startswith(tuple(folders))}
     assert {name.rpartition(".")[2] for name in kinds} == {
-        "answer", "asking", "counted_remarks", "evaluator", "list_of_values", "natural_frequency", "nominal", "quantity",
+        "answer", "answer_inputs", "counted_remarks", "evaluator", "list_of_values", "natural_frequency", "nominal", "quantity",
         "quantity_limit", "variant_block", "variation",
     }  # fmt: skip
 
@@ -92,8 +92,8 @@ NOT_FOR_A_PLAIN_RIG = {
         "bench",
         "catalogues.catalogue",
         "catalogues.catalogue_values",
-        "checks.operation",
-        "checks.running",
+        "checks.operating_point_checks",
+        "checks.excitation_checks",
         "elements.clutch",
         "elements.controller",
         "element_base.curves",
@@ -111,10 +111,10 @@ NOT_FOR_A_PLAIN_RIG = {
         "load.external_torques",
         "load.load_section",
         "operating_values",
-        "parts.authored",
+        "parts.authored_model",
         "parts.flattening",
         "parts.part",
-        "parts.places",
+        "parts.written_places",
         "parts.use",
         "readings",
         "referral",

@@ -34,7 +34,7 @@ def compare_measured_poles(context: Context, asked: Asked) -> None:
     outcome = called(lambda: context.drivetrain.modes(**driven))
     rest = cut_off(mechanics.model, measured[0], asked.question.excitations) if len(measured) == 1 else None
     name = "poles of measured inputs" if rest is None else "poles behind a cut"
-    if outcome.is_refused and "are not calculated then" in str(outcome.error) and mechanics.model.imposed:
+    if outcome.is_refused and "poles are calculated only" in str(outcome.error) and mechanics.model.imposed:
         context.refused(name)
     elif not failed(context, name, outcome, f"for {asked.inputs}, excitation {asked.excitations}"):
         poles = MeasuredPoles(mechanics, asked) if rest is None else Poles(Mechanics(rest))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from torsionnet.cli.commands.equations import MatricesRecord, Motion, equations_of_motion, matrices_record
+from torsionnet.cli.equation_output import EquationsOfMotion, MatricesRecord, equations_of_motion, matrices_record
 from torsionnet.core.result_rows import Out, json_schema
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.overview import ModelRecord, model_record
@@ -15,7 +15,7 @@ from torsionnet.model.overview import ModelRecord, model_record
 class ShownModel(ModelRecord):
     """Model with its values, and its equations of motion and matrices where these are asked for."""
 
-    equations: Annotated[Motion | None, Out(optional=True, schema=json_schema(Motion))]
+    equations: Annotated[EquationsOfMotion | None, Out(optional=True, schema=json_schema(EquationsOfMotion))]
     matrices: Annotated[MatricesRecord | None, Out(optional=True, schema=json_schema(MatricesRecord))]
 
 

@@ -16,7 +16,7 @@ OUTPUTS: dict[str, str] = {
     "compare": "torsionnet.cli.frf_output:ComparisonRecord",
     "critical-speeds": "list[torsionnet.response.critical_speeds:CriticalSpeedsRecord]",
     "damper": "list[torsionnet.response.damper_optimum:DamperRecord]",
-    "equations": "list[torsionnet.cli.commands.equations:ConfiguredMotion|TransferFunctionRecord]",
+    "equations": "list[torsionnet.cli.equation_output:ConfiguredMotion|TransferFunctionRecord]",
     "estimate": "torsionnet.cli.frf_output:EstimateRecord",
     "fit": "torsionnet.identification.fit_record:FitRecord|RankingRecord",
     "frf": "list[torsionnet.cli.frf_output:ResponsesRecord]",

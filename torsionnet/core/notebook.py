@@ -4,20 +4,34 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from torsionnet.core.errors import TorsionnetError
-
-if TYPE_CHECKING:
-    from torsionnet.response.table import Table
 
 MOST_ROWS = 30
 """Rows of a table in a notebook beyond which it is thinned out: what fits on a screen."""
 DOTS_PER_INCH = 100
 """Resolution of a picture in a notebook: sharp at the size at which it is shown."""
+
+
+class NotebookTable(Protocol):
+    """Table that can be shown in a notebook, as :class:`torsionnet.response.Table`."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def rows(self) -> Sequence[Any]: ...
+    @property
+    def notes(self) -> tuple[str, ...]: ...
+    def to_html(self) -> str: ...
+
+
+T = TypeVar("T", bound=NotebookTable)
 
 
 class Plots:
@@ -32,11 +46,11 @@ class NotebookResult:
     picture: ClassVar[str] = ""
     """Function of :mod:`torsionnet.plot` that draws the result alone; empty: none does."""
 
-    def table(self) -> Table:
+    def table(self) -> NotebookTable:
         """Table of the result."""
         raise NotImplementedError
 
-    def notebook_tables(self) -> Iterable[Table]:
+    def notebook_tables(self) -> Iterable[NotebookTable]:
         """Tables that a notebook shows."""
         return (self.table(),)
 
@@ -61,7 +75,7 @@ def drawn(draw: Callable[[ModuleType], Any]) -> str:
         return ""
 
 
-def thinned(table: Table) -> Table:
+def thinned(table: T) -> T:
     """Copy of a table with at most ``MOST_ROWS`` rows, evenly chosen, and a note on how many there are."""
     step = -(-len(table.rows) // MOST_ROWS)
     if step <= 1:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
@@ -40,7 +40,6 @@ ENDLESS_ADVICE = {  # advice by dimension for a value that grows without end
 }
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Fit(FitResult):
     """Parameters found from measurements.
 

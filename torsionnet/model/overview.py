@@ -206,7 +206,7 @@ def speeds_table(rig: Model) -> Table:
 
 
 @dataclass(frozen=True)
-class ParameterValue:
+class ResolvedParameter:
     """Value of a parameter in its SI unit."""
 
     value: float
@@ -221,13 +221,13 @@ class ModelRecord:
     configuration: str
     model: Annotated[Mapping[str, object], Out(schema=MODEL_FILE)]
     nodes: tuple[str, ...]
-    parameters: Mapping[str, ParameterValue]
+    parameters: Mapping[str, ResolvedParameter]
     mean_speeds: Annotated[Mapping[str, float], Out(json="mean_speeds_rad_per_s")]
 
 
 def model_record(rig: Model) -> ModelRecord:
     """Model as plain data, for JSON."""
     units = parameter_units(rig.definition)
-    parameters = {name: ParameterValue(value, units[name]) for name, value in rig.parameters.items()}
+    parameters = {name: ResolvedParameter(value, units[name]) for name, value in rig.parameters.items()}
     content = rig.definition.flat_data()
     return ModelRecord(rig.title, rig.configuration, content, rig.nodes, parameters, rig.mean_speeds)

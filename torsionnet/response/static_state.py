@@ -56,8 +56,8 @@ class ExternalTorque:
 class StaticRecord:
     """Mean torques of one configuration in SI, as ``torsionnet static --json`` prints them."""
 
-    title: str
     configuration: str
+    title: str
     reference: Annotated[str, Out(json="speed_of")]
     speed: Annotated[float, Out(json="speed_rpm")]
     external: tuple[ExternalTorque, ...]
@@ -109,5 +109,5 @@ class StaticState(NotebookResult):
         """Mean torques as plain data, for JSON."""
         external = tuple(ExternalTorque(node, torque) for node, torque in self.external.items())
         return StaticRecord(
-            self.title, configuration, self.reference, self.speed * RPM, external, self.loads, self.notes
+            configuration, self.title, self.reference, self.speed * RPM, external, self.loads, self.notes
         )

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import JSON, Answer, click_command
 from torsionnet.cli.declarations import option
+from torsionnet.cli.equation_output import (
+    ConfiguredMotion,
+    TransferFunctionRecord,
+    dependent_angles,
+    equations_of_motion,
+    matrix_rows,
+    simplification_errors,
+)
 from torsionnet.cli.options import SIMPLIFY, EntryOption
-from torsionnet.core.result_rows import PAIR, Out, json_schema
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -26,67 +33,9 @@ MATRICES = (
     ("C", "N*m*s/rad", "Damping matrix"),
     ("K", "N*m/rad", "Stiffness matrix"),
 )
-TEXTS = json_schema(tuple[str, ...])
-"""JSON Schema of a list of texts."""
 EQUATION_WIDTH = 100
 """Characters after which an equation is continued on the next line."""
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded", "python")
-
-
-@dataclass(frozen=True)
-class Configured:
-    """Record of one configuration; empty for the model as written."""
-
-    configuration: str
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Equations of motion as texts; the matrices by rows."""
-
-    coordinates: tuple[str, ...]
-    equations: tuple[str, ...]
-    dependent: Mapping[str, str]
-    conditions: tuple[str, ...]
-    inertia: Annotated[list[list[str]], Out(json="M")]
-    damping: Annotated[list[list[str]], Out(json="C")]
-    stiffness: Annotated[list[list[str]], Out(json="K")]
-
-
-@dataclass(frozen=True)
-class ConfiguredMotion(Motion, Configured):
-    """Equations of motion of one configuration, as ``torsionnet equations --json`` prints them."""
-
-
-@dataclass(frozen=True)
-class SimplificationErrors:
-    """Relative errors of frequencies and damping ratios, and error of magnitudes in dB, of a simplified drivetrain."""
-
-    omega: float
-    zeta: float
-    decibels: float
-
-
-@dataclass(frozen=True)
-class TransferFunctionRecord:
-    """Transfer function as text, as ``torsionnet equations --tf --json`` prints it, and what was left out of it."""
-
-    configuration: str
-    transfer_function: str
-    text: str
-    left_out: Annotated[tuple[str, ...] | None, Out(optional=True, schema=TEXTS)] = None
-    band: Annotated[tuple[float, float] | None, Out(optional=True, schema=PAIR)] = None
-    errors: Annotated[SimplificationErrors | None, Out(optional=True, schema=json_schema(SimplificationErrors))] = None
-
-
-@dataclass(frozen=True)
-class MatricesRecord:
-    """Matrices of a drivetrain in numbers by rows, SI."""
-
-    coordinates: tuple[str, ...]
-    inertia: Annotated[list[list[float]], Out(json="M")]
-    damping: Annotated[list[list[float]], Out(json="C")]
-    stiffness: Annotated[list[list[float]], Out(json="K")]
 
 
 class EquationsCommand(ModelCommand):
@@ -155,7 +104,7 @@ class EquationsCommand(ModelCommand):
             yield ConfiguredMotion(case.configuration, *(getattr(motion, one.name) for one in fields(motion)))
         for pair in self.pairs:
             found, short = self._found(case.drivetrain, pair)
-            more = (short.changes, short.band, _errors(short)) if short is not None else ()
+            more = (short.changes, short.band, simplification_errors(short)) if short is not None else ()
             yield TransferFunctionRecord(case.configuration, str(pair), self._written(found), *more)
 
     def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
@@ -181,7 +130,7 @@ def equations_text(rig: Drivetrain) -> str:
         lines += [f"{name}:", *_folded(equation)]
     for one, law in zip(system.actions, system.laws(), strict=True):
         lines += [f"{one.owner}:", *_folded(law)]
-    others = [f"theta_{node} = {text}" for node, text in _dependent(system).items()]
+    others = [f"theta_{node} = {text}" for node, text in dependent_angles(system).items()]
     others += [f"{name} = {for_display(formula)}" for name, formula in system.formulas.items()]
     lines += ["where", *(f"    {text}" for text in others)] if others else []
     if system.conditions:
@@ -212,26 +161,6 @@ def _terms(equation: str) -> list[str]:
     return terms
 
 
-def _dependent(system: Any) -> dict[str, str]:
-    """Angles of the nodes that are no coordinates, as text in terms of the coordinates, by node."""
-    found = {}
-    for row, node in enumerate(system.nodes):
-        if node not in system.coordinates:
-            terms = [
-                _product(system.T[row, column], name)
-                for column, name in enumerate(system.coordinates)
-                if system.T[row, column] != 0
-            ]
-            found[node] = " + ".join(terms) or "0"
-    return found
-
-
-def _product(coefficient: Any, name: str) -> str:
-    if coefficient == 1:
-        return f"theta_{name}"
-    return f"{coefficient} theta_{name}" if coefficient.is_Symbol else f"({coefficient}) theta_{name}"
-
-
 def matrix_tables(rig: Drivetrain) -> list[Table]:
     """Tables of the matrices M, C and K with the coordinates as names of rows and columns."""
     coordinates = rig.assembly.kinematics.coordinates
@@ -242,39 +171,11 @@ def matrix_tables(rig: Drivetrain) -> list[Table]:
         Table(
             f"{rig.title}: {title} {symbol} [{unit}]",
             columns,
-            tuple((name, *row) for name, row in zip(coordinates, _rows(rig, symbol), strict=True)),
+            tuple((name, *row) for name, row in zip(coordinates, matrix_rows(rig, symbol), strict=True)),
             notes,
         )
         for symbol, unit, title in MATRICES
     ]
-
-
-def _rows(rig: Drivetrain, symbol: str) -> list[list[float]]:
-    rows: list[list[float]] = getattr(rig.assembly.system, symbol).tolist()
-    return rows
-
-
-def _errors(short: Simplified) -> SimplificationErrors:
-    errors = short.errors
-    return SimplificationErrors(errors.omega, errors.zeta, errors.decibels)
-
-
-def equations_of_motion(rig: Drivetrain) -> Motion:
-    """Equations of motion of a drivetrain as texts."""
-    system = rig.symbolic()
-    matrices = ([[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK")
-    return Motion(
-        system.coordinates,
-        (*system.equations(), *system.laws()),
-        _dependent(system),
-        tuple(map(str, system.conditions)),
-        *matrices,
-    )
-
-
-def matrices_record(rig: Drivetrain) -> MatricesRecord:
-    """Matrices of a drivetrain in numbers."""
-    return MatricesRecord(rig.assembly.kinematics.coordinates, *(_rows(rig, symbol) for symbol in "MCK"))
 
 
 command = click_command("equations", EquationsCommand)

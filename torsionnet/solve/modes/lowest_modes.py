@@ -39,26 +39,18 @@ SPARSE_TOLERANCE = 1e-10
 """Estimated relative error of an eigenvalue up to which the sparse result is used."""
 LARGEST_DENSE = 2000
 """Coordinates beyond which arrays of n by n cost hours and gigabytes."""
-_RIGID_ECHO = 1e-6
-"""Ratio of a polished eigenvalue to its start value up to which the start was a rigid-body mode."""
-_LARGEST_REFINED_ERROR = 1e-3
-"""Relative error up to which an eigenvalue is a start for many digits."""
+_RIGID_ECHO, _LARGEST_REFINED_ERROR = 1e-6, 1e-3
+"""Polished eigenvalue over its start up to which that was a rigid body; relative error of starts for many digits."""
 _KRYLOV_TOLERANCE = 1e-13
 """Relative accuracy asked of ARPACK; polishing adds the last digits."""
-_SAME_EIGENVALUE = 1e-6
-"""Relative distance below which eigenvalues are polished together."""
-_MISSED_MARGIN = 1e-9
-"""Relative margin by which a value of the second run counts as lower, hence missed."""
-_POLISHED = 1e-14
-"""Relative change of an eigenvalue at which polishing ends."""
-_POLISHING_STEPS = 4
-"""Steps of inverse iteration, each of which squares the error."""
+_SAME_EIGENVALUE, _MISSED_MARGIN = 1e-6, 1e-9
+"""Relative distances: below which eigenvalues are polished together, and by which a later one was missed before."""
+_POLISHED, _POLISHING_STEPS = 1e-14, 4
+"""Relative change of an eigenvalue at which polishing ends, and most steps; each squares the error."""
 _BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)
 """Relative distances from an eigenvalue at which D is factored."""
-_RESOLVED = 0.1
-"""Size of the slowest pole, over the shift, below which poles are not separated."""
-_SHIFT_ROUNDS = 8
-"""Changes of the shift or of the number of modes, at most."""
+_RESOLVED, _SHIFT_ROUNDS = 0.1, 8
+"""Slowest pole over the shift below which poles are not separated, and most changes of shift or number of modes."""
 _EPS = float(np.finfo(float).eps)
 
 

@@ -1,0 +1,122 @@
+"""Equations of motion, matrices and transfer functions as plain data, for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+from torsionnet.core.result_rows import PAIR, Out, json_schema
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.symbolic.simplified import Simplified
+
+TEXTS = json_schema(tuple[str, ...])
+"""JSON Schema of a list of texts."""
+
+
+@dataclass(frozen=True)
+class Configured:
+    """Record of one configuration; empty for the model as written."""
+
+    configuration: str
+
+
+@dataclass(frozen=True)
+class EquationsOfMotion:
+    """Equations of motion as texts; the matrices by rows."""
+
+    coordinates: tuple[str, ...]
+    equations: tuple[str, ...]
+    dependent: Mapping[str, str]
+    conditions: tuple[str, ...]
+    inertia: Annotated[list[list[str]], Out(json="M")]
+    damping: Annotated[list[list[str]], Out(json="C")]
+    stiffness: Annotated[list[list[str]], Out(json="K")]
+
+
+@dataclass(frozen=True)
+class ConfiguredMotion(EquationsOfMotion, Configured):
+    """Equations of motion of one configuration, as ``torsionnet equations --json`` prints them."""
+
+
+@dataclass(frozen=True)
+class SimplificationErrors:
+    """Relative errors of frequencies and damping ratios, and error of magnitudes in dB, of a simplified drivetrain."""
+
+    omega: float
+    zeta: float
+    decibels: float
+
+
+@dataclass(frozen=True)
+class TransferFunctionRecord:
+    """Transfer function as text, as ``torsionnet equations --tf --json`` prints it, and what was left out of it."""
+
+    configuration: str
+    transfer_function: str
+    text: str
+    left_out: Annotated[tuple[str, ...] | None, Out(optional=True, schema=TEXTS)] = None
+    band: Annotated[tuple[float, float] | None, Out(optional=True, schema=PAIR)] = None
+    errors: Annotated[SimplificationErrors | None, Out(optional=True, schema=json_schema(SimplificationErrors))] = None
+
+
+@dataclass(frozen=True)
+class MatricesRecord:
+    """Matrices of a drivetrain in numbers by rows, SI."""
+
+    coordinates: tuple[str, ...]
+    inertia: Annotated[list[list[float]], Out(json="M")]
+    damping: Annotated[list[list[float]], Out(json="C")]
+    stiffness: Annotated[list[list[float]], Out(json="K")]
+
+
+def simplification_errors(short: Simplified) -> SimplificationErrors:
+    """Errors of a simplified drivetrain as plain data."""
+    errors = short.errors
+    return SimplificationErrors(errors.omega, errors.zeta, errors.decibels)
+
+
+def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
+    """Equations of motion of a drivetrain as texts."""
+    system = rig.symbolic()
+    matrices = ([[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK")
+    return EquationsOfMotion(
+        system.coordinates,
+        (*system.equations(), *system.laws()),
+        dependent_angles(system),
+        tuple(map(str, system.conditions)),
+        *matrices,
+    )
+
+
+def matrices_record(rig: Drivetrain) -> MatricesRecord:
+    """Matrices of a drivetrain in numbers."""
+    return MatricesRecord(rig.assembly.kinematics.coordinates, *(matrix_rows(rig, symbol) for symbol in "MCK"))
+
+
+def dependent_angles(system: Any) -> dict[str, str]:
+    """Angles of the nodes that are no coordinates, as text in terms of the coordinates, by node."""
+    found = {}
+    for row, node in enumerate(system.nodes):
+        if node not in system.coordinates:
+            terms = [
+                _product(system.T[row, column], name)
+                for column, name in enumerate(system.coordinates)
+                if system.T[row, column] != 0
+            ]
+            found[node] = " + ".join(terms) or "0"
+    return found
+
+
+def matrix_rows(rig: Drivetrain, symbol: str) -> list[list[float]]:
+    """Rows of the matrix of the drivetrain called ``symbol``, in numbers."""
+    rows: list[list[float]] = getattr(rig.assembly.system, symbol).tolist()
+    return rows
+
+
+def _product(coefficient: Any, name: str) -> str:
+    if coefficient == 1:
+        return f"theta_{name}"
+    return f"{coefficient} theta_{name}" if coefficient.is_Symbol else f"({coefficient}) theta_{name}"
