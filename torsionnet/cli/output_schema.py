@@ -1,4 +1,4 @@
-"""What ``--json`` prints, as JSON Schema, by command."""
+"""JSON Schema of the output of every command with ``--json``."""
 
 from __future__ import annotations
 

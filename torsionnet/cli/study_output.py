@@ -18,7 +18,7 @@ AS_ANSWERED: Schema = {"description": "as the type of the answer has them"}
 
 @dataclass(frozen=True)
 class ConclusionRow:
-    """What one answer concludes, in words and numbers."""
+    """Conclusion of one answer in sentences and numbers."""
 
     sentences: tuple[str, ...]
     numbers: Annotated[Any, Out(schema=AS_ANSWERED)]

@@ -31,7 +31,7 @@ PLAIN: dict[object, Schema] = {
 
 @dataclass(frozen=True)
 class Out:
-    """How a field of a result is shown, as in ``Annotated[float, Out("natural frequency", "Hz")]``.
+    """Declaration of how a field of a result is shown, as in ``Annotated[float, Out("natural frequency", "Hz")]``.
 
     Attributes
     ----------

@@ -57,7 +57,7 @@ class StarVector:
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeedRow:
-    """One order, or one fixed frequency, and one mode; speeds of the reference shaft in rad/s."""
+    """Critical speed as plain data: one order or fixed frequency, one mode, speeds of the reference shaft in rad/s."""
 
     mode: int
     excitation: str

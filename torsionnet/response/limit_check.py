@@ -135,7 +135,7 @@ class LimitVerdict:
 
 @dataclass(frozen=True, eq=False)
 class LimitRow:
-    """One criterion of one limit over speed, and at its worst speed; SI, speeds in rpm."""
+    """Verdict on one criterion of a limit over speed and at its worst speed; SI, speeds in rpm."""
 
     limit: Annotated[str, Out("limit")]
     of: Annotated[str, Out("of")]
@@ -158,7 +158,7 @@ class LimitRow:
 
 @dataclass(frozen=True, eq=False)
 class LimitPoint:
-    """One criterion of one limit at one speed, SI."""
+    """Value and value allowed of one criterion of a limit at one speed, SI."""
 
     limit: Annotated[str, Out("limit")]
     of: Annotated[str, Out("of")]

@@ -43,7 +43,7 @@ class EnergyShares:
 
 @dataclass(frozen=True, eq=False)
 class ModeRow:
-    """One mode: SI units and Hz, shape by node (1 at the node that moves most), energy shares by element."""
+    """Mode as plain data in SI units and Hz: shape by node (1 at the node that moves most), energy by element."""
 
     mode: Annotated[int | None, Out("mode", schema=MODE_NUMBER)]
     kind: Annotated[str, Out("kind", schema=MODE_KIND)]
@@ -201,7 +201,7 @@ class Modes(NotebookResult):
         return result_table(self.title, self.rows(), ModeRow, MODE_COLUMNS, conventions, notes)
 
     def rows(self) -> tuple[ModeRow, ...]:
-        """One record for each mode."""
+        """Modes as plain data, one record for each, by rising ``|lambda|``."""
         return tuple(
             ModeRow(
                 self.numbers[index],

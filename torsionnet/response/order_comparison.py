@@ -182,7 +182,7 @@ class MeasuredOrderRow:
 
 @dataclass(frozen=True, eq=False)
 class OrderOutputRow:
-    """One output over speed: half range and RMS of all orders together, and the orders, SI."""
+    """Output over speed as plain data: half range and RMS of all orders together, and the orders, SI."""
 
     output: str
     unit: str

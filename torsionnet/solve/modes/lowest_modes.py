@@ -44,7 +44,7 @@ _RIGID_ECHO, _LARGEST_REFINED_ERROR = 1e-6, 1e-3
 _KRYLOV_TOLERANCE = 1e-13
 """Relative accuracy asked of ARPACK; polishing adds the last digits."""
 _SAME_EIGENVALUE, _MISSED_MARGIN = 1e-6, 1e-9
-"""Relative distances: below which eigenvalues are polished together, and by which a later one was missed before."""
+"""Relative distance of eigenvalues that are polished together; of a later one that counts as missed before."""
 _POLISHED, _POLISHING_STEPS = 1e-14, 4
 """Relative change of an eigenvalue at which polishing ends, and most steps; each squares the error."""
 _BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)
