@@ -107,7 +107,7 @@ from pathlib import Path
 import numpy as np
 import torsionnet as tn
 from torsionnet.model.bench import Acquisition, Plan, Transducer
-from torsionnet.identification.residuals.memory_demand import demand
+from torsionnet.identification.residuals.memory_demand import memory_demand
 from torsionnet.signals import LinearChirp, Welch
 
 rig = tn.load("dmf_rig")
@@ -127,7 +127,7 @@ before = highest()
 test = tn.Measurement(record, "theta_1", "T_T", settings=Welch(), band=(0.5, 110))
 fit = tn.identify(rig.configured(c_2=5), test, ["c_2"])
 assert abs(fit.values["c_2"] / 4 - 1) < 0.01, fit.values
-told = demand(record, test.settings, test.band)
+told = memory_demand(record, test.settings, test.band)
 print((highest() - before) / 1024, (told.kept + told.passing) / 1e6)
 """
 

@@ -101,7 +101,7 @@ def test_trials_in_a_copy(tmp_path, monkeypatch):
     text, trials = (ROOT / module).read_text(encoding="utf-8"), Trials(tmp_path, 60)
     faults = {mutant.old: mutant for mutant in mutants(module, text)}
     assert 0 < trials.usual(module) < 600
-    assert not trials.survives(faults["intervals > GAP * np.median(intervals)"])
+    assert not trials.survives(faults["intervals > GAP_RATIO * np.median(intervals)"])
     assert trials.survives(faults["0"])
     monkeypatch.setattr("mutation.trials.SPARE", 0.1)
     monkeypatch.setattr(trials, "usual", lambda _: 0.0)
