@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import jsonschema
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from torsionnet.cli.output_schema import OUTPUTS
 from torsionnet.core.result_rows import NUMBER_ROWS, Out, json_schema, out_fields, to_json
 from torsionnet.response import Conventions
 from torsionnet.response.table import Column, result_table
@@ -120,9 +123,20 @@ def test_types_without_a_schema_are_refused():
         json_schema(object)
 
 
-def test_declared_units_stand_in_the_keys():
-    """A key that ends in a unit is of a field whose column, if any, has that unit or one converted from it."""
-    assert [(one.name, one.key) for one in out_fields(Row) if one.key and one.key.endswith("_Hz")] == [
-        ("frequency", "frequency_Hz"),
-        ("twice", "twice_Hz"),
-    ]
+def declared(kind):
+    """Fields of a record and of the records in it."""
+    for one in out_fields(kind):
+        yield one
+        for part in (one.type, *get_args(one.type)):
+            if dataclasses.is_dataclass(part):
+                yield from declared(part)
+
+
+@pytest.mark.parametrize("command", sorted(OUTPUTS))
+def test_a_column_in_hertz_has_a_key_in_hertz(command):
+    """One declaration says both; they must not contradict each other."""
+    module, names = OUTPUTS[command].removeprefix("list[").removesuffix("]").split(":")
+    kinds = [getattr(importlib.import_module(module), name) for name in names.split("|")]
+    fields = [one for kind in kinds if isinstance(kind, type) for one in declared(kind)]
+    wrong = [one.name for one in fields if one.key and one.out.unit == "Hz" and not one.key.endswith("_Hz")]
+    assert wrong == []

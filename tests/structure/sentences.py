@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from structure.modules import Module, modules_below
 
@@ -49,20 +50,26 @@ def is_fragment(sentence: str, fewest: int = FEWEST_WORDS) -> bool:
     return len(words) < fewest or words[0].lower() in FRAGMENT_BEGINNINGS or bool(FRAGMENT_PAIRS.match(sentence))
 
 
+def _scopes(node: ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[Any]:
+    """Yield a module, class or function and those defined in it; expressions have no docstrings."""
+    yield node
+    for inner in node.body:
+        if isinstance(inner, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            yield from _scopes(inner)
+
+
 def documented(module: Module) -> Iterator[tuple[int, str, str, int]]:
     """Line, name, first sentence and least number of words of a module's docstrings, also of its constants."""
-    for node in ast.walk(module.tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            if text := ast.get_docstring(node):
-                fewest = FEWEST_WORDS_OF_CLASS if isinstance(node, ast.Module | ast.ClassDef) else FEWEST_WORDS
-                yield getattr(node, "lineno", 1), getattr(node, "name", module.name), first_sentence(text), fewest
-            body = node.body
-            for before, after in itertools.pairwise(body):
-                if isinstance(before, ast.Assign | ast.AnnAssign) and isinstance(after, ast.Expr):
-                    value = after.value
-                    if isinstance(value, ast.Constant) and isinstance(value.value, str):
-                        target = before.targets[0] if isinstance(before, ast.Assign) else before.target
-                        yield after.lineno, ast.unparse(target), first_sentence(value.value), FEWEST_WORDS
+    for node in _scopes(module.tree):
+        if text := ast.get_docstring(node):
+            fewest = FEWEST_WORDS_OF_CLASS if isinstance(node, ast.Module | ast.ClassDef) else FEWEST_WORDS
+            yield getattr(node, "lineno", 1), getattr(node, "name", module.name), first_sentence(text), fewest
+        for before, after in itertools.pairwise(node.body):
+            if isinstance(before, ast.Assign | ast.AnnAssign) and isinstance(after, ast.Expr):
+                value = after.value
+                if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                    target = before.targets[0] if isinstance(before, ast.Assign) else before.target
+                    yield after.lineno, ast.unparse(target), first_sentence(value.value), FEWEST_WORDS
 
 
 def fragments(module: Module) -> list[str]:

@@ -70,7 +70,7 @@ class Assembly:
         return {node: index for index, node in enumerate(self.nodes)}
 
     def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
-        """Arrays of a row over nodes: over the coordinates (n_q,) and over the imposed angles (n_x,)."""
+        """Coefficients of a row of nodes over the coordinates (n_q,), and over the imposed angles (n_x,)."""
         reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
@@ -86,7 +86,7 @@ class Assembly:
 
     @cached_property
     def law_columns(self) -> tuple[dict[int, float], ...]:
-        """Rows of all laws over column numbers: coordinates and, after them, imposed angles."""
+        """Coefficients of every law by column number: coordinates first, then imposed angles."""
         n = self.system.n_coordinates
         pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
         return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)

@@ -65,7 +65,12 @@ class Bench(NotebookResult):
         torque = f"{self.plan.excitation.kind} of {self.plan.excitation.length:g} s on {self.drive}"
         columns = (Column("channel"), Column("quantity"), Column("read by"))
         rate = f"{self.plan.acquisition.rate:g} Hz"
-        return Table(f"{self.drivetrain.title}: bench", columns, rows, (f"{torque}, recorded at {rate}",))
+        return Table(self.title, columns, rows, (f"{torque}, recorded at {rate}",))
+
+    @property
+    def title(self) -> str:
+        """Name of the drivetrain, and that this is a bench with it."""
+        return f"{self.drivetrain.title}: bench"
 
     @property
     def drive(self) -> str:

@@ -6,14 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
-from torsionnet.core.result_rows import PAIR, Out, json_schema
+from torsionnet.core.result_rows import Out
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.symbolic.simplified import Simplified
-
-TEXTS = json_schema(tuple[str, ...])
-"""JSON Schema of a list of texts."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +54,9 @@ class TransferFunctionRecord:
     configuration: str
     transfer_function: str
     text: str
-    left_out: Annotated[tuple[str, ...] | None, Out(optional=True, schema=TEXTS)] = None
-    band: Annotated[tuple[float, float] | None, Out(optional=True, schema=PAIR)] = None
-    errors: Annotated[SimplificationErrors | None, Out(optional=True, schema=json_schema(SimplificationErrors))] = None
+    left_out: Annotated[tuple[str, ...] | None, Out(optional=True)] = None
+    band: Annotated[tuple[float, float] | None, Out(optional=True)] = None
+    errors: Annotated[SimplificationErrors | None, Out(optional=True)] = None
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from torsionnet.cli.equation_output import EquationsOfMotion, MatricesRecord, equations_of_motion, matrices_record
-from torsionnet.core.result_rows import Out, json_schema
+from torsionnet.core.result_rows import Out
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.overview import ModelRecord, model_record
 
@@ -15,8 +15,8 @@ from torsionnet.model.overview import ModelRecord, model_record
 class ShownModel(ModelRecord):
     """Model with its values, and its equations of motion and matrices where these are asked for."""
 
-    equations: Annotated[EquationsOfMotion | None, Out(optional=True, schema=json_schema(EquationsOfMotion))]
-    matrices: Annotated[MatricesRecord | None, Out(optional=True, schema=json_schema(MatricesRecord))]
+    equations: Annotated[EquationsOfMotion | None, Out(optional=True)]
+    matrices: Annotated[MatricesRecord | None, Out(optional=True)]
 
 
 def shown_model(rig: Drivetrain, *, equations: bool, matrices: bool) -> ShownModel:

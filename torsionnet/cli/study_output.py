@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from torsionnet.core.entries.spec import Schema
-from torsionnet.core.result_rows import Out, json_schema, out_fields, record_schema, to_json
+from torsionnet.core.result_rows import Out, out_fields, record_schema, to_json
 from torsionnet.study.run.answering import AnsweredStudy
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StatisticsRecord
@@ -30,7 +30,7 @@ class StudyRecord:
 
     title: str
     answers: Mapping[str, ConclusionRow]
-    unanswered: Annotated[Mapping[str, str] | None, Out(optional=True, schema=json_schema(Mapping[str, str]))]
+    unanswered: Annotated[Mapping[str, str] | None, Out(optional=True)]
 
 
 def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
@@ -45,5 +45,5 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 def study_schema() -> Schema:
     """JSON Schema of the data of :func:`study_json`."""
     fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
-    properties = {str(one.key): one.out.schema or json_schema(one.type) for one in fields}
+    properties = {str(one.key): one.schema for one in fields}
     return record_schema(properties, optional=properties.keys() - {"title", "answers"})

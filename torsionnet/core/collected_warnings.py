@@ -46,7 +46,7 @@ class _Collectors:
                 warnings.simplefilter("always", TorsionnetWarning)
 
     def leave(self) -> None:
-        """Count one collecting caller less; the last one restores Python's own function."""
+        """End the collection of one caller; the last caller restores Python's own function for warnings."""
         with self.lock:
             self.count -= 1
             if self.count == 0:

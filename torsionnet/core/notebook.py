@@ -55,8 +55,7 @@ class NotebookResult:
         return (self.table(),)
 
     def __repr__(self) -> str:
-        title = next(iter(self.notebook_tables())).title.splitlines()
-        return f"<{type(self).__name__} {title[0] if title else ''}>"
+        return f"<{type(self).__name__} {getattr(self, 'title', '')}>".replace(" >", ">")
 
     def _repr_html_(self) -> str:
         return "\n".join([*(thinned(table).to_html() for table in self.notebook_tables()), self._picture()])

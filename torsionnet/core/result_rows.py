@@ -76,6 +76,13 @@ class OutField(NamedTuple):
         """Key in JSON; None where it is left out."""
         return None if self.out.json is None else self.out.json or self.name
 
+    @property
+    def schema(self) -> Schema:
+        """JSON Schema of its values; an optional field has no null, as its key is left out then."""
+        schema = self.out.schema or json_schema(self.type)
+        choices: Any = schema.get("anyOf", [])
+        return choices[0] if self.out.optional and choices[1:] == [{"type": "null"}] else schema
+
 
 @cache
 def out_fields(kind: type) -> tuple[OutField, ...]:
@@ -162,5 +169,6 @@ def json_schema(kind: Any) -> Schema:
     if not dataclasses.is_dataclass(kind):
         raise TypeError(f"no JSON Schema is known of {kind}; give one by Out(schema=...)")
     fields = [one for one in out_fields(kind) if one.key is not None]  # type: ignore[arg-type]
-    properties = {str(one.key): one.out.schema or json_schema(one.type) for one in fields}
-    return record_schema(properties, [str(one.key) for one in fields if one.out.optional])
+    return record_schema(
+        {str(one.key): one.schema for one in fields}, [str(one.key) for one in fields if one.out.optional]
+    )

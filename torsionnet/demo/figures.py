@@ -81,7 +81,7 @@ def figures(dmf: Run, gears: list[Run]) -> Iterator[tuple[str, Figure]]:
 
 
 PAPER_AT_ONCE = type(PAPER)(PAPER.window, PAPER.seconds, PAPER.overlap)
-"""The paper's windows, for a record that is decimated already."""
+"""Settings of the paper's estimate without its decimation, for a record that is decimated already."""
 
 
 def agreements(done: list[Run]) -> Table:

@@ -49,7 +49,7 @@ class CauseFit:
 
     @property
     def ended(self) -> bool:
-        """Whether the value freed ran to zero or without end, so that the cause explains nothing."""
+        """Whether the fit drove the freed value to zero or without bound, so that the cause explains nothing."""
         mine = [name.partition("[")[0] == self.cause.unknown for name in self.problem.names]
         begin, value = float(np.mean(self.problem.start[mine])), float(np.mean(self.values[mine]))
         return begin > 0 and not RANGE_END_FACTOR * SEARCH_RANGE_FACTOR > abs(value / begin) > 1 / (

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.result_rows import NUMBER_ROWS, Out, json_schema
+from torsionnet.core.result_rows import NUMBER_ROWS, Out
 from torsionnet.identification.fit_result import FitResult
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.ranking import RankedCause, Ranking
@@ -63,7 +63,7 @@ class FitRecord:
     lack_of_fit: LackOfFit | None
     notes: tuple[str, ...]
     measurements: tuple[ComparedRow, ...]
-    ranking: Annotated[tuple[RankedCause, ...] | None, Out(optional=True, schema=json_schema(tuple[RankedCause, ...]))]
+    ranking: Annotated[tuple[RankedCause, ...] | None, Out(optional=True)]
 
 
 def fit_record(found: FitResult, profiles: Intervals, true: Mapping[str, float], ranking: Ranking | None) -> FitRecord:

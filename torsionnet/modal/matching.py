@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
-from torsionnet.core.result_rows import Out, json_schema
+from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
 from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
@@ -225,9 +225,7 @@ class IdentifiedModesRecord:
     method: str
     notes: tuple[str, ...]
     modes: tuple[IdentifiedMode, ...]
-    against_model: Annotated[
-        tuple[MatchedMode, ...] | None, Out(optional=True, schema=json_schema(tuple[MatchedMode, ...]))
-    ]
+    against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)]
 
 
 def identified_modes_record(found: ModalEstimate, compared: Match | None) -> IdentifiedModesRecord:

@@ -12,7 +12,7 @@ import numpy as np
 
 from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
-from torsionnet.core.result_rows import NUMBERS, Out, json_schema
+from torsionnet.core.result_rows import NUMBERS, Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import FloatArray
@@ -196,9 +196,7 @@ class OrderOutputRow:
     ]
     orders: tuple[OrderRow, ...]
     sums: tuple[OrderSumRow, ...]
-    measured: Annotated[
-        tuple[MeasuredOrderRow, ...] | None, Out(optional=True, schema=json_schema(tuple[MeasuredOrderRow, ...]))
-    ]
+    measured: Annotated[tuple[MeasuredOrderRow, ...] | None, Out(optional=True)]
 
 
 @dataclass(frozen=True, eq=False)

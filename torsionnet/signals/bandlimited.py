@@ -97,7 +97,7 @@ def _values_at_whole_numbers(places: FloatArray, values: FloatArray, times: Floa
 
 
 def _between(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Values interpolated between whole numbers; beyond its ends the motion is reflected about them."""
+    """Sampled motion at fractional sample numbers, interpolated; beyond its ends it is reflected about them."""
     wide = np.pad(values, KERNEL_HALF_LENGTH, mode="reflect", reflect_type="odd")
     result = np.empty(len(places))
     for part in _chunks(len(places)):

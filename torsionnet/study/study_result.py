@@ -18,7 +18,7 @@ from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
-from torsionnet.core.result_rows import Out, json_schema, to_json
+from torsionnet.core.result_rows import Out, to_json
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Column, Table
@@ -40,13 +40,13 @@ class StatisticsRecord:
     """Statistics of all quantities of a study."""
 
     count: int
-    seed: Annotated[int | None, Out(schema=json_schema(int | None))]
+    seed: int | None
     model: str
     version: str
     percentiles: tuple[float, ...]
     quantities: tuple[QuantityRow, ...]
     notes: tuple[str, ...]
-    kept_every: Annotated[int | None, Out(optional=True, schema=json_schema(int))]
+    kept_every: Annotated[int | None, Out(optional=True)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

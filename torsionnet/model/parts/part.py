@@ -1,4 +1,4 @@
-"""Part of a model as it is written."""
+"""Part as its author wrote it: ports, parameters and elements, before a model uses it."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ MOST_CORNERS = 4
 """Corners of a wire above which the loop is tagged instead, as it is if the wire has to cross a shaft."""
 
 END_CELLS = 3
-"""Cells at each end of a wire that lie on the lines it joins, where crossing them does not count."""
+"""Number of grid cells at each end of a wire within which it may cross the lines that it joins."""
 
 MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 

@@ -152,7 +152,7 @@ def _least(block: TableBlock, index: int) -> float:
 
 
 def _longest(cell: Cell) -> int:
-    """Letters of the longest part of a cell that cannot be broken."""
+    """Number of letters in the longest part of a cell that cannot be broken over lines."""
     found = [0]
     for part in inlines(cell):
         if isinstance(part, str):

@@ -1,4 +1,4 @@
-"""Cache of the latest frequency response, for conditions that change excitations and nothing else."""
+"""Results shared by conditions that change excitations and nothing else: a misfire changes torques, not the rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class _Same:
-    """Key of an entry that may not be hashed: the same object."""
+    """Key of an entry, equal for the same object alone; elements and entries need not be hashable."""
 
     entry: object
 
@@ -32,7 +32,7 @@ def mechanics_key(drivetrain: AssembledModel) -> Hashable:
     """Key of all that rows and their coefficients depend on, equal in conditions that differ in excitations alone."""
     definition = drivetrain.definition
     return (
-        tuple(definition.active),
+        tuple(map(_Same, definition.active)),
         tuple(definition.parameters.items()),
         tuple(drivetrain.exact_values.items()),
         _Same(definition.load),

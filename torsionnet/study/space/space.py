@@ -84,7 +84,7 @@ class Space:
 
     @classmethod
     def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
-        """Space of entries that were read, None with an error, and all findings."""
+        """Make a space from entries that were read: the space, or None with an error, and all findings."""
         bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
         if bound is None:
             return None, faults

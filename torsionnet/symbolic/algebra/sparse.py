@@ -45,7 +45,7 @@ class Sparse:
         return Sparse(total, depth, self.scale)
 
     def at_depth(self, depth: int) -> dict[int, int]:
-        """Coefficients of the monomials over the denominator scale^depth."""
+        """Numerators of the coefficients, by monomial, over the common denominator scale^depth."""
         if depth == self.depth:
             return self.terms
         factor = self.scale ** (depth - self.depth)
