@@ -74,12 +74,16 @@ class TestManySpeeds:
 
 
 FOLLOWING = {"by": "speed", "of": "a", "table": {"50 rpm": "700 N*m/rad", "400 rpm": "1200 N*m/rad"}}
+BY_VIBRATION = {"by": "vibratory_torque", "of": "k_1", "table": {"0 N*m": "700 N*m/rad", "100 N*m": "1200 N*m/rad"}}
 
 
 class TestConditionsOfOnePlant:
     """They share one solution where nothing but torques differs, and only there."""
 
-    CHANGES = ("firing=normal", "coupling=soft", "firing=misfire,coupling=soft", "firing=misfire", "firing=normal")
+    CHANGES = (
+        "firing=normal", "coupling=soft", "firing=misfire,coupling=soft", "damping=heavy", "firing=misfire",
+        "firing=weak", "firing=normal",
+    )  # fmt: skip
 
     @staticmethod
     def model():
@@ -95,12 +99,15 @@ class TestConditionsOfOnePlant:
             "speeds": {"of": "a", "list": ["80 rpm", "200 rpm", "310 rpm"]},
             "excitations": {"motor": harmonic},
             "configurations": {
-                "firing": {"normal": {}, "misfire": {"motor.orders": {2: {"amplitude": "10 N*m"}, 0.5: {"amplitude": 4}}}},
+                "firing": {"normal": {}, "weak": {"motor.orders": {2: {"amplitude": "6 N*m"}}}, "misfire": {"motor.orders": {2: {"amplitude": "10 N*m"}, 0.5: {"amplitude": 4}}}},
                 "coupling": {"stiff": {}, "soft": {"k": "100 N*m/rad"}},
+                "damping": {"light": {}, "heavy": {"k_2.damping": 9}},
             },
         }  # fmt: skip
 
-    @pytest.mark.parametrize("k_b", ["900 N*m/rad", FOLLOWING], ids=["constant", "following"])
+    @pytest.mark.parametrize(
+        "k_b", ["900 N*m/rad", FOLLOWING, BY_VIBRATION], ids=["constant", "by speed", "by vibratory torque"]
+    )
     def test_each_has_its_own_values(self, k_b):
         model = self.model()
         model["parameters"]["k_b"] = k_b

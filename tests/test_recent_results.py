@@ -22,12 +22,13 @@ def test_what_was_not_asked_for_longest_goes_first(monkeypatch, number, room):
     assert "".join(made) == "abcb"
 
 
-def test_what_is_larger_than_all_room_is_not_kept(monkeypatch):
-    monkeypatch.setattr(memo, "RECENT_BYTES", 3)
-    recent = RecentResults()
-    assert [recent.once(str, 1, lambda text=text: text, len) for text in ("four", "five", "ten", "six")] == [
-        "four",
-        "five",
-        "ten",
-        "ten",
-    ]
+def test_what_is_larger_than_all_room_is_not_kept_and_drives_nothing_out(monkeypatch):
+    monkeypatch.setattr(memo, "RECENT_BYTES", 8)
+    recent, made = RecentResults(), []
+
+    def ask(text):
+        return recent.once(str, text, lambda: made.append(text) or text, len)
+
+    for text in ("one", "far too long", "one", "far too long"):
+        assert ask(text) == text
+    assert made == ["one", "far too long", "far too long"]
