@@ -57,6 +57,14 @@ def test_loads_no_heavy_package(body, unwanted, pytestconfig):
     assert loaded & unwanted == set()
 
 
+@pytest.mark.parametrize("name", ["modes", "library", "static", "study"])
+def test_help_of_a_command_reads_no_entries(name, pytestconfig):
+    """What makes JSON of results, and what a notebook shows, wait until one is asked for."""
+    loaded = loaded_modules(command(name, "--help"), pytestconfig.rootpath)
+    wanted_later = {"torsionnet.core.entries", "torsionnet.core.expressions", "torsionnet.response", "base64"}
+    assert loaded & wanted_later == set()
+
+
 SMALL_STUDY = """
 torsionnet: 1
 name: two stiffnesses

@@ -20,7 +20,6 @@ from torsionnet.cli.options import OutputFile, plot_option
 from torsionnet.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.core.atomic import write_text
 from torsionnet.core.number_text import screen_text
-from torsionnet.core.result_rows import to_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -116,6 +115,8 @@ def write_answer(answer: Answer, output: Output) -> None:
         plot.save(figure, path)
         print_file_written(path)
     if output.as_json:
+        from torsionnet.core.result_rows import to_json
+
         print_json(to_json(answer.data()))
     else:
         for part in answer.screen():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from types import ModuleType
@@ -85,6 +83,9 @@ def thinned(table: T) -> T:
 
 def figure_html(figure: Any) -> str:
     """Picture of a matplotlib figure as an element of HTML that needs no other file."""
+    import base64  # with io only where a picture is drawn, as everything imports this module
+    import io
+
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
     return f'<img src="data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode("ascii")}" alt="">'

@@ -7,9 +7,10 @@ import types
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
-from torsionnet.core.entries.spec import Schema
+if TYPE_CHECKING:
+    from torsionnet.core.entries.spec import Schema
 
 NUMBER: Schema = {"type": ["number", "null"], "description": "null where it is infinite or not determined"}
 NUMBERS: Schema = {"type": "array", "items": NUMBER}

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from torsionnet.cli.command import JSON, Answer, Command, click_command
-from torsionnet.core.entries.spec import Schema
 from torsionnet.core.result_rows import Out
+
+if TYPE_CHECKING:
+    from torsionnet.core.entries.spec import Schema
 
 LIBRARY_KIND: Schema = {"enum": ["model", "part", "catalogue", "study"]}
 """JSON Schema of the kind of a file of the library."""
