@@ -84,7 +84,7 @@ class TestGridGenerator:
             ({"power": 0.5}, "the synchronising coefficient is given; leave out power"),
             ({"speed": "3500 rpm"}, "no synchronous speed"),
             ({"speed": "3500 rpm", "grid_frequency": "60 Hz"}, "nearest is 3600 rpm"),
-            ({"grid": "rotor"}, "on two nodes"),
+            ({"grid": "rotor"}, "give two different nodes"),
             (
                 {"synchronising_coefficient": None, "emf": 1, "grid_voltage": 1, "reactance": 0.5, "power": 2},
                 "power must be below emf*grid_voltage/reactance = 2 per unit",
@@ -135,7 +135,7 @@ class TestSynchronousMachine:
             ({"torque": 300, "load_angle": "20 deg"}, "not both"),
             ({"load_angle": "delta"}, "expressions have no cosine"),
             ({"reluctance_torque": 100}, "salient poles need the load angle"),
-            ({"housing": "rotor"}, "on two nodes"),
+            ({"housing": "rotor"}, "give two different nodes"),
         ],
     )
     def test_what_is_wrong_is_said(self, changes, what):
@@ -193,7 +193,7 @@ class TestInductionMachine:
                 {"breakdown_slip": None, "rated_slip": 0.02, "rated_torque": 500},
                 "must not be above the breakdown torque",
             ),
-            ({"housing": "rotor"}, "on two nodes"),
+            ({"housing": "rotor"}, "give two different nodes"),
         ],
     )
     def test_what_is_wrong_is_said(self, changes, what):
@@ -246,7 +246,7 @@ class TestConstantPowerLoad:
         assert law.damping == 10
 
     def test_on_its_own_housing(self):
-        with pytest.raises(tn.ModelError, match="on two nodes"):
+        with pytest.raises(tn.ModelError, match="give two different nodes"):
             tn.ConstantPowerLoad("load", node="a", housing="a", power=1, speed=1)
 
     def test_power_and_speed_may_be_parameters(self):

@@ -199,7 +199,7 @@ class TestRequests:
         [
             ("{", "no JSON text"),
             ("[]", "JSON object"),
-            ('{"values": {"k_1": NaN}}', "NaN is no number that a drivetrain can have"),
+            ('{"values": {"k_1": NaN}}', "NaN is far outside the values of drivetrains"),
             ('{"values": {"k_1": 1e999}}', "needs a finite number"),
             ('{"values": {"k_1": true}}', "expected a number"),
             ('{"values": {"k_1": [1]}}', "expected a number"),

@@ -247,8 +247,8 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("options", "text"),
         [
-            ([], "say --mode 1, or --at"),
-            (["--mode", "1", "--at", "3"], "say --mode 1, or --at"),
+            ([], "give a mode, as --mode 1, or --at"),
+            (["--mode", "1", "--at", "3"], "give a mode, as --mode 1, or --at"),
             (["--mode", "90"], "there is no mode 90"),
             (["--at", "3 m"], '"3 m" is not a value of frequency; expected a unit such as Hz'),
         ],

@@ -476,7 +476,7 @@ class TestFiles:
             (MACHINE, "orders", "frequencies: {50: {share: 1 %}}, line: {frequency: 50 rpm, multiples: {6: {share: 1 %}}}, orders", "50 rpm", "expected a unit such as Hz"),
             (MACHINE, "orders", "short_circuit: {frequency: 50 Hz, phases: 3, once: 9, twice: 8}, orders", "8}", "leave out twice"),
             (MACHINE, "machine, node: m", "machine, node: mm", "mm", 'no node is named "mm"'),
-            (MACHINE, "machine, node: m", "machine, node: m, stator: m", "m, pole", "rotor and stator are on two nodes"),
+            (MACHINE, "machine, node: m", "machine, node: m, stator: m", "m, pole", "rotor and stator are on one node; give two different nodes"),
             (SCREW, "blades: 4", "blades: 4, phase_zero: blade", "blade, torque", "blade_angle: 15 deg"),
             (SCREW, "blades: 4", "blades: 4, condition: astern", "astern", 'has no condition "astern"; there are none'),
             (SCREW, "blades: 4", "blades: 4, conditions: {zero_pitch: {blade_orders: {1: {share: 9 %}}}}", "zero_pitch", "write pitch: controllable"),

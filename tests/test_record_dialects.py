@@ -55,7 +55,7 @@ class TestQuotedNumbers:
 
     def test_both_as_commas_without_quotes(self, tmp_path):
         path = write(tmp_path, "t,T [Nm]\n0,1,2,5\n0,2,2,6\n")
-        with pytest.raises(ModelError, match="decimal commas where nothing is quoted"):
+        with pytest.raises(ModelError, match="commas separate the cells, so they cannot be decimal signs too"):
             read_recording(path, separator=",", decimal=",")
 
 

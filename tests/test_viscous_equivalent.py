@@ -77,7 +77,7 @@ def test_a_file_that_could_not_be_written_before(ending, tmp_path):
     written = CliRunner().invoke(app, [*command, "--viscous-at", "11"])
     assert written.exit_code == 0, written.output
     assert target.exists()
-    assert "hold at 11 Hz" in written.output
+    assert "with their values at 11 Hz" in written.output
 
 
 @pytest.mark.parametrize("frequency", [0.0, -1.0, float("nan"), float("inf")])

@@ -85,7 +85,7 @@ def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
 
 
 def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fraction]:
-    """Coefficients of 1, s and s^2 in the law of a term, or in its power of s; without the term's factor."""
+    """Coefficients of 1, s and s^2 in the law of a term; of a term without law, 1 at its power of s and 0 else."""
     if term.law is None:
         return Fraction(term.power == 0), Fraction(term.power == 1), Fraction(term.power == 2)
     law = assembly.laws[term.law]

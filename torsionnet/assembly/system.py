@@ -140,7 +140,7 @@ def assemble(
 
 
 def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
-    """Whether every law acts on the same row, and the constraints are solved by the same reduction."""
+    """Whether two kinematics have one reduction of constraints, and laws on equal rows in equal order."""
     if kinematics.reduction is not like.reduction:
         return False
     ours, theirs = ([(owner, law.row, law.acts) for owner, law in side.laws] for side in (kinematics, like))

@@ -66,11 +66,11 @@ def _parsed(body: bytes) -> Any:
 
 
 def _no_number(text: str) -> Any:
-    raise RequestError(f"{text} is no number that a drivetrain can have")
+    raise RequestError(f"{text} is far outside the values of drivetrains; check the number and its unit")
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        raise RequestError("a name stands twice in the request")
+        raise RequestError("a name stands twice in the request; keep one of them")
     return found

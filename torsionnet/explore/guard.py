@@ -57,9 +57,15 @@ class Guard:
         """Refuse a request for a host name that is not this machine's (DNS rebinding), or from another page."""
         hosts = [f"{name}:{self.port}" for name in NAMES]
         if host not in hosts:
-            raise RefusedError(HTTPStatus.FORBIDDEN, "this server answers only under its own address")
+            raise RefusedError(
+                HTTPStatus.FORBIDDEN,
+                "this is not the address of the server; open the address that torsionnet explore printed",
+            )
         if origin is not None and origin not in [f"http://{name}" for name in hosts]:
-            raise RefusedError(HTTPStatus.FORBIDDEN, "the request comes from a page of another origin")
+            raise RefusedError(
+                HTTPStatus.FORBIDDEN,
+                "the request comes from another web page; use the page at the address that torsionnet explore printed",
+            )
 
     def path(self, target: str) -> str:
         """Path behind the token in the target of a request; RefusedError where the token is another."""

@@ -69,7 +69,7 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None) -> st
 
 
 def _values(one: Explanation) -> str:
-    """Text with the values of the other parameters under this explanation."""
+    """Text with the values that all parameters but the explaining one would have if the explanation were true."""
     listed = [
         f"{name} would be {value_with_error(value, one.standard_errors[name])}"
         for name, value in one.values.items()

@@ -34,7 +34,7 @@ def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
-    """Mean of model minus test by squared noise, (n_b,)."""
+    """Bias that squared noise gives the difference of model and test at each line, shape (n_b,)."""
     windowed, (on_output, on_input) = block.windowed, block.sources
     rows = windowed.rows
     own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]

@@ -70,7 +70,7 @@ def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, f
 
 
 def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
-    """Noise powers that make up level - rest, if a level scatters in proportion to its size, with standard errors."""
+    """Powers of the noise sources whose sum, above a known rest, fits a measured level; with standard errors."""
     tiny = np.finfo(float).tiny
     found, shares = np.maximum(level, tiny), np.zeros(columns.shape[1])
     for _ in range(REWEIGHTING_ROUNDS):

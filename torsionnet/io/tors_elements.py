@@ -88,7 +88,7 @@ def _entries(component: str, raw: list[Any], path: Path) -> tuple[tuple[Entry, .
     for index, item in enumerate(raw):
         place = (*path, index)
         if not isinstance(item, Mapping) or not isinstance(item.get("name"), str):
-            faults.append(Fault("an element has a name and a type", place))
+            faults.append(Fault("an element needs a name and a type; one of them is missing", place))
             continue
         if item["name"] in {entry.name for entry in entries}:
             faults.append(Fault(f'two elements of {component} are named "{item["name"]}"', place))

@@ -78,7 +78,7 @@ def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVe
         if len(one.values) and (names is None or one.limit in names):
             found.setdefault((one.limit, one.quantity), []).append(one)
     if not found:
-        raise UsageError("nothing to draw: none of these limits was judged")
+        raise UsageError("nothing to draw: none of these limits could be judged; the table of limits says why")
     return list(found.values())
 
 

@@ -405,7 +405,7 @@ class OrderResponse(NotebookResult):
 
     def _cycle(self) -> int:
         if self.revolutions is None:
-            raise UsageError(f"{self.no_cycle}; half_range does so")
+            raise UsageError(f"{self.no_cycle}; use half_range")
         return self.revolutions
 
     def by_frequency(self) -> ComplexArray:

@@ -126,7 +126,10 @@ class TransferFunction(SymbolicFraction):
         program, symbol = Program(), self._symbol(parameter)
         for function, table in self.used_tables.items():
             if any(coefficient.has(symbol) for coefficient in table.coefficients):
-                raise UsageError(f"{function} depends on {symbol}; sensitivities in numbers know its derivative")
+                raise UsageError(
+                    f"the derivative of {function} to {symbol} has no symbols; use "
+                    "torsionnet.solve.sensitivity, which has it in numbers"
+                )
         algebra = Derivatives(program, symbol)
         above, below = self.steps.run(algebra, [self.numerator, self.denominator])
         numerator = above.slope * below.value + below.slope * above.value * -1

@@ -111,7 +111,11 @@ class ExportCommand(ModelCommand):
         from torsionnet.model.viscous_equivalent import viscous_equivalent
 
         equivalent = viscous_equivalent(drivetrain, self.viscous_at)
-        message("note", f"laws over frequency hold at {self.viscous_at:g} Hz, as springs and viscous dampers")
+        message(
+            "note",
+            "stiffness and damping over frequency are replaced by springs and "
+            f"viscous dampers with their values at {self.viscous_at:g} Hz",
+        )
         return equivalent
 
 

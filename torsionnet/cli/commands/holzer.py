@@ -48,7 +48,9 @@ class HolzerCommand(ModelCommand):
 
     def answer(self) -> Answer:
         if (self.mode is None) == (self.at is None):
-            raise click.UsageError("say --mode 1, or --at for a trial frequency")
+            raise click.UsageError(
+                "a Holzer table needs a frequency: give a mode, as --mode 1, or --at HZ for a trial frequency"
+            )
         cases = self.cases()
         found = [self._run(case) for case in cases]
         pairs = list(zip(cases, found, strict=True))

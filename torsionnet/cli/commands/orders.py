@@ -73,7 +73,9 @@ class OrdersCommand(ModelCommand):
 
         conventions = Conventions(angle=self.angle)
         if self.measured and self.drawn != PICTURES[0]:
-            raise UsageError("a test is laid over the amplitudes over speed: leave out --picture")
+            raise UsageError(
+                "a measurement is drawn only over the amplitudes over speed: leave out --picture, or the measurement"
+            )
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()

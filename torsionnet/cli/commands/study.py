@@ -180,7 +180,8 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
             found["scatter"] = Scatter().conclude(study, result)
     if not found:
         raise UsageError(
-            "there is nothing to draw: ask for curves, for numbers of at least ten variants, or for answers"
+            "there is nothing to draw: the study has no curve, no answer, "
+            "and too few variants for its numbers; add one of them"
         )
     return found
 

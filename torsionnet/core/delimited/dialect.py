@@ -90,7 +90,10 @@ def detect_dialect(
         if between != sign or quoted
     ]
     if not candidates:
-        raise ValueError("cells between commas cannot have decimal commas where nothing is quoted")
+        raise ValueError(
+            "commas separate the cells, so they cannot be decimal signs too; "
+            "write decimal points, or separate cells by semicolons"
+        )
     return max(candidates, key=lambda dialect: _score(dialect, lines))
 
 

@@ -58,7 +58,7 @@ class Instrument:
         return f"Hr with {self.signal} as reference" if self.is_clean else self.estimator
 
     def lines(self, of_input: ComplexArray, of: Callable[[str], ComplexArray]) -> tuple[Instrument, ComplexArray]:
-        """Instrument after the check that it drives the input, and its lines (n_segments, n_b).
+        """Check that the instrumental signal drives the input; return it and its spectral lines (n_segments, n_b).
 
         Raises
         ------

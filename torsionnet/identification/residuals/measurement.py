@@ -76,7 +76,10 @@ class Measurement:
         if self.error is not None and not (np.isfinite(self.error) and self.error > 0):
             raise UsageError(f"a relative standard error is a number above 0, got {self.error}")
         if self.error is not None and isinstance(self.data, Recording):
-            raise UsageError("an error belongs to a response that has been estimated; a record shows its noise itself")
+            raise UsageError(
+                "error is for a response that was estimated before; leave it "
+                "out for a record, whose noise is taken from the data"
+            )
 
     @property
     def label(self) -> str:

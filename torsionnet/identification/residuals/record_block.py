@@ -84,7 +84,7 @@ class RecordBlock(MeasurementBlock):
         return float(np.sum((noise / np.outer(size, size)) ** 2))
 
     def step_shifts(self, backward: FloatArray) -> FloatArray:
-        """Errors (n, places) of backward (n, count) @ residuals by sensor steps, one per rest position."""
+        """Errors of ``backward @ residuals`` by the steps of the sensor, shape (n, n_positions) at rest."""
         return np.asarray(
             backward @ (errors_in_form(self.form, self.step_errors.T, self.measured) / self.sizes[:, None])
         )

@@ -44,7 +44,8 @@ class ReaderProcess:
 
         if not sys.executable:
             raise ForeignFileError(
-                "such files are read in a process of Python, which cannot be started: sys.executable is empty"
+                "such files are read in a second Python process, and this Python does not "
+                "know its own program (sys.executable); run an ordinary Python"
             )
         self.is_used = False
         self.is_responsive = True

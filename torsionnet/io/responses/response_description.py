@@ -77,7 +77,10 @@ def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
     shapes = {"frequencies": sizes[:1], "values": sizes, "coherence": sizes, "conditioning": sizes[:1]}
     for name, values in numbers.items():
         if values.shape != shapes[name]:
-            raise ValueError(f"{name} has shape {values.shape}, its description says {shapes[name]}")
+            raise ValueError(
+                f"{name} has shape {values.shape}, but the description in the "
+                f"file says {shapes[name]}; write the file again"
+            )
     return FrequencyResponse(**said, **numbers)
 
 

@@ -43,7 +43,7 @@ class ConstantPowerLoad(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
-            return [Fault("the load and its housing are on two nodes", ("housing",))]
+            return [Fault("the load and its housing are on one node; give two different nodes", ("housing",))]
         return []
 
     def parts(self, value: Values) -> tuple[Part, ...]:

@@ -74,7 +74,7 @@ class GridGenerator(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.grid:
-            return [Fault("generator and grid are on two nodes", ("grid",))]
+            return [Fault("generator and grid are on one node; give two different nodes", ("grid",))]
         given = [name for name in _BEHIND_A_REACTANCE if getattr(self, name) is not None]
         if self.synchronising_coefficient is not None and given:
             return [Fault(f"the synchronising coefficient is given; leave out {given[0]}", (given[0],), on_key=True)]

@@ -74,7 +74,7 @@ class InductionMachine(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
-            return [Fault("rotor and stator are on two nodes", ("housing",))]
+            return [Fault("rotor and stator are on one node; give two different nodes", ("housing",))]
         rated = [name for name in _RATED if getattr(self, name) is not None]
         if self.breakdown_slip is not None and rated:
             return [Fault("give breakdown_slip, or rated_torque and rated_slip, not both", (rated[0],), on_key=True)]

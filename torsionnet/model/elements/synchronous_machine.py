@@ -69,7 +69,7 @@ class SynchronousMachine(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
-            return [Fault("rotor and stator are on two nodes", ("housing",))]
+            return [Fault("rotor and stator are on one node; give two different nodes", ("housing",))]
         if self.stiffness is not None:
             given = ("pull_out_torque", *_AT_A_PULL_OUT_TORQUE)
             also = [name for name in given if getattr(self, name) is not None]

@@ -170,7 +170,7 @@ class ElectricMachine(OrderExcitation):
             if self.torque:
                 yield Fault("shares of the rated torque need rated_torque: 12 kN*m", ("torque",), on_key=True)
         if self.stator == self.node:
-            yield Fault("rotor and stator are on two nodes", ("stator",))
+            yield Fault("rotor and stator are on one node; give two different nodes", ("stator",))
 
     def _tables(self) -> Iterator[tuple[Path, Mapping[float, AirGapTorque]]]:
         """(path, table) of every table of pulsations that is given."""

@@ -53,10 +53,10 @@ class Levels(Protocol):
         """Points (n,) in ascending order that show every maximum."""
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        """Levels (n,) at the points."""
+        """Levels (n,), amplitudes or half ranges to be made small, at frequencies or speeds ``points`` (n,)."""
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        """Derivatives (n, n_p) of the levels."""
+        """Derivatives (n, n_p) of the levels to the parameters."""
 
     def maxima(self, values: FloatArray) -> FloatArray:
         """Points of local maxima, the highest first; the ends of the range count."""

@@ -61,7 +61,7 @@ class Box:
         return np.where(self._by_factors, factors, (clipped - self.lower) / (self.upper - self.lower))
 
     def rates(self, place: FloatArray) -> FloatArray:
-        """Derivatives of the parameter values to the place in the cube."""
+        """Derivatives of the parameters to their places in the unit cube (bounds at 0 and 1), shape (n_p,)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = self.inside(place) * np.log(self.upper / self.lower)
         return np.where(self._by_factors, factors, self.upper - self.lower)

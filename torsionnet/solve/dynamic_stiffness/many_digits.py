@@ -86,7 +86,7 @@ class ManyDigits:
         excited = [[sensed[i][e] for i in places] for e in range(n)]
         by_excitation = _quotient(excited, transposed)
         if by_excitation is None:
-            raise SolveError("the closed loop of a controller has a pole at this frequency; choose another frequency")
+            raise SolveError("the closed loop of a controller has a pole at this frequency; leave the frequency out")
         torques = [[row[i] for row in by_excitation] for i in places]
         every = [[_left([row[e], *(row[n + i] * torques[i][e] for i in places)]) for e in range(n)] for row in solved]
         return every, torques
@@ -145,7 +145,7 @@ def _action_gain(action: ActionLaw, s: Any) -> Any:
     )
     if not below:
         raise SolveError(
-            f"the transfer function of {action.owner} has a pole at this frequency; choose another frequency"
+            f"the transfer function of {action.owner} has a pole at this frequency; leave the frequency out"
         )
     return above / below * (mpmath.exp(-s * in_many_digits(action.delay)) if action.delay else 1)
 

@@ -156,7 +156,9 @@ def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
     """Refuse a system in which the selected laws leave a motion free."""
     free = unresisted_motions(system, laws).dimension
     if free:
-        raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
+        raise SolveError(
+            f"{free} coordinate(s) have neither inertia nor spring nor damper; connect them, or give them an inertia"
+        )
 
 
 def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Subspaces:
@@ -238,7 +240,7 @@ class _Split(NamedTuple):
 
 
 def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
-    """Damping split by square roots of the dampers, without products of dampers."""
+    """Damping of the moving coordinates once damped ones are eliminated, by square roots for the sake of digits."""
     acting = damping > 0
     G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
     Q_1, R_1 = np.linalg.qr(G @ spaces.damped)

@@ -101,7 +101,7 @@ def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex
 
 
 def _single(excitation: OrderExcitation, order: float, torques: Mapping[str, complex]) -> float:
-    """Torque of one cylinder, from nodes on which the unit vectors of the cylinders do not cancel."""
+    """Torque amplitude of one cylinder in N m: that of a node over the sum of unit vectors of its cylinders."""
     units = dict.fromkeys(torques, 0j)
     for node, vector in excitation.phase_vectors(order).values():
         units[node] = units.get(node, 0j) + vector

@@ -134,7 +134,7 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Two places along the cycle with the largest difference under the best signs; each (n_speeds, n_out)."""
+    """Indices along the cycle of the highest and lowest value with the worst signs, each (n_speeds, n_out)."""
     best = np.full(base.shape[:2], -np.inf)
     high, low = np.zeros(base.shape[:2], dtype=np.int64), np.zeros(base.shape[:2], dtype=np.int64)
     for start in range(0, base.shape[2], START_STRIDE):

@@ -101,7 +101,10 @@ class ResponsesAroundPoles:
             return _on_axes(np.asarray(direct + through * direct.imag / (1 - through.imag)), center)
         if self.system.tables:
             owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
-            raise UsageError(f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}")
+            raise UsageError(
+                "modes with equal frequencies have no sensitivities with springs tabulated "
+                f"over frequency ({owners}); give these a constant stiffness"
+            )
         parted = [linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 

@@ -96,7 +96,10 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
     values = at_points.reshape(-1, base)
     whole = np.isfinite(values).all(axis=0)
     if whole.sum() < FEWEST_BASE_POINTS:
-        raise SolveError(f"only {whole.sum()} of {base} base points have values for all of their variants")
+        raise SolveError(
+            f"only {whole.sum()} of {base} base points can be used, at the others a variant "
+            "has no value; narrow the distributions, or take more points"
+        )
     terms = _terms(values[:, whole])
     numbers = np.random.default_rng([seed, 1])
     drawn = np.array([_indices(terms[numbers.integers(len(terms), size=len(terms))]) for _ in range(RESAMPLES)])

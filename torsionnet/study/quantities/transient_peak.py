@@ -169,7 +169,7 @@ class TransientPeak(StudyQuantity):
             return [Fault("what comes is either a torque with its duration, or a history", on_key=True)]
         if self.history is not None:
             given = [name for name in ("shape", "rise", "duration", "rate") if getattr(self, name) is not None]
-            return [Fault(f"a history has its own {name}", (name,), on_key=True) for name in given]
+            return [Fault(f"the history determines {name}; leave it out", (name,), on_key=True) for name in given]
         faults = []
         if self.duration is None:
             faults.append(Fault("a torque needs the duration that is simulated", on_key=True, kind="missing key"))

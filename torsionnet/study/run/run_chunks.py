@@ -126,7 +126,10 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
             work(number)
             found = place.chunk(number)
         if found is None:
-            raise SolveError(f"chunk {number} in {place.path} cannot be read back after it was written")
+            raise SolveError(
+                f"chunk {number} in {place.path} cannot be read back after it was written; "
+                "check the disk, or choose another folder, and run it again"
+            )
         return found
 
     return chunk
