@@ -1,7 +1,8 @@
-"""How many examples a property is tried with: few in a run without slow tests, as many as a campaign takes otherwise."""
+"""How many examples and cases a run without slow tests takes: few, where a campaign takes many."""
 
 import ast
 import re
+from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +15,18 @@ quick = False
 def examples(few, many):
     """The number for this run."""
     return few if quick else many
+
+
+def leave_cases_out(items):
+    """Mark as slow all cases of a test but as many, evenly spread, as its mark ``few`` says; slow ones do not count."""
+    families = defaultdict(list)
+    for item in items:
+        if (mark := item.get_closest_marker("few")) is not None and item.get_closest_marker("slow") is None:
+            families[item.nodeid.split("[")[0], mark.args[0]].append(item)
+    for (_, few), cases in families.items():
+        for index, item in enumerate(cases):
+            if index * few // len(cases) == (index - 1) * few // len(cases):
+                item.add_marker("slow")
 
 
 @cache

@@ -55,7 +55,8 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark what a run without slow tests tries with fewer examples."""
+    """Mark what a run without slow tests tries with fewer examples or leaves out of many cases."""
+    campaigns.leave_cases_out(items)
     for item in items:
         name = item.nodeid.split("::")[1].split("[")[0]
         if isinstance(item, pytest.Function) and name in campaigns.sized(item.path):

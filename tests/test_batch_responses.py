@@ -39,6 +39,7 @@ def together(batch, output, input, f, excitation=None, method="auto"):
     return batched_responses(batch, request, f, method).values
 
 
+@pytest.mark.few(8)
 @pytest.mark.filterwarnings("ignore::torsionnet.TorsionnetWarning")
 @methods
 @pytest.mark.parametrize("name", library_cases())

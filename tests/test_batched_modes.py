@@ -67,6 +67,7 @@ def assert_all_as_single(batch, found):
         assert_as_single(found, place, natural_modes(batch.model(place))[0])
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", library_cases(LIBRARY))
 def test_library_models_as_each_variant_by_itself(name):
     model = tn.load(name)
@@ -80,6 +81,7 @@ def test_library_models_as_each_variant_by_itself(name):
         )  # its planets' modes are equal
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("seed", range(campaigns.examples(30, 300)))
 def test_random_drivetrains_as_each_variant_by_itself(seed):
     """Trees and loops with gears, massless nodes, hysteretic springs and planetary sets."""
@@ -170,6 +172,7 @@ def exact_poles(batch, place):
         return sorted((complex(z) for z in values if abs(z) > tiny and mpmath.im(z) >= -tiny), key=abs)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("grounded", [False, True])
 def test_stiff_chains_are_doubtful_and_right(grounded):
     """Springs of 1e2 and of 1e10 N m/rad in one chain, where double precision has lost the slow modes."""
@@ -186,6 +189,7 @@ def test_stiff_chains_are_doubtful_and_right(grounded):
         assert own[own > 0] == pytest.approx(known, rel=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(campaigns.examples(8, 60)))
 def test_what_is_not_doubtful_is_right_whatever_the_numbers(seed):
     """Inertias and stiffnesses that differ by up to nine decades, light and heavy damping, against 60 digits."""

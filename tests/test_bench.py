@@ -244,6 +244,7 @@ def test_another_configuration_of_the_same_bench():
 # The encoder's limit
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("amplitude", [10, 15, 20])
 def test_with_1024_steps_the_coherence_collapses_between_18_and_26_hz(amplitude):
     bench = tn.load_bench("dmf_bench")

@@ -291,6 +291,7 @@ BYTES = {
 }
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("content", "message", "place"), BYTES.values(), ids=BYTES)
 def test_bytes_that_are_no_model(tmp_path, content, message, place):
     path = tmp_path / "model.yaml"

@@ -1,5 +1,7 @@
 """Tests that a run without slow ones tries with fewer examples are known, whatever way they come to ask for them."""
 
+from types import SimpleNamespace
+
 import campaigns
 
 HELPER = """
@@ -46,3 +48,26 @@ def test_each_way_is_seen(tmp_path, request):
     expected = {"test_by_a_value", "test_by_a_range", "test_by_a_helper", "TestOfAClass"}
     assert {name for name in names if name.lower().startswith("test")} == expected
     assert request.node.get_closest_marker("campaign")  # this one asks there, too
+
+
+class Case:
+    """Stand-in for a case of a test, with what `leave_cases_out` asks of it."""
+
+    def __init__(self, nodeid, **marks):
+        self.nodeid, self.marks = nodeid, marks
+
+    def get_closest_marker(self, name):
+        return SimpleNamespace(args=self.marks[name]) if name in self.marks else None
+
+    def add_marker(self, name):
+        self.marks[name] = ()
+
+
+def test_of_many_cases_few_stay():
+    many = [Case(f"a.py::test_many[{case}]", few=(3,)) for case in range(7)]
+    long = [Case("a.py::test_many[long]", few=(3,), slow=())]
+    fewer = [Case(f"b.py::test_many[{case}]", few=(3,)) for case in range(2)]
+    others = [Case("a.py::test_one"), Case("a.py::test_all[0]")]
+    campaigns.leave_cases_out([*long, *many, *fewer, *others])
+    assert [case.nodeid[-2] for case in many if "slow" not in case.marks] == ["0", "3", "5"]
+    assert not any("slow" in case.marks for case in fewer + others)

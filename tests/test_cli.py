@@ -527,6 +527,7 @@ def test_plot_with_unknown_ending_is_refused_before_anything_is_read(command, tm
     assert "no_such_model" not in result.stderr
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("arguments", "names"),
     [
@@ -743,6 +744,7 @@ def test_a_console_without_the_characters_still_shows_the_rest(tmp_path):
     assert done.stdout.splitlines()[0] == "torque ? ?"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo terminal")
 @pytest.mark.parametrize(
     ("environment", "styled", "frame"),
@@ -791,6 +793,7 @@ def test_files_are_written_though_nobody_reads_what_is_printed(tmp_path, ending)
     assert (tmp_path / "all.svg").exists()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "words",
     [

@@ -57,6 +57,7 @@ def test_fit_finds_what_the_record_was_made_with(folder):
     assert float(rows[0]["value"]) == fit.values["k"]
 
 
+@pytest.mark.slow
 def test_fit_in_json_with_profiles(folder):
     data = json.loads(run("fit", "fit.yaml", "--json", "--profile").stdout)
     first = data["parameters"][0]
@@ -108,6 +109,7 @@ def test_fits_that_cannot_be_done(folder):
     assert "cannot be read" in run("fit", "none.yaml", code=2).stderr
 
 
+@pytest.mark.slow
 def test_modes_of_a_record_against_the_model(folder):
     arguments = (
         "identify-modes",

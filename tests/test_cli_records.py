@@ -75,6 +75,7 @@ def test_bench_gives_the_truth_on_request(folder):
     assert np.array_equal(read_recording(folder / "t.npz")["phi"].values, truth["phi"].values)
 
 
+@pytest.mark.slow
 def test_estimate_finds_the_model_again(record):
     result = run("estimate", record, "--input", "T_set", "--output", "phi", "--csv", "h.csv", "--plot", "h.svg")
     assert "peak 1" in result.stdout
@@ -127,6 +128,7 @@ def test_estimate_writes_the_response_for_other_programs(record, ending):
     assert (found.outputs, found.inputs) == (expected.outputs, expected.inputs)
 
 
+@pytest.mark.slow
 def test_compare_shows_how_far_test_and_model_are_apart(record):
     arguments = ("compare", record, "rig.yaml", "--output", "phi", "--input", "M", "--from", 1, "--to", 25)
     data = json.loads(run(*arguments, "--json", "--plot", "c.png", "--csv", "c.csv").stdout)

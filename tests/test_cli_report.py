@@ -57,6 +57,7 @@ class TestCommand:
         assert result.stderr == "wrote: dmf_rig.html\n"
         assert "2025-03-31" in (folder / "dmf_rig.html").read_text(encoding="utf-8")
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("ending", ["html", "md", pytest.param("tex", marks=pytest.mark.slow)])
     def test_by_the_ending(self, folder, ending):
         run("report", "dmf_rig", "-o", f"r.{ending}", "--section", "summary", "--section", "responses", *DATE)
@@ -117,6 +118,7 @@ class TestCommand:
         assert "/no/such" in run("report", "dmf_rig", "-o", "r.pdf", "--section", "validity", code=4).stderr
         assert list(folder.iterdir()) == []
 
+    @pytest.mark.slow
     def test_measured_response_over_the_model(self, folder):
         run("frf", "amt_rig", "--output", "theta_1", "--input", "T_T", "--set", "tau=3.26", "--csv", "V.csv")
         result = run("report", "amt_rig", "--record", "V=V.csv", "-o", "r.md", "--section", "validity", *DATE)
@@ -173,6 +175,7 @@ class TestCommand:
         assert runner().invoke(app, arguments, input=MODEL).exit_code == 0
         assert "two masses" in (folder / "r.md").read_text(encoding="utf-8")
 
+    @pytest.mark.slow
     def test_a_model_from_standard_input_is_explored(self):
         program = [sys.executable, "-m", "torsionnet", "explore", "-", "--port", "0", "--no-browser"]
         environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1])}
@@ -278,6 +281,7 @@ class TestSection:
         assert re.findall(r"^## (.*)$", text, re.MULTILINE) == ["1 Modes"]
 
 
+@pytest.mark.slow
 def test_configurations_without_a_transfer_function_are_left_out_of_it(folder):
     (folder / "clutch.yaml").write_text(CLUTCH, encoding="utf-8")
     run("report", "clutch.yaml", "--tf", "T_c/T", "--tf", "a/T", "-o", "clutch.md", *DATE)

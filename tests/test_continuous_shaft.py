@@ -140,6 +140,7 @@ def roots_of_discs(k, j, first, second, count):
     return np.array(found[:count]) * np.sqrt(k / j) / (2 * np.pi)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("first", "second"), [(0.3, 0.8), (1e-4, 1e3), (0.15, 0.15)])
 def test_discs_at_both_ends(first, second):
     modes = rig(shaft(), tn.Inertia("j1", node="a", inertia=first), tn.Inertia("j2", node="b", inertia=second)).modes()
@@ -190,6 +191,7 @@ def damped_root(start, drag, disc, eta):
         return complex(mpmath.findroot(equation, mpmath.mpmathify(start)))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("drag", [20.0, 200.0, 480.0])
 @pytest.mark.parametrize("eta", [0, 0.03])
 def test_damped_poles_are_roots(drag, eta):

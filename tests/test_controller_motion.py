@@ -40,6 +40,7 @@ def test_polynomials_of_the_method_of_steps(a, tau, rate):
     assert torque == pytest.approx(late, abs=1e-5 * np.abs(late).max())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", [1, 3])
 def test_is_the_inverse_transform_of_the_frequency_response(seed):
     """Of a torque that begins and ends smoothly, over so long that all has died away."""

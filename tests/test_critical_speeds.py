@@ -268,6 +268,7 @@ class TestMarinePlant:
         assert [mode.number for mode in modes] == list(range(1, len(modes) + 1))
         assert all(mode.similarity > 0.6 for mode in modes[:-1])
 
+    @pytest.mark.slow
     def test_one_mode_has_one_number(self, cylinders):
         """The film leaves the third undamped mode no vibration: what all tables call mode 3 is the fourth without it."""
         modes = cylinders.modes()
@@ -555,6 +556,7 @@ class TestWorstOfSeveralCases:
         engine_entry = {**INLINE_SIX, "gas": gas, "orders": [0.5, 1, 1.5, 3], **faults}
         return marine({"engine": engine_entry}).critical_speeds(lowest=2)
 
+    @pytest.mark.slow
     def test_each_misfire_is_the_worst_of_six_single_ones(self):
         each = self.crossings(misfire="each")
         single = {number: self.crossings(misfire=[number]) for number in range(1, 7)}
@@ -571,6 +573,7 @@ class TestWorstOfSeveralCases:
         assert self.crossings().of(1, 0.5).excited is False
         assert self.crossings(misfire="each").of(1, 0.5).relative_force > 0.1
 
+    @pytest.mark.slow
     def test_spread_is_the_worst_sum_of_all_combinations(self):
         """The sum of the star is linear in the factors of the cylinders."""
 

@@ -50,6 +50,7 @@ def running(mu, **more):
 class TestHoudaille:
     """Numbers of Den Hartog's chapter 3, zeta = c/(2 J_ring omega_1)."""
 
+    @pytest.mark.slow
     def test_best_film(self, mu, zeta, peak, ratio):
         found = untuned(mu).damper_design("a", "c", input="a")
         assert found.values["c"] / (2 * mu * J * OMEGA) == pytest.approx(zeta, abs=2e-5)
@@ -96,6 +97,7 @@ class TestTunedMass:
         assert f == pytest.approx(2 / (1 + mu) * np.sqrt(square), rel=1e-5)
         assert zeta == pytest.approx(np.sqrt((8 + 9 * mu - 4 * root) / (1 + mu)) / 4, rel=1e-4)
 
+    @pytest.mark.slow
     def test_den_hartog_and_brock(self, mu, found):
         """f = 1/(1 + mu), and c/(2 J_ring omega_1) = sqrt(3 mu/(8 (1 + mu)^3)), both good to a percent."""
         f, zeta = self.tuning(mu, found)
@@ -131,6 +133,7 @@ class TestLevels:
             np.testing.assert_allclose(slopes[:, place], change / (2 * step[place]), rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_bound_that_holds_is_said():
     found = untuned(0.5).damper_design("a", {"c": (10, 100)}, input="a")
     assert found.values["c"] == pytest.approx(100)
@@ -169,6 +172,7 @@ def test_several_films_of_one_plant():
 
 
 class TestPicture:
+    @pytest.mark.slow
     def test_free_best_and_locked(self):
         found = untuned(0.5).damper_design("a", "c", input="a")
         assert [curve.label for curve in found.curves] == ["as given", "optimum", "free", "locked"]
@@ -203,6 +207,7 @@ class TestRefusals:
 
 
 class TestCommand:
+    @pytest.mark.slow
     def test_screen_files_and_json(self, tmp_path):
         running(0.5, sensors={"theta": {"angle": "a"}}).to_yaml(tmp_path / "plant.yaml")
         words = ["damper", tmp_path / "plant.yaml", "--vary", "c=20..2000 N*m*s/rad", "--output", "theta"]

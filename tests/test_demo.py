@@ -175,6 +175,7 @@ def test_models_bring_their_schematics_and_curves(models):
     assert all(str(folder / name) in text for name in names)
 
 
+@pytest.mark.slow
 def test_one_test_agrees_with_its_model():
     """The flywheel's alone: usable up to, peak, decibels, degrees."""
     done = figures.run(load_bench("dmf_bench"), "DMF")
@@ -184,6 +185,7 @@ def test_one_test_agrees_with_its_model():
     assert abs(cells[4]) < 6
 
 
+@pytest.mark.slow
 def test_drag_of_the_flywheel_is_found():
     fit = identification.flywheel()
     assert fit.values["c_2"] == pytest.approx(4, rel=0.01)

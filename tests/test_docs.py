@@ -77,6 +77,7 @@ def workplace(tmp_path, monkeypatch):
 
 
 class TestGeneratedPages:
+    @pytest.mark.slow
     def test_elements_page_has_every_type_and_every_entry(self, generate):
         whole = generate.elements_page()
         for kind, cls in ELEMENT_TYPES.items():
@@ -165,6 +166,7 @@ class TestGeneratedPages:
         assert len(rows) >= 25
         assert max(abs(float(row)) for row in rows) < 5e-4
 
+    @pytest.mark.slow
     def test_pictures_are_those_the_pages_show(self, pictures):
         made = {path.name for path in pictures.iterdir()}
         pages = ("sign_conventions.md", "generated/elements.md")
@@ -279,6 +281,7 @@ def lay_out(page, folder):
             (folder / name[1]).write_text(text, encoding="utf-8")
 
 
+@pytest.mark.few(3)
 @each(path for path in PAGES if blocks(path, "python"))
 def test_programs_on_pages_run(path, workplace, capsys):
     lay_out(path, workplace)

@@ -273,6 +273,7 @@ class TestLarge:
         (folded,) = (block for one in large.sections for block in one.blocks if isinstance(block, Details))
         assert "export" in words(folded.instead)
 
+    @pytest.mark.slow
     def test_tables_are_cut(self, large):
         table = of(TableBlock, blocks(large, "elements"))[0]
         assert words(table.groups[0].rows[0][0]).endswith("and 80 more")
@@ -310,6 +311,7 @@ configurations: {way: {dry: {off: [d]}, wet: {on: [d]}}}
         assert "Configuration dry" in heads
         assert "Configuration wet" in heads
 
+    @pytest.mark.slow
     def test_long_formulas_are_not_written_unasked(self):
         assert of(TableBlock, blocks(report("planetary_set", sections=["formulas"]), "formulas")) == []
         asked = report("planetary_set", sections=["formulas"], transfer_functions=["theta_S/T_S"])
@@ -421,6 +423,7 @@ HARD_MODELS = ("marine_steam_turbine", "planetary_set", "six_cylinder_diesel")
 """Of many branches, with long formulas, with tables over frequency."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in HARD_MODELS)) for name in tn.library_models()]
 )

@@ -86,6 +86,7 @@ class TestEqualRows:
         rows = [("a", "1"), ("", "1"), ("", "1")]
         assert merge_equal_rows(rows) == tuple(rows)
 
+    @pytest.mark.slow
     def test_six_throws_are_one_row_that_names_all(self, engine):
         elements = next(blocks_of([section(engine, "elements")], TableBlock))
         names = [row[0] for row in elements.groups[0].rows if row[0]]
@@ -100,6 +101,7 @@ class TestEqualRows:
 
 
 class TestTooLong:
+    @pytest.mark.slow
     def test_many_steps_are_folded_away_on_a_page_and_left_out_on_paper(self, engine):
         page, paper, text = html_page(engine), html_page(engine, folds=False), latex_document(engine, "f")
         assert "<details><summary>" in page
@@ -128,6 +130,7 @@ class TestTooLong:
         held = [200 / math.pi * math.sin((2 * k - 1) * math.pi / 54) for k in (2, 3)]
         assert [soft[2].value, soft[3].value] == pytest.approx(held, rel=0.01)
 
+    @pytest.mark.slow
     def test_numbers_of_tables_are_those_of_the_page(self, engine):
         page, text = html_page(engine), latex_document(engine, "f")
         open_page = re.sub(r"<details>.*?</details>", "", page, flags=re.DOTALL)
@@ -238,6 +241,7 @@ class TestCompiled:
         assert headings_alone(text) == []
         assert compiled(tmp_path, "r")[1] == text
 
+    @pytest.mark.slow
     def test_a_table_far_too_wide(self, tmp_path):
         long = "angularvelocityofthegeneratorrotor_" * 4
         blocks = (wide_table(), table("Words", [Heading("A"), Heading("B")], [(long, Math("x")), (long + "b", "y")]))

@@ -89,6 +89,7 @@ def amt(written):
 
 
 class TestHtml:
+    @pytest.mark.slow
     def test_is_well_formed_and_its_names_are_unique(self, amt):
         page = Page(amt)
         assert len(page.ids) == len(set(page.ids))
@@ -104,6 +105,7 @@ class TestHtml:
     def test_is_small(self, amt):
         assert len(amt.encode()) < 1_500_000
 
+    @pytest.mark.slow
     def test_markup_in_texts_is_text(self):
         page = Page(html_page(make_report(hostile(), title=HOSTILE, author=HOSTILE, notes=HOSTILE, date=None)))
         assert "script" not in page.tags
@@ -160,6 +162,7 @@ class TestHtml:
 
 @needs_browser
 class TestInBrowser:
+    @pytest.mark.slow
     @pytest.mark.parametrize("width", [400, pytest.param(1200, marks=pytest.mark.slow)])
     @pytest.mark.parametrize("model", ["amt_rig", pytest.param("planetary_set", marks=pytest.mark.slow), "hostile"])
     def test_opens_without_error_request_or_overflow(self, chromium, written, model, width):
@@ -177,6 +180,7 @@ class TestInBrowser:
         assert page.evaluate("document.querySelectorAll('merror').length") == 0
         page.close()
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         "model", ["amt_rig", "dmf_rig", pytest.param("six_cylinder_diesel", marks=pytest.mark.slow)]
     )
@@ -193,6 +197,7 @@ class TestInBrowser:
         assert wide == []
         page.close()
 
+    @pytest.mark.slow
     def test_pdf(self, tmp_path, monkeypatch):
         """The browser's own date is taken out; how it numbers its tags is its own affair."""
         monkeypatch.setenv(browser.BROWSER_ENV, CHROMIUM)
@@ -238,6 +243,7 @@ class TestLatex:
         )
         assert latex_escaped("Ω é 中 \x07") == r"$\Omega$ é [U+4E2D] [U+0007]"
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("ending", "sections"),
         [
@@ -255,6 +261,7 @@ class TestLatex:
             texts.append([file.read_bytes() for file in files])
         assert texts[0] == texts[1]
 
+    @pytest.mark.slow
     @needs_latex
     @pytest.mark.parametrize(
         "model", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("amt_rig", "planetary_set")), "hostile"]
@@ -280,6 +287,7 @@ class TestLatex:
 
 
 class TestMarkdown:
+    @pytest.mark.slow
     def test_formulas_and_figures(self, tmp_path):
         path = tmp_path / "my rig.md"
         files = tn.write_report("dmf_rig", path, date=DATE)

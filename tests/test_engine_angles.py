@@ -209,6 +209,7 @@ class TestClosedForms:
         assert abs(at_least_range_angles(case).values.sum()) == pytest.approx(1.0, rel=1e-2)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("engines", [2, 3])
 def test_no_angle_makes_more_of_many_orders(engines):
     """Random amplitudes of half orders up to 3, and of a shaft that turns a third as fast: against random angles."""

@@ -241,6 +241,7 @@ class TestRequests:
 class TestSaving:
     """The saved file gives the numbers of the page, and keeps what its author wrote."""
 
+    @pytest.mark.few(6)
     @pytest.mark.parametrize("name", library_cases())
     def test_every_library_model_comes_back_with_the_same_numbers(self, name):
         session = open_session(name)
@@ -429,6 +430,7 @@ class TestCommand:
             assert main(["explore", "dmf_rig", "--no-browser", "--port", port]) == 2
         assert f"port {port} cannot be used" in capsys.readouterr().err
 
+    @pytest.mark.slow
     @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C cannot be sent to one process on Windows")
     def test_it_prints_an_address_is_ready_at_once_and_ends_with_ctrl_c(self, pytestconfig):
         began = time.perf_counter()
@@ -454,6 +456,7 @@ class TestCommand:
         assert "Traceback" not in messages
         assert ready < 5  # 0.8 s on a quiet machine
 
+    @pytest.mark.slow
     def test_nothing_heavy_on_the_way(self):
         program = (
             "import sys; from torsionnet.explore import ExploreServer, open_session;"

@@ -87,6 +87,7 @@ def check_curve(curve, configuration, output="theta_1", into="T_T", scale=1.0, *
     np.testing.assert_allclose(curve["magnitude"], scale * expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_stands_there_at_first(lent):
     curve, test = drawn(lent)
     check_curve(curve, "V")
@@ -104,6 +105,7 @@ def test_what_stands_there_at_first(lent):
     assert lent.page.locator(".parameter").count() == 11
 
 
+@pytest.mark.slow
 def test_a_slider_by_keyboard_and_by_mouse(lent):
     c_O = slider(lent, "c_O")
     c_O.focus()
@@ -152,6 +154,7 @@ def test_other_units_can_be_typed(lent):
         lent.page.get_by_role("button", name="Reset all").click()
 
 
+@pytest.mark.slow
 def test_configurations_are_tabs(lent):
     tab = lent.page.get_by_role("tab", name="V", exact=True)
     assert tab.get_attribute("aria-selected") == "true"
@@ -185,6 +188,7 @@ def test_what_is_impossible_is_said_and_the_last_curve_stays(lent):
     assert not lent.page.evaluate("torsionnet.drawn()[0].faint")
 
 
+@pytest.mark.slow
 def test_response_quantity_units_and_band(opened):
     with opened.update():
         opened.page.select_option("select[name=input]", "T_M")
@@ -244,6 +248,7 @@ def test_cursor_by_mouse_and_by_keys(lent):
     lent.until(lambda: "(peak)" in lent.text("#at"), "the end of the cursor")
 
 
+@pytest.mark.slow
 def test_pins_are_named_removed_and_follow_the_response(opened):
     with opened.update():
         opened.page.click("#pin")
@@ -280,6 +285,7 @@ def test_poles_of_the_cut_rig(lent):
     lent.page.locator("#which label", has_text="drivetrain").click()
 
 
+@pytest.mark.slow
 def test_saved_file_gives_the_same_numbers(opened, tmp_path):
     with opened.update():
         opened.page.fill("#parameter-c_O", "360")
@@ -300,6 +306,7 @@ def test_saved_file_gives_the_same_numbers(opened, tmp_path):
     opened.until(lambda: opened.text("#said") == "Saved amt_rig_changed.yaml.", "the word about it")
 
 
+@pytest.mark.slow
 def test_command_is_copied_and_runs(opened, capsys):
     opened.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     with opened.update():
@@ -316,6 +323,7 @@ def test_command_is_copied_and_runs(opened, capsys):
     assert pair["peaks"][0]["magnitude"] == pytest.approx(max(drawn(opened)[0]["magnitude"]), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_reload_keeps_everything(opened):
     with opened.update():
         opened.page.get_by_role("tab", name="III", exact=True).click()
@@ -335,6 +343,7 @@ def test_reload_keeps_everything(opened):
     assert opened.page.evaluate("document.documentElement.dataset.theme") == "dark"
 
 
+@pytest.mark.slow
 def test_an_address_of_another_model_does_no_harm(chromium, amt):
     words = "#c=gear%3DX&c=clutch%3Dopen&set=nothing%3D3&out=x&in=y&as=z&band=5+1&pin=%7B&pin=%7B%22values%22%3A3%7D&theme=pink"
     with visit(chromium, amt.address + words, viewport=WIDE) as found:
@@ -367,6 +376,7 @@ def test_a_server_that_has_ended_is_told(chromium):
         assert "torsionnet explore has ended" in found.text("#refused")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [pytest.param(width, marks=pytest.mark.slow) for width in (1440, 900)] + [400])
 def test_nothing_sticks_out(chromium, amt, width):
     with visit(chromium, amt.address, viewport={"width": width, "height": 850}) as found:

@@ -161,6 +161,7 @@ class TestOutputs:
         section = np.pi * 300**3 / 16  # mm^3
         assert shown == pytest.approx(np.multiply(torque["half_range"], 1e3 / section), rel=1e-9)
 
+    @pytest.mark.slow
     def test_stress_over_frequency_has_the_same_unit(self):
         session = open_session("marine_medium_speed")
         found = answer(session, State(output="stress(int_shaft)", input="cyl1.T", band=(1.0, 20.0)))["response"]
@@ -177,6 +178,7 @@ class TestOutputs:
         assert groups["torques in elements"] == ["torque(shaft)"]
         assert session.describe()["runs"] is True
 
+    @pytest.mark.few(9)
     @pytest.mark.parametrize("name", library_cases())
     def test_every_library_model_opens_over_speed_or_looks_as_before(self, name):
         session = open_session(name)

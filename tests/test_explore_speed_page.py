@@ -74,6 +74,7 @@ def test_what_stands_there_at_first(opened, path):
     assert opened.page.locator("#modes tbody tr").count() == 2
 
 
+@pytest.mark.slow
 def test_a_slider_and_a_tab(opened, path):
     slider = opened.page.get_by_role("slider", name=re.compile(r"^k\b"))
     slider.focus()
@@ -94,6 +95,7 @@ def test_a_slider_and_a_tab(opened, path):
     assert opened.page.is_hidden("#refused")
 
 
+@pytest.mark.slow
 def test_a_drag_takes_fewer_speeds_and_all_of_them_come_after_it(opened, path):
     box = opened.page.get_by_role("slider", name=re.compile(r"^k\b")).bounding_box()
     y = box["y"] + box["height"] / 2
@@ -108,6 +110,7 @@ def test_a_drag_takes_fewer_speeds_and_all_of_them_come_after_it(opened, path):
     check(opened, path, k=1000 * float(opened.page.input_value("#parameter-k")))
 
 
+@pytest.mark.slow
 def test_colours_stay_with_their_orders(opened):
     def colours():
         return dict(opened.page.evaluate("torsionnet.drawn().slice(1).map(({ name, colour }) => [name, colour])"))
@@ -123,6 +126,7 @@ def test_colours_stay_with_their_orders(opened):
     assert after == {name: ink for name, ink in before.items() if name != gone} | {"poles 3": before[gone]}
 
 
+@pytest.mark.slow
 def test_cursor_by_keys_and_what_it_says(opened, path):
     cursor = opened.page.locator("#magnitude")
     assert cursor.get_attribute("aria-label") == "Speed cursor"
@@ -144,6 +148,7 @@ def test_cursor_by_keys_and_what_it_says(opened, path):
     opened.until(lambda: "(largest)" in opened.text("#at"), "the end of the cursor")
 
 
+@pytest.mark.slow
 def test_pins_compare_half_ranges(opened, path):
     with opened.update():
         opened.page.click("#pin")
@@ -163,6 +168,7 @@ def test_pins_compare_half_ranges(opened, path):
     np.testing.assert_allclose(drawn(opened)[-1]["magnitude"], expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_degrees_zoom_and_the_whole_range(opened, path):
     with opened.update():
         opened.page.select_option("select[name=output]", "twist")
@@ -179,6 +185,7 @@ def test_degrees_zoom_and_the_whole_range(opened, path):
     opened.until(lambda: float(cursor.get_attribute("aria-valuemax")) > 1499, "the whole range")
 
 
+@pytest.mark.slow
 def test_the_other_axis_and_back(opened, path):
     opened.page.locator("label", has_text="frequency").click()
     opened.until(lambda: opened.page.is_visible("#phase"), "the response")
@@ -193,6 +200,7 @@ def test_the_other_axis_and_back(opened, path):
     assert words[:2] == ["torsionnet", "orders"]
 
 
+@pytest.mark.slow
 def test_reload_keeps_the_axis_and_the_zoom(opened):
     opened.page.fill("[aria-label='Highest speed in r/min']", "1100")
     opened.page.keyboard.press("Enter")
@@ -204,6 +212,7 @@ def test_reload_keeps_the_axis_and_the_zoom(opened):
     assert opened.page.is_hidden("#phase")
 
 
+@pytest.mark.slow
 def test_nothing_to_switch_where_nothing_runs(chromium):
     with serving("dmf_rig") as server, visit(chromium, server.address + "#over=speed", viewport=WIDE) as found:
         assert found.page.get_by_role("group", name="Over").count() == 0
@@ -211,12 +220,14 @@ def test_nothing_to_switch_where_nothing_runs(chromium):
         assert found.console == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [pytest.param(1440, marks=pytest.mark.slow), 400])
 def test_nothing_sticks_out(chromium, fan, width):
     with visit(chromium, fan.address, viewport={"width": width, "height": 850}) as found:
         assert found.page.evaluate("document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.slow
 def test_every_control_has_a_name(opened):
     groups = opened.page.get_by_role("group").all()
     assert {"Over", "Angle", "Speed [r/min]"} <= {

@@ -220,6 +220,7 @@ NAMES = st.sampled_from(["a", "y", "no", "off", "n2", "Null", "e1", "true"])
 VALUES = st.one_of(st.floats(1e-12, 1e12), st.integers(1, 10**20), st.sampled_from(["p", "2*p", "0.1", "p/3"]))
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(
     st.lists(st.tuples(NAMES, VALUES, st.booleans()), min_size=1, max_size=6, unique_by=lambda disc: disc[0]),
@@ -416,6 +417,7 @@ def test_every_field_is_explained_in_the_schema():
 # Library and atomic writing
 
 
+@pytest.mark.slow
 def test_library_entries_are_what_the_files_say():
     for name, path in library_models().items():
         rig = load(name)

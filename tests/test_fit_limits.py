@@ -42,6 +42,7 @@ def record():
     return tn.Bench(rig(), plan).run(1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("start", [0.5, 5.0])
 def test_a_damping_that_is_not_there_is_named(record, start):
     """From torque to speed, where it once ended in numbers beyond all range."""
@@ -53,6 +54,7 @@ def test_a_damping_that_is_not_there_is_named(record, start):
     assert [text.partition(":")[0] for text in fit.verdicts] in (["c is hardly determined"], ["c runs to zero"])
 
 
+@pytest.mark.slow
 def test_a_damping_that_would_be_negative_runs_to_zero_and_is_named():
     """There is less damping than the model has without it."""
     f = np.linspace(5, 30, 60)

@@ -88,6 +88,7 @@ def test_a_table_of_several_configurations_names_them(folder):
         read_frequency_response(folder / "both.csv")
 
 
+@pytest.mark.slow
 def test_a_ranking_needs_no_unknown_parameters(folder):
     response = table(folder / "tt.csv", " [1]")
     data = json.loads(run("fit", "f.yaml", "--rank", "--json").stdout)

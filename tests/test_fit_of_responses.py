@@ -146,6 +146,7 @@ def tripled():
     return tn.Measurement(replace(exact, values=values), "theta_1", "T_T")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("loss", ["huber", "soft_l1", "cauchy"])
 def test_a_robust_loss_gives_way_to_outliers(loss):
     rig = tn.load("dmf_rig")

@@ -59,6 +59,7 @@ def library(tmp_path, monkeypatch):
 
 
 class TestCrashes:
+    @pytest.mark.few(5)
     @pytest.mark.parametrize(
         ("what", "text"),
         [
@@ -159,6 +160,7 @@ class TestProcess:
         process.end_all()
         assert list((tmp_path / "temporary").iterdir()) == []
 
+    @pytest.mark.slow
     def test_the_working_folder_hides_no_library(self, tmp_path):
         needs(".h5")
         path = written(tmp_path, ".h5")
@@ -175,6 +177,7 @@ class TestProcess:
         )
         assert ran.stdout.strip() == str(COUNT), ran.stderr
 
+    @pytest.mark.slow
     def test_blocks_are_those_of_the_whole(self, tmp_path):
         for ending in CHILD_ENDINGS:
             needs(ending)
@@ -296,6 +299,7 @@ class TestClaims:
     def test_npz_directory(self, tmp_path):
         message(self.npz(tmp_path / "r.npz", x=np.zeros(10), size=2**31))
 
+    @pytest.mark.slow
     def test_npz_bomb(self, tmp_path):
         path = self.npz(tmp_path / "r.npz", x=np.zeros(2**25 + 1))
         assert "the file would take 268.436 MB when unpacked; a file of 261.1 kB may take 256 MB" in message(path)
@@ -370,6 +374,7 @@ class TestClaims:
         assert resource_limits.largest_unpacked(tmp_path / "large") == 10**9
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit to the size of files is one of POSIX")
 @pytest.mark.parametrize("ending", [".npz", ".csv", *CHILD_ENDINGS])
 def test_a_full_disk_leaves_the_old_file(tmp_path, ending):

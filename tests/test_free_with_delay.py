@@ -250,6 +250,7 @@ class TestRandom:
         doubled = [seed for seed, plant in enumerate(plants) if ActivePencil(plant.rig.assembly).zeros > 1]
         assert len(doubled) >= 15
 
+    @pytest.mark.few(2)
     @pytest.mark.parametrize("seed", range(6))
     def test_poles_are_those_of_fifty_digits(self, seed):
         self.compare(FreePlant(seed))

@@ -37,6 +37,7 @@ def assert_well_behaved(text):
     assert caught.value.faults
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("block", range(8))
 def test_mutants(block):
     for seed in range(50 * block, 50 * (block + 1)):

@@ -175,6 +175,7 @@ class TestReferred:
 
 
 class TestWholePlants:
+    @pytest.mark.few(5)
     @pytest.mark.parametrize("mode", range(1, 12))
     def test_marine_closes(self, mode):
         plant = tn.load(FOLDER / "marine.yaml")

@@ -61,6 +61,7 @@ def quick(rig, configuration="", **changes):
 # Known optima, to eight digits from two starts
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("factor", [0.3, 2.5])
 @pytest.mark.parametrize(
     ("rig", "gears", "parameters"),
@@ -126,6 +127,7 @@ def hysteretic(eta, viscous=0.0):
 # Records
 
 
+@pytest.mark.slow
 def test_drag_of_three_gears_at_once(amt):
     rig, records = amt
     tests = [measured(records[gear], gear, settings=FAST) for gear in GEARS]
@@ -160,6 +162,7 @@ def one_mass(zeta):
     return rig, tn.Bench(rig, plan)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("zeta", "plain"),
     [
@@ -285,6 +288,7 @@ def test_fifth_gear_with_more_drag_is_found_and_named(route):
     assert not any("does not fit" in text for text in free.verdicts)
 
 
+@pytest.mark.slow
 @ROUTES
 def test_hysteretic_damping_is_recognised(route):
     test = observed(route, hysteretic(0.4), name="sweep", band=(0.5, 20))
@@ -304,6 +308,7 @@ def test_hysteretic_damping_is_recognised(route):
     assert np.all(lag < -5)  # the viscous model cannot lag at low frequency
 
 
+@pytest.mark.slow
 @ROUTES
 def test_viscous_damping_is_recognised_too(route):
     test = observed(route, tn.load("dmf_rig"), name="sweep", band=(0.5, 20))
@@ -318,6 +323,7 @@ def test_viscous_damping_is_recognised_too(route):
     assert choice.verdict.endswith("worse in AICc (clearly)")
 
 
+@pytest.mark.slow
 def test_value_at_a_bound_and_vague_value_are_told():
     rig = tn.load("dmf_rig")
     test = measured(response(rig, noise=0.02))
@@ -368,6 +374,7 @@ def test_standard_errors_are_the_scatter(runs):
         assert 0.9 < inside < 0.99
 
 
+@pytest.mark.slow
 def test_a_prior_counts_like_a_measurement():
     rig = tn.load("dmf_rig")
     data = response(rig, noise=0.02)

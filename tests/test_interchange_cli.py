@@ -68,6 +68,7 @@ def test_wrong_usage(tmp_path, monkeypatch, arguments, text):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_an_fmu_says_what_it_runs_on(tmp_path, monkeypatch):
     monkeypatch.setitem(extras.EXTRA_PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
     result = run("export", "dmf_rig", "-o", tmp_path / "x.fmu", "--fmi", "3.0")

@@ -30,6 +30,7 @@ def agree(found, expected, tolerance=1e-9):
     np.testing.assert_allclose(found / scale, expected / scale, atol=tolerance)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "configuration"), MODELS)
 def test_exact_where_the_host_tells_how_inputs_run(name, configuration):
     rig = library_model(name, configuration)
@@ -112,6 +113,7 @@ def test_rounding_of_the_time_costs_nothing():
     agree(found, simulated(rig, host, inputs, step), 1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize(
     ("name", "configuration"), [("dmf_rig", ""), ("drill_string", ""), ("wind_turbine_5mw", "rated")]
@@ -266,6 +268,7 @@ def test_directional_derivatives(version):
     np.testing.assert_allclose(np.array(found).T, np.hstack([space.C, space.D]), atol=1e-9 * np.abs(space.C).max())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("version", VERSIONS)
 def test_drivetrains_without_inertia(version):
     """Springs alone have no states, springs and dampers one: phi = T/k (1 - exp(-k t/c))."""

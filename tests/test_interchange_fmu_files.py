@@ -269,6 +269,7 @@ def test_a_host_in_c_needs_no_python(tmp_path):
     assert said[500] == "3 a step goes from a time by a size of at least 0, not from 0 by -1"
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_sources_of_two_units_in_one_program(tmp_path):
     """Static builds define a prefix for each; nothing else has a name outside its own unit."""

@@ -38,6 +38,7 @@ def lower_kernels():
         pytest.skip(f"no other kernel to try: {reason}")
 
 
+@pytest.mark.slow
 def test_the_lowest_kernel_and_no_vectors_give_the_same_answers():
     environment = {"OPENBLAS_CORETYPE": lower_kernels()[-1]} | without_vectors()
     assert differences(answers("few"), answers_with("few", environment)) == []

@@ -56,6 +56,7 @@ def estimator(name):
 # Noise on the measured torque
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["", "H1", *(pytest.param(name, marks=pytest.mark.slow) for name in ("Hr", "H2"))])
 def test_noise_on_the_torque_of_a_sweep_biases_nothing(rig, noisy, name):
     """H1 as it is reads c_2 17 % high and k_2 1 %, its intervals never hold c_2."""
@@ -83,6 +84,7 @@ def test_estimator_of_a_fit_is_that_of_the_responses(rig, name):
     assert f"{len(kept)} lines of {name}" in fit.notes[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("runs", [2, pytest.param(5, marks=pytest.mark.slow)])
 def test_noise_that_cannot_be_taken_off_is_told_with_its_size(rig, runs):
     """Random excitation without a set-point: H1 is biased by the noise's share, H2 is not."""
@@ -230,6 +232,7 @@ def wrong_fit(case, noise):
     return tn.identify(model, measurement_of(replace(one, plan=plan).run(), name="run"), parameters)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "noise"),
     [

@@ -12,6 +12,7 @@ import pytest
 from structure.floors import FLOORS, HEIGHT, height
 from structure.measures import circles, doubled_classes, doubled_files
 from structure.modules import Module, modules_below
+from structure.sentences import fragments
 
 PACKAGE = Path(__file__).parents[1] / "torsionnet"
 
@@ -159,6 +160,12 @@ def parsed():
     for module in MODULES:
         module.tree  # noqa: B018
     gc.enable()
+
+
+def test_no_first_sentence_is_a_fragment():
+    """Whoever sees a first sentence and nothing else knows what is returned, or what a thing is."""
+    found = [line for module in MODULES for line in fragments(module)]
+    assert found == [], "say what is returned, with unit and shape, without what stands around it"
 
 
 def test_every_module_has_a_layer():

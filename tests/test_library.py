@@ -65,6 +65,7 @@ def test_readme_has_a_row_for_every_model():
     assert sorted(re.findall(r"^\| `(\w+)` \|", readme, flags=re.MULTILINE)) == sorted(MODELS)
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize("name", MODELS)
 def test_reads_back_what_it_writes(name):
     model = tn.load(name)

@@ -28,6 +28,7 @@ def test_every_study_loads_without_a_warning(name):
     assert not study.findings
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", library_studies())
 def test_editors_find_nothing_wrong_in_any_study(name):
     text = library_studies()[name].read_text(encoding="utf-8")

@@ -47,6 +47,7 @@ def file(strict, tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_a_report_judges_the_configurations_it_does_not_show(strict):
     rig = tn.loads(json.dumps(strict))
     assert LOUD not in rig.configurations[:12]

@@ -545,6 +545,7 @@ def test_limits_are_written_as_they_were_read():
     assert again.configured("normal").check_limits().barred == rig.configured("normal").check_limits().barred
 
 
+@pytest.mark.slow
 def test_a_misfire_of_each_cylinder_is_judged_by_the_worst_of_them():
     """Torque, weighted torque and heat against every cylinder alone."""
     more = """\
@@ -612,6 +613,7 @@ class TestShip:
         assert [one["limit"] for one in found[0]["limits"]] == ["crank"]
         assert found[0]["limits"][0]["source"] == "letter of the maker"
 
+    @pytest.mark.slow
     def test_the_picture_has_limit_lines_and_shaded_ranges(self, folder):
         figure = drawn(tn.load(folder / "ship.yaml").configured("normal").check_limits())
         first, _, last = figure.axes

@@ -67,6 +67,7 @@ CASES = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_lowest_modes_are_the_dense_ones(case, seed, sparse_only):
@@ -79,6 +80,7 @@ def test_lowest_modes_are_the_dense_ones(case, seed, sparse_only):
     assert shapes.shape == (system.n_coordinates, 12)
 
 
+@pytest.mark.slow
 @settings(max_examples=campaigns.examples(5, 25), deadline=None)
 @given(seed=st.integers(0, 10**6), damped=st.booleans(), drag=st.booleans(), massless=st.integers(0, 15))
 def test_any_tree(seed, damped, drag, massless):
@@ -124,6 +126,7 @@ def test_chain_in_closed_form(sparse_only):
     np.testing.assert_allclose(undamped_modes(system, 20)[0], omega, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_slow_real_poles_come_first():
     """Heavy drag to ground makes poles slower than every vibration."""
     n = 50

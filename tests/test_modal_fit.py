@@ -73,6 +73,7 @@ MEASURED = [
 
 
 class TestKnownPoles:
+    @pytest.mark.few(1)
     @pytest.mark.parametrize(("name", "output", "outputs"), MEASURED)
     def test_come_back_from_responses_without_noise(self, name, outputs, output):
         poles = SYSTEMS[name]
@@ -94,6 +95,7 @@ class TestKnownPoles:
         np.testing.assert_allclose(found.upper, 2e-3, rtol=1e-8)
         np.testing.assert_allclose(found.lower, -1.5, rtol=1e-8)
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize(
         "residuals", [*(pytest.param(one, marks=pytest.mark.slow) for one in ("none", "both")), "lower", "upper"]
     )
@@ -106,6 +108,7 @@ class TestKnownPoles:
             without = identify_modes(response, Settings(residuals="none"), selection=4, refined=False)
             assert nearest(without.poles, poles).max() > 1e-6
 
+    @pytest.mark.slow
     @given(
         st.lists(
             st.tuples(st.floats(2, 25), st.floats(0.005, 0.6)), min_size=1, max_size=3, unique_by=lambda p: round(p[0])
@@ -122,6 +125,7 @@ class TestKnownPoles:
         found = identify_modes(response_of(poles, residues, LINES))
         assert nearest(found.poles, poles).max() < 1e-6
 
+    @pytest.mark.slow
     def test_a_repeated_pole_needs_two_inputs(self):
         poles = [pole(6, 0.02), pole(11, 0.03), pole(11, 0.03)]
         residues, shapes = chain_residues(poles, 4, 2)
@@ -150,6 +154,7 @@ FEW_SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1
 
 
 class TestNoise:
+    @pytest.mark.slow
     @pytest.mark.parametrize(("name", "noise", "bound"), [("light", 0.02, 3e-3), ("strong", 0.002, 0.03)])
     @pytest.mark.parametrize("seed", FEW_SEEDS)
     def test_poles_stay_within_bounds(self, name, noise, bound, seed):
@@ -159,6 +164,7 @@ class TestNoise:
         assert len(found) == len(poles)
         assert nearest(found.poles, poles).max() < bound
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("runs", [30, pytest.param(120, marks=pytest.mark.slow)])
     def test_standard_errors_are_those_of_many_tests(self, runs):
         poles = [pole(8.7, 0.257)]
@@ -188,6 +194,7 @@ class TestNoise:
         ]
         assert errors[1] > 2 * errors[0]
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("runs", [3, pytest.param(10, marks=pytest.mark.slow)])
     def test_one_line_of_noise_is_no_mode(self, runs):
         counts = []
@@ -208,6 +215,7 @@ each_cut = pytest.mark.parametrize(
 class TestRigs:
     """The poles of theta_1/T_T are those of the rig cut at the torque meter."""
 
+    @pytest.mark.few(2)
     @each_cut
     def test_without_noise(self, case):
         model = rig(case)
@@ -220,6 +228,7 @@ class TestRigs:
         whole = model.modes().eigenvalues
         assert nearest(found.poles, whole[:1]).min() > 0.03
 
+    @pytest.mark.few(2)
     @each_cut
     @pytest.mark.parametrize("noise", [pytest.param(0.002, marks=pytest.mark.slow), 0.01])
     def test_with_noise(self, case, noise):
@@ -237,6 +246,7 @@ class TestRigs:
         assert found.damping_ratios[own] == pytest.approx(-wanted.real / abs(wanted), rel=0.02)
         assert abs(found.natural_frequencies[own] - abs(wanted) / 2 / np.pi) < 4 * found.frequency_errors[own]
 
+    @pytest.mark.slow
     def test_from_recordings_with_the_settings_of_the_paper(self):
         from torsionnet.signals import PAPER, LinearChirp, estimate
 
@@ -376,6 +386,7 @@ class TestDiagram:
         assert found.natural_frequencies == pytest.approx([4, 9], rel=0.01)
         assert found.method.endswith("chosen by hand")
 
+    @pytest.mark.few(2)
     @pytest.mark.parametrize(
         ("selection", "message"),
         [
@@ -552,6 +563,7 @@ class TestUse:
         weighted = nearest(identify_modes(response, Settings(weights="coherence"), selection=2).poles, poles)[0]
         assert weighted < 0.1 * uniform
 
+    @pytest.mark.slow
     def test_units_of_outputs_do_not_matter(self):
         """A torque in N m beside an angle in mrad: each transfer function has a weight of its own."""
         poles = SYSTEMS["strong"]

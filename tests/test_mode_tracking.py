@@ -165,6 +165,7 @@ def densely_followed(model, ends, count):
     return last
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(campaigns.examples(4, 40)))
 def test_random_trees_against_dense_continuation(seed):
     source = np.random.default_rng(seed)
@@ -177,6 +178,7 @@ def test_random_trees_against_dense_continuation(seed):
         assert found.eigenvalues[place] == pytest.approx(known, rel=1e-6), (seed, place)
 
 
+@pytest.mark.slow
 def test_a_variant_is_followed_alike_whatever_its_neighbours():
     source = np.random.default_rng(2)
     model = damped_chain(source, 5)

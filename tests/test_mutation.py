@@ -73,6 +73,7 @@ def test_the_function_around_a_fault():
     assert [mutant.function for mutant in mutants("module.py", text)] == [2, 0]
 
 
+@pytest.mark.slow
 def test_sample_is_seeded_spread_and_valid():
     first, again, other = (sample(list(PACKAGES[2:4]), 50, seed) for seed in (1, 1, 2))
     assert first == again != other

@@ -511,6 +511,7 @@ class TestPictures:
         still = response((OrderLine("motor", 2, Fraction(1)),), [[0.0], [0.0]])
         assert waterfall(still).axes[0].lines
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("picture", ["waterfall", "waveform"])
     def test_command_draws_one_for_each_output(self, tmp_path, monkeypatch, picture):
         monkeypatch.chdir(tmp_path)

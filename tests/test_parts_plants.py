@@ -39,6 +39,7 @@ def with_choices(plain, parts):
         yield label, plain.configured(label), parts.configured(label)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTS)
 def test_a_plant_with_parts_is_the_same_plant(name):
     plain, parts = both(name)

@@ -43,6 +43,7 @@ def sample_of():
     sys.path.remove(docs)
 
 
+@pytest.mark.slow
 def test_every_excitation_and_limit_of_the_library():
     seen = set()
     for definition in (tn.load(name).definition for name in tn.library_models()):

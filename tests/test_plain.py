@@ -12,6 +12,7 @@ IN_ANOTHER_CAMPAIGN = {"damper", "planetary", "differential", "rigid_coupling", 
 """Drawn by ``oracle``; a sheet has tests of its own."""
 
 
+@pytest.mark.slow
 def test_some():
     assert run(f"short-{i}" for i in range(8)).wrong == []
 

@@ -43,6 +43,7 @@ def run(tmp_path):
     return call
 
 
+@pytest.mark.slow
 def test_workers_and_their_children_count_and_limits_are_kept(run):
     code, text = run("-n", "1", "--processor-seconds", "0.3", "--dearest", "2")
     assert code == 1
@@ -54,6 +55,7 @@ def test_workers_and_their_children_count_and_limits_are_kept(run):
     assert "s, at most 0.3 s are allowed" in text
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("limits", [(), ("--processor-seconds", "60", "-k", "quick or slow")], ids=["none", "kept"])
 def test_otherwise_it_is_only_shown(run, limits):
     code, text = run(*limits)

@@ -422,6 +422,7 @@ def measured_response(first, meter, second, outputs, at, f):
     return drivetrain.frequency_response(outputs, tn.Sensor("torque", "meter", at=end), f)
 
 
+@pytest.mark.slow
 @examples(40)
 @given(joined(blueprints(), blueprints()), blueprints(), frequencies, st.data())
 def test_response_against_a_cut_torque_knows_nothing_of_the_upstream_side(parts, other, f, data):
@@ -449,6 +450,7 @@ def test_response_against_a_cut_torque_knows_nothing_of_the_upstream_side(parts,
         assert np.all(np.abs(H.values[:, :, 0] - exact) <= 1e-10 * (sensitivity[:, i, cut] + rounding))
 
 
+@pytest.mark.slow
 @examples(30)
 @given(joined(blueprints(), blueprints()), frequencies, st.data())
 def test_measured_input_times_its_own_response_is_the_plain_response(parts, f, data):
@@ -697,6 +699,7 @@ def test_static_torque_of_a_free_hysteretic_drivetrain_is_shared_by_inertia(orde
     assert torque[0] == pytest.approx(seen / (1 + seen), rel=1e-9)
 
 
+@pytest.mark.slow
 @examples(25)
 @given(blueprints(closing=ELASTIC_LOOPS, holds=(), heavy=True))
 def test_angle_of_a_free_drivetrain_is_infinite_at_zero_frequency(blueprint):

@@ -95,6 +95,7 @@ def test_a_module_never_takes_the_place_of_a_name(package):
     assert not [name for name in names if isinstance(getattr(package, name), ModuleType)]
 
 
+@pytest.mark.slow
 def test_the_function_is_there_whoever_comes_first():
     body = "import torsionnet.modal.stabilisation, torsionnet.plot.bode, torsionnet as tn; print(tn.plot.bode, tn.modal.stabilisation)"
     shown = subprocess.run([sys.executable, "-c", body], capture_output=True, text=True, check=True, timeout=60).stdout

@@ -258,6 +258,7 @@ def folder(tmp_path, monkeypatch):
 
 
 class TestFiles:
+    @pytest.mark.slow
     @pytest.mark.parametrize("file", ["train.npz", "stamps.npz"])
     def test_a_channel_of_pulses_is_read_as_an_angle(self, folder, file):
         record = read_recording(folder / file, pulses={"n1": 60}, quantities={"T": "torque"})

@@ -67,6 +67,7 @@ def fit(figure):
     return tn.identify(rig(), figure, ["d"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "name"),
     [
@@ -90,6 +91,7 @@ def test_a_wrong_ratio_is_named_and_stiffnesses_are_ruled_out(ranked, ratio, nam
     assert "k_1" not in ranking.verdict
 
 
+@pytest.mark.slow
 def test_a_calibration_error_is_named_too(tmp_path):
     """All magnitudes 29 % high: what a gain undoes to rounding, no stiffness does."""
     figure = curve(tmp_path / "figure.csv", 3.0)
@@ -103,6 +105,7 @@ def test_a_calibration_error_is_named_too(tmp_path):
     assert not any(one.explains for one in ranking.causes if one.unknown.startswith("k_"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", ["model and test", pytest.param("fit", marks=pytest.mark.slow)])
 def test_parameters_are_fitted_along(of):
     """A free drag does not make up for a wrong inertia; a fit has its own parameters."""
@@ -132,6 +135,7 @@ def test_table(ranked):
     assert table.notes[0].startswith("only ")
 
 
+@pytest.mark.slow
 def test_nothing_to_compare_with(tmp_path, fit):
     with pytest.raises(UsageError, match="nothing measured"):
         rank_causes(rig())

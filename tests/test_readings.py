@@ -93,6 +93,7 @@ def close(found, expected, size):
     return abs(complex(found) - complex(expected)) <= 1e-9 * abs(expected) + 1e-13 * size
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(campaigns.examples(5, 20)))
 def test_numbers_symbols_and_derivatives_read_the_same(seed):
     drivetrain, made = draw(random.Random(seed), loops=seed % 2, planetary=seed % 4 == 1, count=3)

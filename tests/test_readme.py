@@ -42,6 +42,7 @@ def test_fault_shown_in_the_readme_is_the_one_reported():
     assert shown in str(caught.value)
 
 
+@pytest.mark.slow
 def test_number_of_library_models():
     words = {6: "six", 7: "seven", 8: "eight", 9: "Nine", 10: "Ten", 11: "Eleven", 12: "Twelve"}
     own = sum(tn.load(name).source.startswith("own data") for name in tn.library_models())

@@ -94,6 +94,7 @@ def test_means_weigh_by_errors():
     assert error == pytest.approx((1 / 0.01 + 1 / 0.04) ** -0.5)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("amplitude", [1.3, 4.3, 12.0])
 def test_steps_change_a_sine_as_the_describing_function_says(amplitude):
     """Sum over k of 2 (-1)^k J_1(2 pi k A) / (pi k A) cos(2 pi k o), Gelb and Vander Velde (1968), for A steps."""

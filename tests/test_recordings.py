@@ -74,6 +74,7 @@ class TestRoundTrip:
         write_recording(recording(), tmp_path / f"b{ending}")
         assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
 
+    @pytest.mark.few(5)
     @pytest.mark.parametrize("stamped", [False, True])
     @pytest.mark.parametrize("ending", ENDINGS)
     def test_keeps_everything(self, tmp_path, ending, stamped):
@@ -337,6 +338,7 @@ class TestFaultyFiles:
             read_recording(tmp_path / "r.csv")
 
 
+@pytest.mark.slow
 @given(
     separator=st.sampled_from([";", ",", "\t", " "]),
     decimal=st.sampled_from([".", ","]),

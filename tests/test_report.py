@@ -370,6 +370,7 @@ class TestModeShapes:
         with pytest.raises(tn.UsageError, match='no node is named "motr"'):
             mode_shapes(modes, geared_line(), referred_to="motr")
 
+    @pytest.mark.slow
     def test_at_most_twelve_unless_asked(self):
         rig = build(read_case("uniform_chain_50_free_free"))
         modes = rig.modes()
@@ -404,6 +405,7 @@ class TestModeShapes:
 
 
 class TestSchematic:
+    @pytest.mark.few(3)
     @each_example
     def test_texts_meet_no_texts_and_no_lines_and_lie_inside(self, example):
         figure = drawn(example)
@@ -412,6 +414,7 @@ class TestSchematic:
         assert outside(figure) == []
         assert on_paper(figure) > 6.0 - 1e-9
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("width", [100, *(pytest.param(width, marks=pytest.mark.slow) for width in (250, 400))])
     @pytest.mark.parametrize("example", ["marine_steam_turbine", "hybrid", "crankshaft"])
     def test_lines_are_broken_to_the_width_of_the_page(self, example, width):
@@ -476,6 +479,7 @@ class TestSchematic:
         ):
             assert text in shown
 
+    @pytest.mark.slow
     def test_title(self):
         assert "AMT test rig (V)" in texts(schematic(tn.load("amt_rig").configured("V")))
         assert "own" in texts(schematic(tn.load("amt_rig"), title="own"))
@@ -484,6 +488,7 @@ class TestSchematic:
     def test_switched_off_elements_are_not_drawn(self):
         assert "bearing" not in texts(schematic(tn.load("amt_rig").switched(off=["bearing"])))
 
+    @pytest.mark.slow
     def test_long_chain_is_cut_into_lines_and_fits(self):
         figure = schematic(chain(200))
         width, height = figure.get_size_inches()
@@ -591,6 +596,7 @@ class TestLabels:
 
 
 class TestSave:
+    @pytest.mark.few(1)
     @pytest.mark.parametrize(
         ("ending", "start"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")]
     )
@@ -599,6 +605,7 @@ class TestSave:
         save(schematic(tn.load("dmf_rig")), path)
         assert path.read_bytes().startswith(start)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("ending", ["svg", pytest.param("png", marks=pytest.mark.slow), "pdf"])
     def test_equal_figures_give_equal_files(self, tmp_path, ending):
         contents = set()
@@ -631,6 +638,7 @@ class TestSave:
         assert target.read_text() == "old"
         assert [path.name for path in tmp_path.iterdir()] == ["old.svg"]
 
+    @pytest.mark.slow
     def test_a_users_style_does_not_disturb_pictures_with_places_of_their_own(self, tmp_path):
         """Under ``constrained_layout.use`` matplotlib warns of axes that stand in no grid."""
         rig = tn.load("dmf_rig")
@@ -638,6 +646,7 @@ class TestSave:
             for figure in (schematic(rig), shape_grid([rig.modes()], [rig], [""])):
                 save(figure, tmp_path / "a.svg")
 
+    @pytest.mark.slow
     def test_global_settings_stay_as_they_are(self, tmp_path):
         before = dict(mpl.rcParams)
         rig = tn.load("dmf_rig")

@@ -36,6 +36,7 @@ class TestExcitations:
 
 
 class TestOrders:
+    @pytest.mark.slow
     def test_worst_speed_of_every_configuration(self, found):
         """Against the sum over the common cycle, worked out from a dense solution of the two discs."""
         worst = rows(table(found, "orders", "largest over the speeds"))

@@ -221,6 +221,7 @@ def test_the_command_refuses_before_it_calculates(tmp_path, monkeypatch, capsys)
         assert not file.exists()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("ending", [".html", ".md", ".tex"])
 def test_every_format(result, tmp_path, ending):
     path = Path(tmp_path, f"report{ending}")

@@ -127,6 +127,7 @@ class TestExample:
     def test_without_a_template_nothing_changes(self, folder):
         assert page(folder) == html_page(make_report("dmf_rig", **SHORT))
 
+    @pytest.mark.slow
     def test_latex_and_markdown(self, tmp_path):
         for ending, write in ((".tex", latex_document), (".md", markdown_text)):
             files = tn.write_report(
@@ -221,6 +222,7 @@ class TestWords:
                 *re.findall(r"\w+", " ".join([*rig.elements, *rig.nodes])),
             }, description
 
+    @pytest.mark.slow
     def test_everything_reported_in_reports_of_the_library_is_replaced(self):
         """All texts marked: what is left unmarked in headings, captions and notes is not the report's own."""
         marked = Wording({text: "@" + text for text in TEXTS})
@@ -419,6 +421,7 @@ class TestPage:
         found = faults(folder)
         assert re.search(rf"house/page\.html:{line}:\d+: error: .*{re.escape(what)}", found), found
 
+    @pytest.mark.few(11)
     @pytest.mark.parametrize(
         ("text", "what"),
         [

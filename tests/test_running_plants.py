@@ -54,6 +54,7 @@ def worst_speed(run, order, output):
     return run.rpm[np.argmax(np.abs(run.of_order(order, output)))]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "power", "rpm", "efficiency", "cylinders"),
     [

@@ -92,6 +92,7 @@ class TestFiles:
         with pytest.raises(ModelError, match=r"n1: error: 6001 pulses over 3.2e.08 s, sampled at 1 Hz, would become"):
             read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
 
+    @pytest.mark.slow
     def test_few_ticks_are_doubted(self, tmp_path):
         """Which fit into memory: an eighth of a turn in five days."""
         np.savez(tmp_path / "ticks.npz", n1=TICKS[:9])

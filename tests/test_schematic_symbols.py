@@ -46,6 +46,7 @@ GLYPHS_AND_SHAPES = [
 
 
 class TestMadeUpElements:
+    @pytest.mark.few(4)
     @pytest.mark.parametrize(("glyph", "shape"), GLYPHS_AND_SHAPES)
     def test_any_glyph_with_any_ports_is_drawn_with_its_name(self, glyph, shape):
         element = SHAPES[shape](glyph)
@@ -194,6 +195,7 @@ class TestTorquesStandBesideTheirElement:
         assert (said["T_2"], said["T_3"]) == ("torque of p1", "torque of p2")
         assert (said["T_4"], said["T_5"]) == ("torque of g1", "torque")
 
+    @pytest.mark.slow
     def test_before_the_branches_nothing_claims_to_be_the_torque_behind_them(self):
         checked = 0
         names = examples(SOME_EXAMPLES, EXAMPLES)

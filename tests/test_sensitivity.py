@@ -173,6 +173,7 @@ def test_one_mass_in_closed_form():
     assert found.damping_slopes[0, 2] == pytest.approx(zeta / c)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("gear", ["II", "V_c_O_360"])
 @pytest.mark.parametrize("measured", [None, "T_T"])
 def test_poles_of_the_papers_rig_overdamped_ones_too(gear, measured):
@@ -464,6 +465,7 @@ def test_modes_of_stiff_and_free_chains(name):
                 assert error < 1e-10 * abs(expected) + floor, (mode, parameter)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("model", "measured", "excitation"),
     [

@@ -33,6 +33,7 @@ def simulated(model, outputs, node, torque):
     return [signal.values for signal in record.signals[1:]]
 
 
+@pytest.mark.slow
 def test_rigid_rotation_under_a_ramp_is_a_cubic():
     t = np.arange(40_001) / RATE
     a, b, speed = simulated(free(), ["a", "b", "velocity(b)"], "a", 5 * t)

@@ -156,6 +156,7 @@ class TestBarredRanges:
         (span,) = spans(one.barred)
         assert span == pytest.approx([part * 1.0 for part in _with_tolerance(usual_range(top, 105.0), 0.01)], rel=1e-3)
 
+    @pytest.mark.slow
     def test_of_each_misfire_as_if_it_were_alone(self):
         """The union of what the cylinders need one by one, not what their envelope needs."""
         text = SHIP.replace("engine.misfire: [2]", "engine.misfire: each").replace(
@@ -210,6 +211,7 @@ def _with_tolerance(span, tolerance):
 
 
 class TestOrders:
+    @pytest.mark.slow
     def test_largest_half_range_and_orders(self):
         """Of a random chain, against its own grid; each single order, too."""
         chain = Chain.drawn(12)

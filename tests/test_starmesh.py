@@ -108,6 +108,7 @@ def free_drivetrain(seed, n, loops):
     return system, kappa, np.array([exact(system, at, unit_load(n)[:, 0]) for at in kappa])
 
 
+@pytest.mark.few(3)
 @both_ways
 @pytest.mark.parametrize("loops", [0, 3])
 @pytest.mark.parametrize("n", [2, 8, 30])
@@ -175,6 +176,7 @@ def undamped_drivetrain():
     return system, kappa, exactly, changes
 
 
+@pytest.mark.few(1)
 @both_ways
 def test_undamped_antiresonance_is_as_good_as_its_condition(respond):
     system, kappa, exactly, changes = undamped_drivetrain()
@@ -242,6 +244,7 @@ def test_unknown_method_is_refused():
 # --- hard cases -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.few(1)
 @both_ways
 def test_chain_of_a_thousand_in_its_pass_band_and_far_below(respond):
     n = 1000

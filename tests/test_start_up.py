@@ -77,6 +77,7 @@ quantities:
 """
 
 
+@pytest.mark.slow
 def test_a_study_without_draws_loads_no_heavy_package_and_no_kind_it_does_not_name(tmp_path):
     (tmp_path / "small.yaml").write_text(SMALL_STUDY, encoding="utf-8")
     loaded = loaded_modules(command("study", "small.yaml"), tmp_path)
@@ -141,6 +142,7 @@ def test_what_is_not_imported_is_there(module):
     assert find_spec(module)
 
 
+@pytest.mark.slow
 def test_a_class_that_adds_no_field_is_not_made_a_dataclass_once_more():
     """It has the methods of its base already; those of every class are compiled whenever its file is imported."""
     idle = [

@@ -162,6 +162,7 @@ def test_modules_that_could_be_joined_are_listed(pair):
     assert found == [("angles", "kinds"), ("gear", "kinds"), ("names", "other"), ("sizes", "teeth"), ("teeth", "gear")]
 
 
+@pytest.mark.slow
 def test_outputs_differ_where_a_command_says_something_else(tmp_path, capsys):
     before, after = tmp_path / "before", tmp_path / "after"
     for folder, name in ((before, "dmf_rig"), (after, "amt_rig")):

@@ -120,6 +120,7 @@ class TestFailureProbability:
         assert one.low < 1e-6 < one.high
         assert one.evaluations <= 100_000
 
+    @pytest.mark.slow
     def test_both_sides_of_a_limit(self):
         answer = {"type": "failure_probability", "count": 50_000}
         limits = {"f": {"below": at_quantile(4), "above": at_quantile(-4)}}
@@ -155,6 +156,7 @@ def test_worst_case_is_in_the_corners():
     assert "J at the lower bound, k at the upper bound" in found.sentences[0]
 
 
+@pytest.mark.slow
 def test_a_worst_case_says_that_it_leaves_correlation_out():
     """J and k that rise together hardly move the frequency: its corners are no variants that are drawn."""
     vary = {name: {"type": "uniform", "low": "-10 %", "high": "+10 %"} for name in ("J", "k")}
@@ -256,6 +258,7 @@ def everything():
     return one, run_study(one)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ANSWERS)
 def test_every_answer_has_words_a_table_data_and_a_picture(everything, name):
     one, result = everything

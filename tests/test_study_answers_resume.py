@@ -131,6 +131,7 @@ class TestLog:
 
 
 class TestSameResult:
+    @pytest.mark.slow
     @pytest.mark.parametrize("answers", [FEW, pytest.param((), marks=pytest.mark.slow)], ids=["few", "all"])
     def test_with_a_folder_and_again(self, answers, request, tmp_path, monkeypatch):
         expected = request.getfixturevalue("few" if answers else "expected")
@@ -160,6 +161,7 @@ class TestSameResult:
         assert answers_as_text(study_of_answers(FEW)) == few
         assert not any(tmp_path.iterdir())
 
+    @pytest.mark.slow
     def test_a_folder_that_is_full(self, few, tmp_path, monkeypatch):
         monkeypatch.setattr(evaluation_memory, "MOST_LOG_BYTES", 10_000)
         assert answers_as_text(study_of_answers(FEW), tmp_path / "study") == few
@@ -221,6 +223,7 @@ class TestFolder:
         with pytest.raises(UsageError, match=r"holds chunks but no study\.json"):
             answer_study(study_of_answers(("map",)), folder)
 
+    @pytest.mark.slow
     def test_full_disk(self, few, tmp_path, monkeypatch):
         folder, append, left = tmp_path / "study", EvaluationLog.append, iter(range(5))
 
@@ -300,6 +303,7 @@ class TestKilled:
             assert answers_as_text(study_of_answers(), folder) == expected
 
 
+@pytest.mark.slow
 def test_progress_counts_every_variant_once_and_knows_the_end_where_it_can(tmp_path):
     study = study_of_answers(FEW)
     told = {}

@@ -34,6 +34,7 @@ def test_chunks_grow_with_the_count(count):
     assert 2 * ceil(count / size) <= 100_002
 
 
+@pytest.mark.slow
 def test_histograms_that_wait_are_few(monkeypatch):
     monkeypatch.setattr(histogram, "MOST_WAITING_BINS", 100)
     parts = np.random.default_rng(1).normal(size=(400, 50, 1))

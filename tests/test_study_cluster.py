@@ -70,6 +70,7 @@ class TestAddress:
             with pytest.raises(UsageError, match="is no scheduler file"), connected(str(file)):
                 pass
 
+    @pytest.mark.slow
     def test_nobody_answers(self, tmp_path):
         with socket.socket() as unused:
             unused.bind(("127.0.0.1", 0))
@@ -83,6 +84,7 @@ class TestAddress:
                     pass
                 assert time.monotonic() - began < 5
 
+    @pytest.mark.slow
     def test_silence(self):
         with socket.socket() as silent:
             silent.bind(("127.0.0.1", 0))
@@ -101,6 +103,7 @@ class TestAddress:
             with pytest.raises(UsageError, match="is no scheduler of dask"), connected(where, 2):
                 pass
 
+    @pytest.mark.slow
     def test_worker(self, local):
         address = next(iter(local.nthreads()))
         with pytest.raises(UsageError, match="address of a worker; give that of the scheduler"), connected(address):
@@ -120,6 +123,7 @@ def _greet(server):
 
 
 class TestExecutor:
+    @pytest.mark.slow
     def test_all_chunks_once(self, local, study_folder):
         work = NoiseWork(str(study_folder), 0.01)
         found = list(DaskExecutor(local, study_folder).map(work, range(100)))
@@ -137,6 +141,7 @@ class TestExecutor:
     def test_nothing_to_do(self, local, study_folder):
         assert list(DaskExecutor(local, study_folder).map(NoiseWork(str(study_folder)), [])) == []
 
+    @pytest.mark.slow
     def test_few_tasks_wait(self, local, study_folder):
         """However many chunks there are, and however slowly they are taken."""
         bound = 2 * (1 + TASKS_AHEAD)
@@ -155,6 +160,7 @@ class TestExecutor:
     def test_dashboard(self, local):
         assert local.dashboard_link.startswith("http://127.0.0.1:")
 
+    @pytest.mark.slow
     def test_fault_of_the_study(self, local, study_folder):
         work = FailingWork(study_folder, ModelError("no such parameter"))
         with pytest.raises(ModelError, match="no such parameter"):
@@ -259,6 +265,7 @@ def test_no_workers_yet_is_said_while_it_waits(tmp_path, monkeypatch):
     assert said[1] == "no workers yet for 0 s"
 
 
+@pytest.mark.slow
 def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch):
     """All workers go while chunks are left; it is said as often as at the beginning, and others go on."""
     from distributed import Client, LocalCluster

@@ -74,6 +74,7 @@ def test_folder_is_gone_on_with(plan, tmp_path):
     assert "holds results of something else" in run(str(plan), "-o", str(folder), code=2).output
 
 
+@pytest.mark.slow
 def test_workers_change_nothing(plan):
     assert run(str(plan), "--json", "--workers", "2").stdout == run(str(plan), "--json").stdout
 

@@ -160,6 +160,7 @@ def magnification(mu, g):
 class TestCurves:
     """The largest point of a curve made small, in which two peaks come to be equal."""
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("mu", [0.05, 0.2])
     def test_exact_minimax_of_the_tuned_damper(self, mu):
         """O. Nishihara and T. Asami, J. Vib. Acoust. 124 (2002) 576."""
@@ -257,6 +258,7 @@ class TestObjectives:
         assert found.merit == pytest.approx(1, rel=2e-6)
         assert found.converged
 
+    @pytest.mark.slow
     def test_a_search_that_ends_too_early_says_so(self, monkeypatch):
         """Along the bottom of a bent gorge every step is short, and each finds a better design."""
 

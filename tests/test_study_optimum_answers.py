@@ -55,6 +55,7 @@ def answered(answer, rig=None, *, vary=None, quantities=None, **more):
 
 
 class TestOptimum:
+    @pytest.mark.slow
     def test_two_targets_of_a_chain(self):
         """omega_1^2 = k/J_END and omega_2^2 = k (1/J_END + 2/J) without damping, c being small against it."""
         design = {"k": None, "J": ["0.02 kg*m^2", "10 kg*m^2"]}
@@ -65,6 +66,7 @@ class TestOptimum:
         assert found.values["J"] == pytest.approx(2 / ((2 * np.pi * 25) ** 2 / k - 1 / J_END), rel=1e-8)
         assert "recomputed by a model with these values: the same" in found.sentences
 
+    @pytest.mark.slow
     def test_in_two_configurations(self):
         """One stiffness for two chains with other ends: the relative deviations of k/J_END are balanced."""
         rig = chain(configurations={"load": {"light": {"J": 0.5}, "heavy": {"J": 2.0}}})
@@ -82,6 +84,7 @@ class TestOptimum:
         assert found.values["k"] == pytest.approx(800)
         assert found.active_bounds == {"k": "lower"}
 
+    @pytest.mark.slow
     def test_limits_of_the_study(self):
         answer = {"type": "optimum", "design": {"k": None}, "minimise": "f_1", "limits": {"f_2": {"above": "9 Hz"}}}
         found = answered(answer, limits={"f_1": {"above": "3 Hz"}})
@@ -114,6 +117,7 @@ class TestOptimum:
             answered(answer)
 
 
+@pytest.mark.slow
 def test_a_front_of_frequency_and_damping():
     """z = pi f c/k of a chain with c/k fixed by k: low f_1 and high z contradict each other; all on one line."""
     answer = {
@@ -204,6 +208,7 @@ def test_houdaille_damper():
     )
 
 
+@pytest.mark.slow
 def test_tuned_damper():
     """O. Nishihara and T. Asami, J. Vib. Acoust. 124 (2002) 576: the exact minimax."""
     answer = {"type": "optimum", "design": {"c": [10, 100], "k_film": [6000, 30000]}, "minimise": "peak"}
@@ -231,6 +236,7 @@ def near(quantities, place=(0.6, 0.4), **answer):
 class TestPeaksThatChangePlace:
     """Two peaks are equal at the best damper: the largest of them has a kink there, whatever is limited besides."""
 
+    @pytest.mark.slow
     def test_a_limit_that_does_not_hold(self):
         static = {"low": {"type": "response", "output": "a", "input": "a", "at": "5 Hz"}}
         found = near(static, place=(0.55, 0.39), minimise="peak", limits={"low": {"below": 1.0}})
@@ -240,6 +246,7 @@ class TestPeaksThatChangePlace:
         assert found["k_film"] == pytest.approx(MU * J * own**2, rel=1e-6)
         assert found["c"] == pytest.approx(MU * J * own * np.sqrt((8 + 9 * MU - 4 * root) / (1 + MU)) / 2, rel=1e-5)
 
+    @pytest.mark.slow
     def test_a_limit_of_both_peaks(self):
         """The film that takes least out of a slow motion, its peaks at most 3.6/K: both are as high as that.
 

@@ -60,6 +60,7 @@ def test_what_is_maximised_is_shown_as_it_is():
     np.testing.assert_allclose(np.sqrt(-found.values).sum(axis=1), 2, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_zdt1():
     problem = DesignProblem(parameters(5, 0, 1, 0.5), several("a", "b"), zdt1)
     found = pareto_front(problem, population=60, generations=150, seed=1)
@@ -130,6 +131,7 @@ class TestRefusals:
         with pytest.raises(tn.UsageError, match="a population of 4 or more"):
             pareto_front(DesignProblem(parameters(1), several("a", "b"), parabolas), population=2)
 
+    @pytest.mark.slow
     def test_limits_nobody_keeps(self):
         goals = several("a", "b", limits={"a": QuantityLimit(below=-1.0)})
         with pytest.raises(tn.SolveError, match="no design within the bounds was found that keeps all limits"):

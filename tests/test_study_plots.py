@@ -76,6 +76,7 @@ LONG = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cases", "limit"), [(1, 300.0), (2, 3.0), (5, 300.0), pytest.param(12, 3.0, marks=pytest.mark.slow)]
 )

@@ -53,6 +53,7 @@ HOW = [
 ]
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("kind", "entries", "formula"), HOW)
 @pytest.mark.parametrize(("model", "names", "mode"), CASES)
 def test_a_mode_is_that_of_every_variant(
@@ -76,6 +77,7 @@ def test_undamped_natural_frequencies_count_from_the_lowest_vibration(model: tn.
         assert value == pytest.approx(rates[rates > 1e-6][1], rel=1e-9)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("kind", "entries", "formula"), HOW)
 @pytest.mark.parametrize("model", [AMT, PLANT])
 def test_modes_do_not_depend_on_who_is_solved_along(

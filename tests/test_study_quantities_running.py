@@ -136,6 +136,7 @@ def of_tail_at_last(model: tn.Drivetrain) -> float:
     return max(np.nanmax(one.utilisation) for one in check.verdicts)
 
 
+@pytest.mark.slow
 def test_utilisation_is_that_of_the_limits_of_every_variant() -> None:
     values = spread(SHORT, ("k_cpl",), count=2)
     asked = {"all": made("utilisation"), "tail": made("utilisation", limit="tail"),

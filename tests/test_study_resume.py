@@ -61,10 +61,12 @@ def kill(program):
 
 
 class TestSameBytes:
+    @pytest.mark.slow
     def test_processes(self, whole, tmp_path):
         run_study(small_study(), tmp_path / "study", executor=ProcessExecutor(2))
         assert contents(tmp_path / "study") == contents(whole)
 
+    @pytest.mark.slow
     def test_result_without_a_folder(self, whole):
         kept, free = run_study(small_study(), whole), run_study(small_study())
         assert json.dumps(kept.to_data()) == json.dumps(free.to_data())
@@ -107,6 +109,7 @@ class TestFolder:
         run_study(small_study(), tmp_path / "study", progress=lambda done, total: told.append((done, total)))
         assert told == [(CHUNKS, CHUNKS)]
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("spoil", [lambda data: data[:-100], lambda _: b"", lambda _: b"junk" * 100])
     def test_damaged_chunks_are_done_again(self, whole, tmp_path, spoil):
         folder = tmp_path / "study"
@@ -130,6 +133,7 @@ class TestFolder:
             victim.write_bytes(bytes(data))
             assert run_study(small_study(), folder).to_data() == expected
 
+    @pytest.mark.slow
     def test_what_killed_writers_left_goes_once_it_is_old(self, whole, tmp_path):
         folder = tmp_path / "study"
         shutil.copytree(whole, folder)
@@ -167,6 +171,7 @@ class TestFolder:
         with pytest.raises(UsageError, match=r"version of torsionnet was .*, now it is 0\.0\.1"):
             run_study(small_study(), whole)
 
+    @pytest.mark.slow
     def test_full_disk(self, tmp_path, monkeypatch, whole):
         folder, write, left = tmp_path / "study", calculating.write_bytes, iter(range(5))
 

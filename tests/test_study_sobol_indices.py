@@ -30,6 +30,7 @@ def test_ishigami_within_its_intervals():
     assert found.evaluations == 5 * 4096
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say():
     seeds = campaigns.examples(10, 200)
     held = np.mean([within(sobol_estimates(ishigami, 3, 1024, seed=seed)) for seed in range(seeds)], axis=0)

@@ -56,6 +56,7 @@ def joined(parts):
 # By index
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", METHODS)
 @settings(max_examples=20)
 @given(data=st.data())

@@ -117,6 +117,7 @@ def beyond_by_hand(one):
 
 
 class TestYield:
+    @pytest.mark.slow
     @pytest.mark.parametrize(("name", "limits"), [("all", ("f", "H", "zeta")), ("two", ("H", "f"))])
     def test_against_direct_counting(self, part, name, limits):
         one = part.study
@@ -137,6 +138,7 @@ class TestYield:
                 assert counted.of("weighted mean", text).value == pytest.approx(mean, rel=1e-12)
         assert len(shares - {0.0, 1.0}) >= 4  # the limits tell variants apart
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["all", "two"])
     def test_is_that_of_values_that_are_kept(self, whole, part, name):
         kept, counted = found(whole.study, name, whole), found(part.study, name, part)
@@ -158,6 +160,7 @@ class TestYield:
         assert part.beyond.missing(["f"]) == still
         assert part.beyond.cases["soft"].beyond([sorted(LIMITS).index("f")]) >= still
 
+    @pytest.mark.slow
     def test_what_is_drawn_is_said(self, part, whole):
         text = (
             f"all variants are counted; the values of one in {part.kept.every} of {part.study.count} variants are drawn"
@@ -174,6 +177,7 @@ class TestYield:
         assert sum(drawn[1].counts) == pytest.approx(len(part.kept_values("H", "stiff")), abs=2)
         counted.figure(tn.plot).draw_without_rendering()
 
+    @pytest.mark.slow
     def test_other_limits_than_those_that_were_counted(self, part):
         with pytest.raises(UsageError, match="f: variants were counted by other limits"):
             found(study(limits={**LIMITS, "f": {"below": F}}), "all", part)
@@ -228,6 +232,7 @@ class TestSameBytes:
         }
         assert len(texts) == 1
 
+    @pytest.mark.slow
     def test_limits_belong_to_the_folder(self, folder):
         before = contents(folder)
         for limits in ({**LIMITS, "f": {"below": F}}, {"H": LIMITS["H"], "zeta": LIMITS["zeta"]}):
@@ -299,6 +304,7 @@ class TestPart:
         assert one.kept.every == 17  # 15 and 16 have factors in common with 15 values, and with two
         assert len(set(one.kept_parameters()["c"])) == len(one.kept_parameters()["c"]) == 8
 
+    @pytest.mark.slow
     def test_correlations_say_what_they_are_of(self, part, whole):
         ours, theirs = (found(one.study, "points", one) for one in (part, whole))
         text = f"one in {part.kept.every} of {part.study.count} variants"
@@ -343,6 +349,7 @@ class TestPart:
         part.to_csv(tmp_path / "in_pieces.csv")
         assert (tmp_path / "in_pieces.csv").read_bytes() == (tmp_path / "at_once.csv").read_bytes()
 
+    @pytest.mark.slow
     def test_labelled_arrays_have_the_indices(self, part):
         pytest.importorskip("xarray")
         arrays = part.to_xarray()

@@ -118,6 +118,7 @@ class TestExactly:
         drawn.grounds(0.7)
         assert_exact(drawn)
 
+    @pytest.mark.slow
     @EXAMPLES
     @given(st.randoms(use_true_random=False), st.integers(3, 5), st.integers(1, 3))
     def test_loops(self, source, count, extra):
@@ -127,6 +128,7 @@ class TestExactly:
         drawn.grounds(0.6)
         assert_exact(drawn)
 
+    @pytest.mark.slow
     @settings(max_examples=campaigns.examples(6, 15), deadline=None)
     @given(st.randoms(use_true_random=False), st.integers(3, 4))
     def test_more_loops_than_deletion_takes(self, source, count):

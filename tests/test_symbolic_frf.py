@@ -102,6 +102,7 @@ class TestEveryFormIsTheNumericResponse:
         drivetrain, question = a_drivetrain_and_a_question(source)
         assert_all_forms(drivetrain, *question)
 
+    @pytest.mark.slow
     @EXAMPLES
     @given(st.randoms(use_true_random=False), st.integers(1, 3))
     def test_closed_loops(self, source, loops):
@@ -131,6 +132,7 @@ class TestEveryFormIsTheNumericResponse:
         assert_equal(H.evaluate(F).values[:, 0, 0], expected, "evaluate")
         assert_equal(run_code(H.python_code())(F), expected, "code")
 
+    @pytest.mark.few(18)
     @pytest.mark.parametrize("kind", [kind for kind in EVERY_ELEMENT if kind not in ("lock", "inertia")])
     def test_every_element(self, kind):
         """Against the numbers at other values than the model's, so that nothing may have been rounded in."""
@@ -144,6 +146,7 @@ class TestEveryFormIsTheNumericResponse:
             expected = model.configured(c=3).frequency_response(output, "T", F).values[:, 0, 0]
             assert_equal(H.evaluate(F, c=3).values[:, 0, 0], expected, output)
 
+    @pytest.mark.slow
     def test_hundreds_of_coordinates_neither_overflow_nor_vanish(self):
         elements, parameters = [], {}
         for i in range(150):

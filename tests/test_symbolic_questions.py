@@ -100,6 +100,7 @@ class TestContinuedFractionsOfShafts:
         text = str(shafts(15).symbolic().transfer_function("n0", "T").mechanical)
         assert [text.count(f"/(32*L_{i})") for i in range(15)] == [1] * 15
 
+    @pytest.mark.slow
     def test_python_code_of_a_long_chain(self):
         model = shafts(60)
         space = {}
@@ -190,6 +191,7 @@ class TestMatrices:
 
 
 class TestShown:
+    @pytest.mark.slow
     def test_polynomial_in_order(self):
         text = str(shafts(5, inertia="lumped").symbolic().transfer_function("n5", "T").polynomial)
         names = [f"a_{power}" for power in range(2, 13)]

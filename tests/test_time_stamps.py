@@ -40,6 +40,7 @@ def write(tmp_path, stamps, separator=";", heading="time{0}T [Nm]{0}phi [deg]", 
 
 
 class TestForms:
+    @pytest.mark.few(10)
     @pytest.mark.parametrize("form", FORMS)
     @pytest.mark.parametrize("separator", [";", "\t"])
     def test_seconds_from_the_first_stamp(self, tmp_path, form, separator):

@@ -222,6 +222,7 @@ EXPONENTS = st.fractions(min_value=-6, max_value=6, max_denominator=4)
 SMALL = EXPONENTS.filter(lambda e: len(str(abs(e))) <= 3)
 
 
+@pytest.mark.slow
 @given(st.builds(Dimension, SMALL, SMALL, SMALL, SMALL, SMALL))
 def test_the_text_of_a_dimension_is_a_unit_of_it(dimension):
     if dimension == DIMENSIONS["speed"]:

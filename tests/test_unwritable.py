@@ -51,6 +51,7 @@ def test_a_full_disk_names_the_file(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("after", [0, 2])
 def test_a_full_disk_leaves_no_figures(tmp_path, monkeypatch, after):
     """A report with its figures beside it: all of its files, or none and no folder."""

@@ -27,6 +27,7 @@ def bench(rig):
     )
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "configuration", "peak"),
     [
