@@ -67,7 +67,7 @@ class TestManySpeeds:
         rig = plant(reference("forced_two_stroke_propulsion"))
         whole = rig.order_response("twist(thrust)")
         monkeypatch.setattr("torsionnet.solve.running.operating_groups.SPEEDS_PER_BLOCK", 2)
-        monkeypatch.setattr("torsionnet.response.order_response.MOST_WAVEFORM_POINTS", 1)
+        monkeypatch.setattr("torsionnet.response.cycle_extremes.MOST_WAVEFORM_POINTS", 1)
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)
         assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)

@@ -13,11 +13,12 @@ import numpy as np
 from torsionnet.core.errors import TorsionnetWarning
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Element, Law, Values
+from torsionnet.response.cycle_extremes import cycle_extremes
 from torsionnet.response.engine_blocks import engine_blocks
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.synthesis import common_cycle, extremes, waveforms
+from torsionnet.response.synthesis import common_cycle
 from torsionnet.response.worst_response import WorstResponse
 
 
@@ -97,7 +98,4 @@ def _largest_over_angle(values: ComplexArray, lines: Sequence[OrderLine]) -> Flo
     cycle = common_cycle([relatives[at] for at in moving])
     if cycle is None or not moving:
         return np.asarray(np.abs(values).sum(axis=1))
-    spectrum = np.zeros((len(values), int(max(relatives[at] for at in moving) * cycle) + 1, 1), dtype=complex)
-    for at in moving:
-        spectrum[:, int(relatives[at] * cycle), 0] += values[:, at]
-    return np.asarray(extremes(waveforms(spectrum))[0][:, 0])
+    return np.asarray(cycle_extremes(values[:, moving, None], [int(relatives[at] * cycle) for at in moving])[0, :, 0])

@@ -1,4 +1,4 @@
-"""Extremes of sums of orders over a long common cycle, searched on a coarse grid and refined by Newton's method."""
+"""Extremes of sums of orders over a common cycle, found on a coarse grid and refined by Newton's method."""
 
 from __future__ import annotations
 
@@ -11,62 +11,95 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.synthesis import waveforms
 
-LONG_CYCLE_PERIODS = 300
-"""Periods of the highest order in a cycle from which a coarse grid with refinement is faster than a fine grid."""
-COARSE_POINTS_PER_PERIOD = 8
-"""Points of the coarse grid for each period of the highest order."""
-MOST_MAXIMA = 100
-"""Most local maxima of a wave that are refined; with more candidates for the highest a fine grid is cheaper."""
-NEWTON_STEPS = 3
-"""Steps of Newton's method, which reach the last digits from within 1/16 of a period."""
+POINTS_PER_PERIOD = 8
+"""Points of the coarse grid for each period of the highest order: a quarter of its maxima is wider than a step."""
+MOST_WAVEFORM_POINTS = 4_000_000
+"""Points of waveforms that are held in memory at a time; speeds are processed in parts accordingly."""
+MOST_MAXIMA = 20_000
+"""Maxima that are refined at a time: their amplitudes take some 10 MB."""
+NEWTON_STEPS = 5
+"""Steps from a point of the grid to its maximum; three leave 1e-5 where a maximum is flat, five less than 1e-9."""
 
 
-def refined_extremes(
-    amplitudes: ComplexArray, counts: Sequence[int], spectrum: ComplexArray
-) -> tuple[FloatArray, FloatArray]:
-    """Largest and smallest value of Re sum_l X_l exp(j c_l phi) along the cycle, each (n_speeds, n_out).
+def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArray:
+    """Largest and smallest value of Re sum_l X_l exp(j c_l phi) over a cycle of phi, shape (2, n_speeds, n_out).
 
     Between two points h apart a wave exceeds the nearer one by at most h^2/8 sum |X_l| c_l^2, so that few maxima of
-    the grid have to be refined. nan where they are too many.
+    a coarse grid have to be refined.
 
     Parameters
     ----------
     amplitudes : (n_speeds, n_lines, n_out) array
-    counts : sequence of int
-        Number of periods of each line in the cycle.
-    spectrum : (n_speeds, highest count + 1, n_out) array
-        Amplitudes sorted by their number of periods.
+        Complex amplitudes X_l.
+    periods : sequence of int
+        Periods c_l of each line in the cycle, not negative.
+
+    Examples
+    --------
+    >>> cycle_extremes(np.array([[[1.0], [0.25j]]]), [2, 4]).round(6).tolist()
+    [[[1.100917]], [[-1.100917]]]
     """
-    n = COARSE_POINTS_PER_PERIOD * max(counts)
-    waves = waveforms(spectrum, n)
-    rise = (2 * np.pi / n) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)[:, None]).sum(axis=1)
-    high, low = (_highest(sign * waves, rise, sign * amplitudes, np.array(counts)) for sign in (1.0, -1.0))
-    return high, -low
+    counts = np.unique(np.asarray(periods, dtype=np.int64))
+    waves = np.zeros((len(amplitudes), amplitudes.shape[2], len(counts)), dtype=complex)
+    for line, place in enumerate(np.searchsorted(counts, periods)):
+        waves[:, :, place] += amplitudes[:, line]
+    counts //= max(1, math.gcd(*counts.tolist()))
+    together = max(1, MOST_WAVEFORM_POINTS // (POINTS_PER_PERIOD * int(counts[-1] + 1) * waves.shape[1]))
+    parts = (waves[start : start + together] for start in range(0, len(waves), together))
+    return np.concatenate([np.zeros((2, 0, waves.shape[1])), *(_of_part(part, counts) for part in parts)], axis=1)
+
+
+def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
+    """Largest and smallest values (2, n_speeds, n_out) of waves with amplitudes (n_speeds, n_out, n_counts)."""
+    spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
+    spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
+    waves = waveforms(spectrum, max(POINTS_PER_PERIOD * int(counts[-1]), 1))
+    rise = (2 * np.pi / waves.shape[2]) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)).sum(axis=2)
+    highest = _highest(waves, rise, amplitudes, counts)
+    return np.array([highest, -_highest(np.negative(waves, out=waves), rise, -amplitudes, counts)])
 
 
 def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
-    found = waves.max(axis=2)
-    above = np.flatnonzero(waves >= (found - rise)[:, :, None])
-    speeds, outputs, points = np.unravel_index(above, waves.shape)
+    found: FloatArray = waves.max(axis=2)
     n = waves.shape[2]
+    speeds, outputs, points = np.nonzero(waves >= (found - rise)[:, :, None])
     here = waves[speeds, outputs, points]
     is_crest = here >= np.maximum(waves[speeds, outputs, points - 1], waves[speeds, outputs, (points + 1) % n])
     speeds, outputs, points = speeds[is_crest], outputs[is_crest], points[is_crest]
-    many = np.zeros(found.shape, dtype=np.int64)
-    np.add.at(many, (speeds, outputs), 1)
-    few = many[speeds, outputs] <= MOST_MAXIMA
-    speeds, outputs, points = speeds[few], outputs[few], points[few]
-    tops = _tops(amplitudes[speeds, :, outputs], counts, points * (2 * np.pi / n), np.pi / n)
-    np.maximum.at(found, (speeds, outputs), tops)
-    return np.where(many <= MOST_MAXIMA, found, math.nan)
+    for start in range(0, len(points), MOST_MAXIMA):
+        part = slice(start, start + MOST_MAXIMA)
+        of = speeds[part], outputs[part]
+        np.maximum.at(found, of, _tops(amplitudes[of], counts, points[part] * (2 * np.pi / n), 2 * np.pi / n))
+    return found
 
 
-def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, half_step: float) -> FloatArray:
-    """Maxima (n,) of waves (n, n_lines) nearest to start angles, by Newton's method."""
-    angle = start
+def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, step: float) -> FloatArray:
+    """Maxima (n,) of waves (n, n_counts) within a step of start angles, by Newton's method or bisection."""
+    series = _Series(amplitudes, counts)
+    low, high, angle = start - step, start + step, start
     for _ in range(NEWTON_STEPS):
-        terms = amplitudes * np.exp(1j * angle[:, None] * counts)
-        slope, curvature = -(terms.imag @ counts), -(terms.real @ np.square(counts))
-        step = np.divide(-slope, curvature, out=np.zeros_like(slope), where=curvature < 0)
-        angle = np.clip(angle + step, start - 2 * half_step, start + 2 * half_step)
-    return np.asarray((amplitudes * np.exp(1j * angle[:, None] * counts)).real.sum(axis=1))
+        _, slope, curvature = series.at(angle)
+        low, high = np.where(slope > 0, angle, low), np.where(slope > 0, high, angle)
+        newton = angle - np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature < 0)
+        angle = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
+    return np.asarray(series.at(angle)[0])
+
+
+class _Series:
+    """Sums Re sum_k X_k exp(j c_k phi) of waves (n, n_counts), with their derivatives to phi, by Horner's rule."""
+
+    def __init__(self, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> None:
+        # Value, slope and curvature are sums of X, j c X and -c^2 X; they lie side by side for each count.
+        factors = np.array([np.ones(len(counts)), 1j * counts, -1.0 * np.square(counts)])
+        self.terms = np.ascontiguousarray((factors[:, None] * amplitudes).transpose(2, 0, 1))
+        self.gaps = [int(counts[0]), *np.diff(counts).tolist()]
+
+    def at(self, angle: FloatArray) -> FloatArray:
+        """Value, slope and curvature of each wave at an angle of its own, shape (3, n)."""
+        turns = {gap: np.exp(1j * gap * angle) for gap in set(self.gaps)}
+        total = np.zeros(self.terms.shape[1:], dtype=complex)
+        for terms, gap in zip(self.terms[::-1], self.gaps[::-1], strict=True):
+            total += terms
+            if gap:
+                total *= turns[gap]
+        return np.asarray(total.real)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
@@ -37,12 +38,12 @@ class OrderLine:
     fixed: float = 0.0
     engine: str = ""
 
-    @property
+    @cached_property
     def exact_order(self) -> Fraction:
         """Order as a fraction."""
         return near_fraction(float(self.order))
 
-    @property
+    @cached_property
     def relative(self) -> Fraction:
         """Order of the reference shaft, vibrations per revolution of it, as a fraction."""
         return self.exact_order * self.ratio

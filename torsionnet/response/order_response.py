@@ -15,17 +15,15 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.cycle_extremes import COARSE_POINTS_PER_PERIOD, LONG_CYCLE_PERIODS, refined_extremes
+from torsionnet.response.cycle_extremes import cycle_extremes
 from torsionnet.response.engine_angles import at_worst_angles
 from torsionnet.response.engine_blocks import engine_blocks, has_unknown_angles
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
 from torsionnet.response.order_sums import lines_of_one_frequency, sum_name, summed_sizes, sums_of_lines
-from torsionnet.response.synthesis import POINTS_PER_PERIOD, common_cycle, extremes, waveforms
+from torsionnet.response.synthesis import common_cycle, waveforms
 from torsionnet.response.table import Column, Table
 
-MOST_WAVEFORM_POINTS = 4_000_000
-"""Points of waveforms that are held in memory at a time; speeds are processed in parts accordingly."""
 SUMS_NOTE = "sums of lines of one frequency, with their phases, are what a test measures"
 """Note below tables with sums of lines."""
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
@@ -213,7 +211,7 @@ class OrderResponse(NotebookResult):
         found = np.zeros((2, len(self.speeds), len(self.outputs)))
         for places, counts in self._families():
             alone = np.abs(self.values[:, places]).sum(axis=1)
-            found += [alone, -alone] if counts is None else self._bounds(places, counts)
+            found += [alone, -alone] if counts is None else cycle_extremes(self.values[:, places], counts)
         return found
 
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
@@ -249,21 +247,6 @@ class OrderResponse(NotebookResult):
                 yield places, None
             else:
                 yield places, [int(rate / top * cycle if lines[0].fixed else rate * cycle) for rate in rates]
-
-    def _bounds(self, places: Sequence[int], counts: Sequence[int]) -> FloatArray:
-        spectrum = self._spectrum(places, counts)
-        is_long = max(counts) >= LONG_CYCLE_PERIODS
-        together = max(
-            1,
-            MOST_WAVEFORM_POINTS
-            // ((COARSE_POINTS_PER_PERIOD if is_long else POINTS_PER_PERIOD) * spectrum.shape[1] * spectrum.shape[2]),
-        )
-        found = []
-        for start in range(0, len(spectrum), together):
-            part = slice(start, start + together)
-            bounds = np.array(refined_extremes(self.values[part, places], counts, spectrum[part])) if is_long else None
-            found.append(_on_a_fine_grid(spectrum[part]) if bounds is None or np.isnan(bounds).any() else bounds)
-        return np.concatenate(found, axis=1)
 
     @property
     def half_range(self) -> FloatArray:
@@ -424,13 +407,3 @@ class OrderResponse(NotebookResult):
         for place, count in zip(places, counts, strict=True):
             found[:, count] += self.values[:, place]
         return found
-
-
-def _on_a_fine_grid(spectrum: ComplexArray) -> FloatArray:
-    """Largest and smallest values (2, n_speeds, n_out) of waveforms on a fine grid."""
-    together = max(1, MOST_WAVEFORM_POINTS // (POINTS_PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
-    found = []
-    for start in range(0, len(spectrum), together):
-        waves = waveforms(spectrum[start : start + together])
-        found.append(extremes(waves))
-    return np.concatenate(found, axis=1)

@@ -35,8 +35,9 @@ def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
     if n <= 2 * highest:
         raise UsageError(f"{n} points are too few for a waveform with {highest} periods; take more than {2 * highest}")
     # Waves that lie in one piece are made and searched in less than half the time.
-    rows = np.ascontiguousarray(spectrum.transpose(0, 2, 1))
+    rows = np.array(spectrum.transpose(0, 2, 1), order="C")
     if highest > MOST_PERIODS_BY_PRODUCT:
+        rows[:, :, 0] *= 2  # irfft counts what is constant once, and all else twice
         return np.asarray(np.fft.irfft(rows, n) * (n / 2))
     parts = np.concatenate([rows.real, rows.imag], axis=-1)
     return np.asarray(parts @ _cosines(highest, n))
@@ -46,9 +47,7 @@ def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
 def _cosines(highest: int, n: int) -> FloatArray:
     """Matrix of cosines and sines that maps real and imaginary parts of amplitudes to waveforms."""
     angle = 2 * np.pi * np.outer(np.arange(highest + 1), np.arange(n)) / n
-    cosine = np.cos(angle)
-    cosine[0] /= 2
-    return np.concatenate([cosine, -np.sin(angle)])
+    return np.concatenate([np.cos(angle), -np.sin(angle)])
 
 
 def _even_steps(least: int) -> int:

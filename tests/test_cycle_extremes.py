@@ -1,0 +1,56 @@
+"""Extremes of sums of orders over a cycle, against a grid so fine that its step no longer matters, and closed forms."""
+
+import numpy as np
+import pytest
+
+from torsionnet.response import cycle_extremes as module
+from torsionnet.response.cycle_extremes import cycle_extremes
+
+
+def on_a_grid(amplitudes, periods, points=200_001):
+    angle = 2 * np.pi * np.arange(points) / points
+    waves = np.einsum("slo,lp->sop", amplitudes, np.exp(1j * np.outer(periods, angle))).real
+    return np.array([waves.max(axis=2), waves.min(axis=2)])
+
+
+@pytest.mark.parametrize(
+    "periods",
+    [[1, 2, 3, 4, 5, 6, 7, 8], [4, 8], [3, 3, 6], [0, 2, 4], [0, 21, 50], [1], [0], [7, 11, 13], [1, 40, 41], [90, 100, 110, 120]],
+    ids=str,
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_any_sum(periods, seed):
+    rng = np.random.default_rng([seed, len(periods)])
+    amplitudes = rng.normal(size=(2, len(periods), 3)) + 1j * rng.normal(size=(2, len(periods), 3))
+    # A step of 2 pi/200001 loses at most (c step)^2/8 of an amplitude.
+    lost = (np.abs(amplitudes) * (np.square(periods) * (np.pi / 200_001) ** 2 / 2)[:, None]).sum(axis=1).max()
+    found = cycle_extremes(amplitudes, periods)
+    expected = on_a_grid(amplitudes, periods)
+    assert found == pytest.approx(expected, abs=1.01 * lost + 1e-12)
+    assert (found[0] >= expected[0] - 1e-12).all()
+    assert (found[1] <= expected[1] + 1e-12).all()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.24, 0.25, 0.26, 0.4])
+def test_flat_and_split_maxima(share):
+    """cos(phi) - a cos(2 phi) has one maximum of 1 - a up to a = 1/4, where it is flat, and two of a + 1/(8 a) beyond."""
+    found = cycle_extremes(np.array([[[1.0], [-share]]], dtype=complex), [1, 2])
+    highest = 1 - share if share <= 0.25 else share + 1 / (8 * share)
+    assert found.ravel() == pytest.approx([highest, -1 - share], rel=1e-8)
+
+
+def test_equal_waves_many_times_in_a_cycle_are_searched_once(monkeypatch):
+    sizes = []
+    monkeypatch.setattr(module, "waveforms", lambda _, n: sizes.append(n) or np.ones((1, 1, n)))
+    cycle_extremes(np.ones((1, 2, 1), dtype=complex), [300, 600])
+    assert sizes == [2 * module.POINTS_PER_PERIOD]
+
+
+def test_beats_with_thousands_of_maxima(monkeypatch):
+    monkeypatch.setattr(module, "MOST_MAXIMA", 100)
+    found = cycle_extremes(np.array([[[1.0], [1j]]]), [1500, 1501])
+    assert found.ravel() == pytest.approx([2, -2], rel=1e-6)
+
+
+def test_no_speeds():
+    assert cycle_extremes(np.zeros((0, 2, 3), dtype=complex), [1, 2]).shape == (2, 0, 3)
