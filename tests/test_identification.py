@@ -436,6 +436,61 @@ def test_saved_and_read_again(tmp_path):
         load_fit(tmp_path / "other.yaml")
 
 
+SAVED = """torsionnet_fit: 1
+title: rig
+parameters:
+  k_1: {value: 460.0, standard_error: .inf, steps: [[0.5, 1.0e-05], [.nan, 2.0]], unit: N*m/rad}
+  c_2: {value: 1.0e-05, standard_error: 0.25}
+correlation:
+  - [1.0, 0.5]
+  - [0.5, 1.0]
+chi_squared: 12.5
+degrees_of_freedom: -3
+verdicts:
+  - "k_1 is vague: hold it"
+notes: []
+measurements:
+  - name: run
+    unit: rad/(N*m)
+    misfit: 1.0
+    has_phase: false
+    frequencies: [1.0, 2.0]
+    measured_real: [1.0, 2.0]
+    measured_imag: [0.0, -1.0]
+    fitted_real: [1.0, 2.0]
+    fitted_imag: [0.0, -1.0]
+    deviation: [0.1, .inf]
+"""
+
+
+def test_a_saved_fit_is_written_again_as_it_was(tmp_path):
+    path = tmp_path / "fit.yaml"
+    path.write_text(SAVED)
+    assert load_fit(path).to_yaml() == SAVED
+
+
+def test_faults_of_a_saved_fit_are_told_at_once_with_their_lines(tmp_path):
+    path = tmp_path / "fit.yaml"
+    bad = SAVED.replace("0.25}", "low}").replace("title: rig", "titel: rig").replace("[0.1, .inf]", "[0.1, 2.0, 3.0]")
+    path.write_text(bad.replace("misfit: 1.0", "misfit: [1.0]"))
+    with pytest.raises(ModelError) as raised:
+        load_fit(path)
+    told = str(raised.value)
+    for line, words in (
+        (2, 'unknown key "titel"'),
+        (5, "expected a number, got 'low'"),
+        (17, "expected a number, got [1.0]"),
+    ):
+        assert f"fit.yaml:{line}:" in told
+        assert words in told
+    path.write_text(SAVED.replace("[0.1, .inf]", "[0.1, 2.0, 3.0]"))
+    with pytest.raises(ModelError, match=r"fit.yaml:24:.*deviation has 3 numbers for 2 frequencies"):
+        load_fit(path)
+    path.write_text(SAVED.replace("  - [0.5, 1.0]\n", ""))
+    with pytest.raises(ModelError, match=r"fit.yaml:6:.*correlation of 2 parameters has 2 rows of 2 numbers"):
+        load_fit(path)
+
+
 # What cannot be fitted
 
 

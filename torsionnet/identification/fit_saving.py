@@ -2,66 +2,143 @@
 
 from __future__ import annotations
 
-import math
 import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.atomic import write_text
+from torsionnet.core.entries.composite import Listed, Named, Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.plain_numbers import PlainNumber, PlainNumbers
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Flag, Text
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.identification.fit_result import Compared, FitResult
 from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.fault_positions import located_faults
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.files.quoting import scalar_text
+from torsionnet.model.files.writer import block_text
 
 FIT_FORMAT_VERSION = 1
 """Version of the file format."""
+VERSION_KEY = "torsionnet_fit"
+"""Key of the version, the first entry of a file."""
+FREEDOM_RANGE = (-10_000, 10**9)
+"""Range of the degrees of freedom; they are negative where there are more parameters than values."""
+BLOCK_LEVELS = {"parameters": 1, "correlation": 1, "verdicts": 1, "notes": 1, "measurements": 2}
+"""Levels of block style in each section of a file; deeper levels are in flow style."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SavedParameter(Declared):
+    """Value of a parameter in the file of a fit."""
+
+    kind = article = "parameter"
+
+    value: float = entry(PlainNumber("value in SI"))
+    standard_error: float = entry(PlainNumber("standard error in SI"))
+    steps: tuple[tuple[float, ...], ...] = entry(Listed("errors by the steps of sensors", PlainNumbers("SI")), ())
+    unit: str = entry(Text("unit of the value"), "")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SavedCurves(Declared):
+    """Curves of test and fitted model for one measurement in the file of a fit."""
+
+    kind = article = "measurement"
+
+    name: str = entry(Text("name"))
+    unit: str = entry(Text("unit of the curves"))
+    misfit: float = entry(PlainNumber("RMS of the weighted residuals"))
+    has_phase: bool = entry(Flag("whether the test has a phase"), True)
+    frequencies: tuple[float, ...] = entry(PlainNumbers("frequencies in Hz"))
+    measured_real: tuple[float, ...] = entry(PlainNumbers("real part of the test, SI"))
+    measured_imag: tuple[float, ...] = entry(PlainNumbers("imaginary part of the test, SI"))
+    fitted_real: tuple[float, ...] = entry(PlainNumbers("real part of the model, SI"))
+    fitted_imag: tuple[float, ...] = entry(PlainNumbers("imaginary part of the model, SI"))
+    deviation: tuple[float, ...] = entry(PlainNumbers("standard deviation of each line, SI"))
+
+    COLUMNS = ("measured_real", "measured_imag", "fitted_real", "fitted_imag", "deviation")
+
+    def contradictions(self) -> list[Fault]:
+        n = len(self.frequencies)
+        lengths = {name: len(getattr(self, name)) for name in self.COLUMNS}
+        return [
+            Fault(f"{name} has {count} numbers for {n} frequencies", (name,))
+            for name, count in lengths.items()
+            if count != n
+        ]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SavedFit(Declared):
+    """Contents of the file of a fit, without the data and the model."""
+
+    kind = "result of a fit"
+    article = "the result of a fit"
+    head = (VERSION_KEY,)
+
+    title: str = entry(Text("title of tables"))
+    parameters: Mapping[str, SavedParameter] = entry(
+        Named("parameters by name", Nested("parameter", lambda: SavedParameter, "parameter"))
+    )
+    correlation: tuple[tuple[float, ...], ...] = entry(Listed("correlation of parameters", PlainNumbers("row")))
+    chi_squared: float = entry(PlainNumber("sum of the squares of the weighted residuals"))
+    degrees_of_freedom: int = entry(Count("values less parameters", *FREEDOM_RANGE))
+    verdicts: tuple[str, ...] = entry(Listed("verdicts", Text("verdict")))
+    notes: tuple[str, ...] = entry(Listed("notes", Text("note")))
+    measurements: tuple[SavedCurves, ...] = entry(
+        Listed("curves", Nested("measurement", lambda: SavedCurves, "measurement"))
+    )
+
+    def contradictions(self) -> list[Fault]:
+        n = len(self.parameters)
+        if len(self.correlation) == n and all(len(row) == n for row in self.correlation):
+            return []
+        return [Fault(f"the correlation of {n} parameters has {n} rows of {n} numbers", ("correlation",))]
 
 
 def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
     """YAML text of a fit with values, errors, correlation, verdicts and the curves of test and model."""
-    lines = [f"torsionnet_fit: {FIT_FORMAT_VERSION}", f"title: {scalar_text(fit.title)}", "parameters:"]
-    for name, value in fit.values.items():
-        unit = f", unit: {scalar_text(fit.units.get(name, ''))}"
-        error = fit.standard_errors[name]
-        steps = "".join(f", steps: {_rows(found)}" for found in [fit.steps.get(name)] if found)
-        lines.append(f"  {scalar_text(name)}: {{value: {value!r}, standard_error: {_number(error)}{steps}{unit}}}")
-    lines += ["correlation:", *(f"  - [{', '.join(map(_number, row))}]" for row in fit.correlation.tolist())]
-    lines += [f"chi_squared: {_number(fit.chi_squared)}", f"degrees_of_freedom: {fit.degrees_of_freedom}"]
-    for key, texts in (("verdicts", fit.verdicts), ("notes", fit.notes)):
-        lines += [f"{key}:" if texts else f"{key}: []", *(f"  - {scalar_text(text)}" for text in texts)]
-    lines.append("measurements:" if fit.comparisons else "measurements: []")
-    for one in fit.comparisons:
-        lines += [
-            f"  - name: {scalar_text(one.name)}",
-            f"    unit: {scalar_text(one.unit)}",
-            f"    misfit: {one.misfit!r}",
-        ]
-        lines += [] if one.has_phase else ["    has_phase: false"]
-        columns = {
-            "frequencies": one.frequencies,
-            "measured_real": one.measured.real,
-            "measured_imag": one.measured.imag,
-            "fitted_real": one.fitted.real,
-            "fitted_imag": one.fitted.imag,
-            "deviation": one.deviation,
-        }
-        lines += [f"    {key}: [{', '.join(map(_number, values.tolist()))}]" for key, values in columns.items()]
-    text = "\n".join(lines) + "\n"
+    saved = SavedFit(
+        title=fit.title,
+        parameters={
+            name: SavedParameter(
+                value=value,
+                standard_error=fit.standard_errors[name],
+                steps=fit.steps.get(name, ()),
+                unit=fit.units.get(name, ""),
+            )
+            for name, value in fit.values.items()
+        },
+        correlation=tuple(map(tuple, fit.correlation.tolist())),
+        chi_squared=fit.chi_squared,
+        degrees_of_freedom=fit.degrees_of_freedom,
+        verdicts=fit.verdicts,
+        notes=fit.notes,
+        measurements=tuple(map(_saved_curves, fit.comparisons)),
+    )
+    text = block_text({VERSION_KEY: FIT_FORMAT_VERSION, **saved.written_entries()}, BLOCK_LEVELS, lists=True)
     if path is not None:
         write_text(path, text)
     return text
 
 
-def _rows(tests: tuple[tuple[float, ...], ...]) -> str:
-    lists = [", ".join(map(_number, row)) for row in tests]
-    return f"[[{'], ['.join(lists)}]]"
-
-
-def _number(value: float) -> str:
-    return repr(float(value)) if math.isfinite(value) else ".inf" if value > 0 else ".nan"
+def _saved_curves(one: Compared) -> SavedCurves:
+    columns: dict[str, Any] = {
+        "frequencies": one.frequencies,
+        "measured_real": one.measured.real,
+        "measured_imag": one.measured.imag,
+        "fitted_real": one.fitted.real,
+        "fitted_imag": one.fitted.imag,
+        "deviation": one.deviation,
+    }
+    return SavedCurves(name=one.name, unit=one.unit, misfit=one.misfit, has_phase=one.has_phase, **columns)
 
 
 def read_fit(path: str | os.PathLike[str]) -> FitResult:
@@ -81,57 +158,46 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
         raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
     document = compose(text, str(file))
     data = document.data
-    if not isinstance(data, dict) or str(data.get("torsionnet_fit")) != str(FIT_FORMAT_VERSION):
+    if not isinstance(data, dict) or str(data.get(VERSION_KEY)) != str(FIT_FORMAT_VERSION):
         fault = Fault(
-            f"this is no result of a fit: it begins with torsionnet_fit: {FIT_FORMAT_VERSION}",
+            f"this is no result of a fit: it begins with {VERSION_KEY}: {FIT_FORMAT_VERSION}",
             position=document.position(),
         )
         raise ModelError([fault], file.name)
-    try:
-        return _fit(data)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        fault = Fault(f"the result of a fit is not complete: {error}", position=document.position())
-        raise ModelError([fault], file.name) from None
+    saved, faults = SavedFit.read(data)
+    if saved is None or document.faults:
+        raise ModelError(located_faults([*document.faults, *faults], document), file.name)
+    return _result(saved)
 
 
-def _fit(data: dict[str, Any]) -> FitResult:
-    parameters = data["parameters"]
+def _result(saved: SavedFit) -> FitResult:
+    parameters = saved.parameters.items()
     return FitResult(
-        values={name: _float(entry["value"]) for name, entry in parameters.items()},
-        standard_errors={name: _float(entry["standard_error"]) for name, entry in parameters.items()},
-        correlation=_array(data["correlation"]),
-        chi_squared=_float(data["chi_squared"]),
-        degrees_of_freedom=int(data["degrees_of_freedom"]),
-        comparisons=tuple(_compared(entry) for entry in data["measurements"]),
-        verdicts=tuple(map(str, data["verdicts"])),
-        notes=tuple(map(str, data["notes"])),
-        units={name: str(entry.get("unit") or "") for name, entry in parameters.items()},
-        title=str(data["title"]),
-        steps={
-            name: tuple(tuple(map(_float, row)) for row in entry["steps"])
-            for name, entry in parameters.items()
-            if "steps" in entry
-        },
+        values={name: one.value for name, one in parameters},
+        standard_errors={name: one.standard_error for name, one in parameters},
+        correlation=np.array(saved.correlation, dtype=float),
+        chi_squared=saved.chi_squared,
+        degrees_of_freedom=saved.degrees_of_freedom,
+        comparisons=tuple(map(_compared, saved.measurements)),
+        verdicts=saved.verdicts,
+        notes=saved.notes,
+        units={name: one.unit for name, one in parameters},
+        title=saved.title,
+        steps={name: one.steps for name, one in parameters if one.steps},
     )
 
 
-def _compared(entry: dict[str, Any]) -> Compared:
-    column = {key: _array(values) for key, values in entry.items() if isinstance(values, list)}
+def _compared(one: SavedCurves) -> Compared:
+    def both(real: tuple[float, ...], imaginary: tuple[float, ...]) -> ComplexArray:
+        return np.array(real, dtype=float) + 1j * np.array(imaginary, dtype=float)
+
     return Compared(
-        str(entry["name"]),
-        column["frequencies"],
-        column["measured_real"] + 1j * column["measured_imag"],
-        column["fitted_real"] + 1j * column["fitted_imag"],
-        column["deviation"],
-        _float(entry["misfit"]),
-        str(entry["unit"]),
-        bool(entry.get("has_phase", True)),
+        one.name,
+        np.array(one.frequencies, dtype=float),
+        both(one.measured_real, one.measured_imag),
+        both(one.fitted_real, one.fitted_imag),
+        np.array(one.deviation, dtype=float),
+        one.misfit,
+        one.unit,
+        one.has_phase,
     )
-
-
-def _float(value: Any) -> float:
-    return float(value.removeprefix(".")) if isinstance(value, str) else float(value)
-
-
-def _array(values: Any) -> Any:
-    return np.array([_array(value) if isinstance(value, list) else _float(value) for value in values])

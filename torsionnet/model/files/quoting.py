@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import yaml
@@ -17,11 +18,13 @@ _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 def scalar_text(value: Plain) -> str:
     """Scalar as a model file holds it: text in quotes wherever YAML 1.1 or 1.2 would make something else of it.
 
-    >>> [scalar_text(value) for value in ("motor", "0.46 kN*m/rad", "no", "3:1", "12", 1e-5, True)]
-    ['motor', '0.46 kN*m/rad', '"no"', '"3:1"', '"12"', '1.0e-05', 'true']
+    >>> [scalar_text(value) for value in ("motor", "0.46 kN*m/rad", "no", "3:1", "12", 1e-5, math.inf, True)]
+    ['motor', '0.46 kN*m/rad', '"no"', '"3:1"', '"12"', '1.0e-05', '.inf', 'true']
     """
     if value is None or isinstance(value, bool):
         return "null" if value is None else str(value).lower()
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
     if isinstance(value, float):
         mantissa, exponent, power = repr(value).partition("e")
         return f"{mantissa}{'' if '.' in mantissa or not exponent else '.0'}{exponent}{power}"

@@ -49,19 +49,45 @@ def flat_text(definition: Definition) -> str:
 
 
 def _text(data: Mapping[str, Any]) -> str:
+    return block_text(data, _BLOCK_LEVELS)
+
+
+def block_text(data: Mapping[str, Any], levels: Mapping[str, int], *, lists: bool = False) -> str:
+    """YAML text of plain data, with as many ``levels`` of block style as wanted by key and flow style below.
+
+    Lists are in flow style, unless ``lists`` are to be in block style as mappings are.
+
+    >>> print(block_text({"a": {"b": [1, 2]}, "c": [{"d": 3, "e": []}]}, {"a": 1, "c": 2}, lists=True), end="")
+    a:
+      b: [1, 2]
+    c:
+      - d: 3
+        e: []
+    """
     return "".join(
-        f"{line}\n" for key, value in data.items() for line in _lines(key, value, _BLOCK_LEVELS.get(key, 0), "")
+        f"{line}\n" for key, value in data.items() for line in _lines(key, value, levels.get(key, 0), "", lists)
     )
 
 
-def _lines(key: str, value: Any, levels: int, indent: str) -> Iterator[str]:
-    """Lines of an entry of a model file, with as many levels of block style as wanted, flow style below."""
-    if not levels or not isinstance(value, Mapping) or not value:
+def _lines(key: str, value: Any, levels: int, indent: str, lists: bool) -> Iterator[str]:
+    """Lines of an entry of a file, with as many levels of block style as wanted, flow style below."""
+    if not levels or not value or not isinstance(value, Mapping | list if lists else Mapping):
         yield f"{indent}{scalar_text(key)}: {_flow(value)}"
         return
     yield f"{indent}{scalar_text(key)}:"
-    for inner, entry in value.items():
-        yield from _lines(inner, entry, levels - 1, f"{indent}  ")
+    if isinstance(value, Mapping):
+        for inner, entry in value.items():
+            yield from _lines(inner, entry, levels - 1, f"{indent}  ", lists)
+        return
+    for item in value:
+        if levels > 1 and item and isinstance(item, Mapping):
+            sign = "- "
+            for inner, entry in item.items():
+                for line in _lines(inner, entry, levels - 2, "", lists):
+                    yield f"{indent}  {sign}{line}"
+                    sign = "  "
+        else:
+            yield f"{indent}  - {_flow(item)}"
 
 
 def _flow(value: Any) -> str:
