@@ -10,8 +10,8 @@ from test_cli import run
 import torsionnet as tn
 from torsionnet.report.document_tree import Strong, TableBlock, inlines
 from torsionnet.report.report import make_report
-from torsionnet.response.limit_check import LimitCheck
-from torsionnet.response.limit_conclusion import LimitConclusion
+from torsionnet.response.limits.limit_check import LimitCheck
+from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
 LOUD = "supply=rough,rig=n6"
 """The only one of fourteen configurations in which the limit does not hold; a report shows twelve."""

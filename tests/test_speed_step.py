@@ -14,8 +14,8 @@ from test_limits import hump, m68, stressed
 import torsionnet as tn
 from torsionnet.model.configurations import combinations
 from torsionnet.model.limits.m68_stress import usual_range
+from torsionnet.response.limits.speed_spans import joined_spans
 from torsionnet.response.speed_refinement import speeds_to_refine
-from torsionnet.response.speed_spans import joined_spans
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.order_torque import OrderTorque
 from torsionnet.study.quantities.utilisation import Utilisation

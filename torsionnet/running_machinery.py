@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from torsionnet.response.damper_optimum import DamperOptimum
     from torsionnet.response.dissipated_power import DissipatedPower
     from torsionnet.response.holzer_table import HolzerTable
-    from torsionnet.response.limit_check import LimitCheck
+    from torsionnet.response.limits.limit_check import LimitCheck
     from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse

@@ -23,7 +23,7 @@ OUTPUTS: dict[str, str] = {
     "holzer": "list[torsionnet.response.holzer_table:HolzerRecord]",
     "identify-modes": "torsionnet.modal.matching:IdentifiedModesRecord",
     "library": "list[torsionnet.cli.commands.library:LibraryRow]",
-    "limits": "list[torsionnet.response.limit_conclusion:LimitsRecord]",
+    "limits": "list[torsionnet.response.limits.limit_conclusion:LimitsRecord]",
     "margins": "list[torsionnet.response.loop_margins:MarginsRecord]",
     "modes": "list[torsionnet.response.modes:ModesRecord]",
     "orders": "list[torsionnet.response.order_comparison:OrdersRecord]",

@@ -14,7 +14,7 @@ from torsionnet.core.units import RPM
 from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
-from torsionnet.response.limit_check import LimitCheck, LimitVerdict
+from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 
 MOST_LINES = 4
 """Orders drawn in a panel, the largest; more would not fit beside it in the legend."""

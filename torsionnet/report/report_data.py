@@ -22,7 +22,7 @@ from torsionnet.solve.responses.grid import Adaptive, vibration_range
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.response.limit_conclusion import LimitConclusion
+    from torsionnet.response.limits.limit_conclusion import LimitConclusion
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -181,7 +181,7 @@ class ReportData:
         """Verdicts on the limits in all configurations; None where the model has no limits."""
         if not self.has_excitations or not self.model.definition.limits:
             return None
-        from torsionnet.response.limit_conclusion import LimitConclusion
+        from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
         return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases))
 

@@ -13,7 +13,7 @@ from torsionnet.cli.options import ANGLE
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions
-    from torsionnet.response.limit_conclusion import LimitConclusion
+    from torsionnet.response.limits.limit_conclusion import LimitConclusion
     from torsionnet.response.table import Table
 
 LIMIT_FAILS, NOT_ALL_JUDGED = 5, 6
@@ -45,7 +45,7 @@ class LimitsCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
-        from torsionnet.response.limit_conclusion import LimitConclusion
+        from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
@@ -66,7 +66,7 @@ class LimitsCommand(ModelCommand):
         self, cases: list[ConfiguredCase], overall: LimitConclusion, conventions: Conventions
     ) -> Iterator[Table | str]:
         from torsionnet.model.excitations.engine_phases import conditions_running_alone
-        from torsionnet.response.limit_check import PASS
+        from torsionnet.response.limits.limit_check import PASS
 
         table = self.combined_table(cases, [one.table(conventions) for one in overall.checks])
         yield replace(table, title=f"{cases[0].drivetrain.name}: limits", notes=())
@@ -85,7 +85,7 @@ class LimitsCommand(ModelCommand):
 
 
 def _exit_code(verdict: str) -> int:
-    from torsionnet.response.limit_check import FAIL, INCOMPLETE, OPEN
+    from torsionnet.response.limits.limit_check import FAIL, INCOMPLETE, OPEN
 
     return LIMIT_FAILS if verdict == FAIL else NOT_ALL_JUDGED if verdict in (INCOMPLETE, OPEN) else 0
 

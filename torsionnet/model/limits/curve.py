@@ -25,7 +25,7 @@ from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import TOLERANCE, Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.limits.limit_check import LimitVerdict, RuleText
 from torsionnet.response.order_sums import lines_of_one_frequency
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",

@@ -12,9 +12,9 @@ from torsionnet.model.elements import GROUND, Element, Values
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import mean_power, power_flows
 from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.limits.speed_spans import SpeedSpan
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import summed_sizes
-from torsionnet.response.speed_spans import SpeedSpan
 from torsionnet.response.worst_response import WorstResponse
 
 

@@ -16,7 +16,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.shaft_limit import ShaftLimit
-from torsionnet.response.limit_check import RuleText
+from torsionnet.response.limits.limit_check import RuleText
 
 
 @register_rule

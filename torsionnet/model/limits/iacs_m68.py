@@ -39,9 +39,9 @@ from torsionnet.model.limits.m68_stress import (
 from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
+from torsionnet.response.limits.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 from torsionnet.response.speed_refinement import vertex_speed
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 
 
 @register_rule

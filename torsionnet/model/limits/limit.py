@@ -17,8 +17,8 @@ from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, utilisation_of
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
+from torsionnet.response.limits.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, utilisation_of
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
 _RULES: dict[str, type[Limit]] = {}

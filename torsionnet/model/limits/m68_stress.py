@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.speed_spans import SpeedSpan
+from torsionnet.response.limits.speed_spans import SpeedSpan
 
 FEATURES: dict[str, dict[str, float]] = {
     "intermediate": {

@@ -16,7 +16,7 @@ from torsionnet.model.limits.element_limit import constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.response.limit_check import RuleText
+from torsionnet.response.limits.limit_check import RuleText
 
 
 @register_rule

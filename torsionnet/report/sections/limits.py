@@ -24,8 +24,8 @@ from torsionnet.report.report_engines import engine_remarks
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
-from torsionnet.response.limit_check import PASS, LimitCheck, LimitVerdict, gravest
-from torsionnet.response.limit_conclusion import LimitConclusion
+from torsionnet.response.limits.limit_check import PASS, LimitCheck, LimitVerdict, gravest
+from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
 MOST_DRAWN = 8
 """Limits drawn over speed, each in its worst condition."""

@@ -26,10 +26,10 @@ from torsionnet.model.limits.limit import LimitLine, merged_line
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import LimitCheck, listed_names
+from torsionnet.response.limits.limit_check import LimitCheck, listed_names
+from torsionnet.response.limits.speed_spans import spans_above
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
-from torsionnet.response.speed_spans import spans_above
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.mean_response import mean_response
 from torsionnet.solve.running.order_response import order_response

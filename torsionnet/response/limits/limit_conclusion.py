@@ -9,7 +9,7 @@ from typing import Annotated
 from torsionnet.core.errors import UsageError
 from torsionnet.core.result_rows import Out
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import (
+from torsionnet.response.limits.limit_check import (
     FAIL,
     INCOMPLETE,
     OPEN,
@@ -21,7 +21,7 @@ from torsionnet.response.limit_check import (
     listed_names,
     unexamined_sentence,
 )
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, rpm_spans
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.equal_remarks import grouped_remarks
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.speed_spans import SpeedSpan, joined_spans, rpm_spans
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, rpm_spans
 from torsionnet.response.table import Column, Table, result_table
 
 PASS, BARRED, INCOMPLETE, OPEN, FAIL = "pass", "barred range", "incomplete", "not judged", "fail"
