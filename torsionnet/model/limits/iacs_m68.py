@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -39,8 +39,14 @@ from torsionnet.model.limits.m68_stress import (
 from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limits.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
-from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
+from torsionnet.response.limits.limit_check import FAIL, PASS, LimitVerdict, RuleText
+from torsionnet.response.limits.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    range_end_remarks,
+    restriction_words,
+    spans_above,
+)
 from torsionnet.response.speed_refinement import vertex_speed
 
 
@@ -253,14 +259,19 @@ class IacsM68(ShaftLimit):
         beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
         if beyond and not evidence.subject.misfiring:
             remarks.insert(0, f"tau_C is exceeded above lambda = 0.8, where no range may be barred: {beyond[0]}")
-            return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
+            below = tuple(span for span in barred if span not in beyond)
+            return self._verdict(line, name, evidence, FAIL, below, tuple(remarks))
         if evidence.subject.misfiring and self.safe_speed is None:
             remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
-        lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
+        lost = [span for span in barred if span.holds_any([self.safe_speed])]
         if evidence.subject.misfiring and lost:
             remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
             return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
-        return self._verdict(line, name, evidence, BARRED, barred, tuple(remarks))
+        found = self._restricted(line, name, evidence, barred, [rated, top], tuple(remarks))
+        if self.safe_speed is None or found.highest is None or self.safe_speed <= found.highest:
+            return found
+        above = f"safe_speed is above the highest speed permitted: {restriction_words((), found.highest)}"
+        return replace(found, verdict=FAIL, remarks=(above, *found.remarks))
 
     def _on_barred(self) -> Iterator[str]:
         if self.feature.endswith("keyway"):

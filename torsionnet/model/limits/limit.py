@@ -17,7 +17,16 @@ from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limits.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText, utilisation_of
+from torsionnet.response.limits.limit_check import (
+    BARRED,
+    FAIL,
+    OPEN,
+    PASS,
+    REDUCED,
+    LimitVerdict,
+    RuleText,
+    utilisation_of,
+)
 from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
@@ -152,16 +161,30 @@ class Limit(Declared):
         """
         above = spans_above(evidence.speeds, line.values, line.allowed)
         wide = [span.widened(self.tolerance).within(evidence.examined) for span in above]
-        kept = {evidence.subject.rated, float(evidence.speeds[-1])} - {None}
-        lost = [span for span, barred in zip(above, wide, strict=True)
-                if any(barred.holds(speed) for speed in kept if speed is not None)]  # fmt: skip
+        kept = [evidence.subject.rated, float(evidence.speeds[-1])]
+        lost = [span for span, barred in zip(above, wide, strict=True) if barred.holds_any(kept)]
         if lost and not evidence.subject.misfiring:
             return self._verdict(line, name, evidence, FAIL, (), (f"exceeded from {lost[0]}: no range to be barred",))
         barred = joined_spans(wide)
-        if barred == (evidence.examined,):
-            return self._verdict(line, name, evidence, FAIL, (), ("exceeded at all speeds",))
         ends = [remark for span in barred for remark in range_end_remarks(span, evidence.examined, *NOT_EXAMINED)]
-        return self._verdict(line, name, evidence, BARRED if above else PASS, barred, tuple(ends))
+        return self._restricted(line, name, evidence, barred, kept, tuple(ends))
+
+    def _restricted(
+        self,
+        line: LimitLine,
+        name: str,
+        evidence: Evidence,
+        barred: tuple[SpeedSpan, ...],
+        kept: Sequence[float | None],
+        remarks: tuple[str, ...],
+    ) -> LimitVerdict:
+        """Verdict with speeds to be barred; where a cylinder is out, with a highest speed if a speed kept is barred."""
+        highest = min((span.low for span in barred if span.holds_any(kept)), default=None)
+        if highest is None or not evidence.subject.misfiring:
+            return self._verdict(line, name, evidence, BARRED if barred else PASS, barred, remarks)
+        if highest <= evidence.examined.low * (1 + 1e-9):
+            return self._verdict(line, name, evidence, FAIL, (), ("exceeded at all speeds",))
+        return replace(self._verdict(line, name, evidence, REDUCED, barred, remarks), highest=highest)
 
     def _verdict(
         self,
@@ -176,7 +199,7 @@ class Limit(Declared):
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
-            remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
+            tolerance=self.tolerance, remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
             orders=line.orders,
         )  # fmt: skip
 

@@ -87,7 +87,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         [unit(subject.conventions.unit(one.unit)) for _, one in found],
         [NumberText(row[3], 3) for row in worst],
         [one.verdict for _, one in found],
-        [", ".join(map(str, one.barred)) for _, one in found],
+        [one.restrictions for _, one in found],
     ]
     of = dict.fromkeys(one.of for _, one in found)
     many = f"The {len(checks)} of {len(judged.checks)} configurations in which it is used most."

@@ -17,14 +17,18 @@ from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.equal_remarks import grouped_remarks
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, rpm_spans
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, restriction_words, rpm_spans, span_words
 from torsionnet.response.table import Column, Table, result_table
 
-PASS, BARRED, INCOMPLETE, OPEN, FAIL = "pass", "barred range", "incomplete", "not judged", "fail"
-"""Verdicts from best to gravest, the limit holds at every speed; outside of barred speeds; at all that was examined;
-data are missing; it does not hold."""
+PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
+    "pass", "barred range", "reduced speed", "incomplete", "not judged", "fail",
+)  # fmt: skip
+"""Verdicts from best to gravest, the limit holds at every speed; outside of barred speeds; with a cylinder out up to a
+lower speed than rated; at all that was examined; data are missing; it does not hold."""
+GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
+"""All verdicts, from best to gravest."""
 
-VERDICT: Schema = {"enum": [PASS, BARRED, INCOMPLETE, OPEN, FAIL]}
+VERDICT: Schema = {"enum": [*GRAVITY]}
 """JSON Schema of a verdict."""
 MOST_NAMES = 6
 """Most configurations that a sentence names; of more, the first are named."""
@@ -38,7 +42,7 @@ def gravest(verdicts: Iterable[str]) -> str:
     >>> gravest(["pass", "incomplete", "barred range"])
     'incomplete'
     """
-    return max(verdicts, key=(PASS, BARRED, INCOMPLETE, OPEN, FAIL).index, default=PASS)
+    return max(verdicts, key=GRAVITY.index, default=PASS)
 
 
 def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
@@ -96,10 +100,14 @@ class LimitVerdict:
         SI unit.
     values, allowed : (n_speeds,) arrays
         ``allowed`` is NaN at speeds that the rule does not cover; both are empty if the limit could not be judged.
-    verdict : {"pass", "barred range", "fail", "not judged"}
+    verdict : {"pass", "barred range", "reduced speed", "fail", "not judged"}
     text : RuleText
     barred : tuple of SpeedSpan
         Speeds to be barred so that the limit holds at all others.
+    highest : float, optional
+        Highest speed permitted in rad/s, where a cylinder is out and the rated or the highest speed would be barred.
+    tolerance : float
+        Relative error of the tachometer that is in ``barred``.
     remarks : tuple of str
     orders : (n_speeds, n_lines) array, optional
         Amplitudes of the orders behind ``values``.
@@ -117,9 +125,21 @@ class LimitVerdict:
     verdict: str
     text: RuleText
     barred: tuple[SpeedSpan, ...] = ()
+    highest: float | None = None
+    tolerance: float = 0.0
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
     absent: bool = False
+
+    @property
+    def passed(self) -> tuple[SpeedSpan, ...]:
+        """Barred speeds below the highest speed permitted, which are passed without stopping."""
+        return tuple(span for span in self.barred if self.highest is None or span.low < self.highest)
+
+    @property
+    def restrictions(self) -> str:
+        """Speeds that are not permitted, in words; empty if there are none."""
+        return restriction_words(self.passed, self.highest)
 
     @property
     def utilisation(self) -> FloatArray:
@@ -148,6 +168,7 @@ class LimitRow:
     allowed: float | None
     utilisation: float | None
     barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    highest_rpm: float | None
     values: FloatArray
     allowed_over_speed: FloatArray
     source: str
@@ -218,7 +239,7 @@ class LimitCheck(NotebookResult):
     def verdict(self) -> str:
         """Gravest of all verdicts on this configuration.
 
-        "incomplete" instead of "pass" and "barred range" if no configuration was chosen although there are some.
+        "incomplete" instead of "pass", "barred range" and "reduced speed" if no configuration was chosen although there are some.
         """
         found = [one.verdict for one in self.verdicts]
         return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
@@ -227,6 +248,16 @@ class LimitCheck(NotebookResult):
     def barred(self) -> tuple[SpeedSpan, ...]:
         """Speeds to be barred by any limit, joined where they overlap."""
         return joined_spans([span for one in self.verdicts for span in one.barred])
+
+    @property
+    def highest(self) -> float | None:
+        """Highest speed in rad/s that all limits permit where a cylinder is out; None where any speed may be run."""
+        return min((one.highest for one in self.verdicts if one.highest is not None), default=None)
+
+    @property
+    def passed(self) -> tuple[SpeedSpan, ...]:
+        """Barred speeds below the highest speed permitted, which are passed without stopping."""
+        return tuple(span for span in self.barred if self.highest is None or span.low < self.highest)
 
     @property
     def conclusion(self) -> str:
@@ -239,12 +270,14 @@ class LimitCheck(NotebookResult):
         """Conclusion from all verdicts on this configuration in a sentence, with ``where`` as its name in the text."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
         unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
-        barred = ", ".join(map(str, self.barred))
         parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold{where}"] if failed else []
-        if any(one.verdict == BARRED for one in self.verdicts) and not failed:
-            parts.append(f"limits hold{where} with {barred} of {self.reference} barred")
-        elif barred:
-            parts.append(f"to be barred: {barred} of {self.reference}")
+        shaft = f" of {self.reference}"
+        if self.highest is not None:
+            parts.append(f"with a cylinder out{where}: {restriction_words(self.passed, self.highest, shaft)}")
+        elif self.barred and not failed:
+            parts.append(f"limits hold{where} with {span_words(self.barred)}{shaft} barred")
+        elif self.barred:
+            parts.append(f"to be barred: {span_words(self.barred)}{shaft}")
         parts += [f"{', '.join(unjudged)} not judged{'' if parts else where}"] if unjudged else []
         examined = f"{self.rpm[0]:g} to {self.rpm[-1]:g} rpm of {self.reference}"
         return "; ".join(parts) or f"{self._those} hold{where} at the speeds examined, {examined}"
@@ -300,7 +333,7 @@ class LimitCheck(NotebookResult):
         return found
 
     def _row(self, one: LimitVerdict, conventions: Conventions) -> tuple[object, ...]:
-        barred = ", ".join(map(str, one.barred)) or None
+        barred = one.restrictions or None
         at = one.worst
         if at is None:
             return (one.limit, one.of, one.criterion, None, None, None, None, None, one.verdict, barred)
@@ -326,6 +359,7 @@ class LimitCheck(NotebookResult):
         text = (one.text.source, one.text.formula, one.text.not_covered, one.remarks)
         about = (one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict)
         if at is None:
-            return LimitRow(*about, None, None, None, None, spans, one.values, one.allowed, *text)
+            return LimitRow(*about, None, None, None, None, spans, None, one.values, one.allowed, *text)
         worst = (float(self.rpm[at]), float(one.values[at]), float(one.allowed[at]), float(one.utilisation[at]))
-        return LimitRow(*about, *worst, spans, one.values, one.allowed, *text)
+        highest = None if one.highest is None else one.highest * RPM
+        return LimitRow(*about, *worst, spans, highest, one.values, one.allowed, *text)

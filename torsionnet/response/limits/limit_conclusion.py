@@ -13,6 +13,7 @@ from torsionnet.response.limits.limit_check import (
     FAIL,
     INCOMPLETE,
     OPEN,
+    PASS,
     VERDICT,
     LimitCheck,
     LimitRow,
@@ -21,7 +22,13 @@ from torsionnet.response.limits.limit_check import (
     listed_names,
     unexamined_sentence,
 )
-from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, rpm_spans
+from torsionnet.response.limits.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    restriction_words,
+    rpm_spans,
+    span_words,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +112,7 @@ class LimitConclusion:
 
     @property
     def verdict(self) -> str:
-        """Gravest of all verdicts; "incomplete" instead of "pass" or "barred range" if not all was examined."""
+        """Gravest of all verdicts; "incomplete" instead of one that permits operation if not all was examined."""
         found = [one.verdict for _, one in self._verdicts()]
         return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
 
@@ -131,14 +138,12 @@ class LimitConclusion:
             yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
 
     def _found(self) -> list[str]:
-        failed, unjudged, barred = self._of(FAIL), self._of(OPEN), self._barred()
+        failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
         parts = [f"{name} does not hold{where}" for name, where in failed.items()]
-        if not barred:
-            parts += [] if failed or unjudged else [self._all_hold()]
-        elif failed:
-            parts.append(f"beside that, {barred}")
-        else:
-            parts.append(f"limits hold with {barred}")
+        if restricted:
+            parts.append(f"beside that, {restricted}" if failed else restricted)
+        elif not failed and not unjudged:
+            parts.append(self._all_hold())
         return [*parts, *(f"{name} not judged{where}" for name, where in unjudged.items())]
 
     def _all_hold(self) -> str:
@@ -159,11 +164,24 @@ class LimitConclusion:
                 found.setdefault(one.limit, []).append(check.configuration)
         return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
 
-    def _barred(self) -> str:
-        if not self.barred:
-            return ""
-        where = self._where([one.configuration for one in self.checks if one.barred])
-        return f"{', '.join(map(str, self.barred))} of {self._shaft} barred{where.replace(' in ', ' for ', 1)}"
+    def _restrictions(self) -> str:
+        """Speeds that are barred, and the highest speed where a cylinder is out, in words; empty if there are none."""
+        barred = [one for one in self.checks if one.passed]
+        reduced = [one for one in self.checks if one.highest is not None]
+        failed = any(one.verdict == FAIL for _, one in self._verdicts())
+        parts = []
+        if barred:
+            spans = span_words(joined_spans([span for one in barred for span in one.passed]))
+            where = self._where([one.configuration for one in barred])
+            lead = "" if failed else "limits hold with "
+            parts.append(f"{lead}{spans} of {self._shaft} barred{where.replace(' in ', ' for ', 1)}")
+        if reduced:
+            calm = [one.configuration for one in self.checks if one.verdict == PASS]
+            parts += [f"limits hold{self._where(calm)}"] if calm and not barred and not failed else []
+            highest = min(one.highest for one in reduced if one.highest is not None)
+            where = self._where([one.configuration for one in reduced])
+            parts.append(f"with a cylinder out{where}: {restriction_words((), highest, f' of {self._shaft}')}")
+        return "; ".join(parts)
 
     def _where(self, names: Sequence[str]) -> str:
         named = [name for name in names if name]

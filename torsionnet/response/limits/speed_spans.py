@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,6 +30,10 @@ class SpeedSpan:
     def holds(self, speed: float) -> bool:
         """Whether a speed in rad/s lies in the range."""
         return self.low <= speed <= self.high
+
+    def holds_any(self, speeds: Iterable[float | None]) -> bool:
+        """Whether one of some speeds in rad/s lies in the range."""
+        return any(speed is not None and self.holds(speed) for speed in speeds)
 
     def widened(self, tolerance: float) -> SpeedSpan:
         """Range widened on both sides by a share of the speeds."""
@@ -110,3 +115,24 @@ def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -
 def rpm_spans(spans: Iterable[SpeedSpan]) -> tuple[tuple[float, float], ...]:
     """Lowest and highest speed of every span, rpm."""
     return tuple((span.low * RPM, span.high * RPM) for span in spans)
+
+
+def span_words(spans: Iterable[SpeedSpan]) -> str:
+    """Text of speed ranges, joined by commas."""
+    return ", ".join(map(str, spans))
+
+
+def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft: str = "") -> str:
+    """Text of speeds to be passed and of the highest speed permitted, rounded down to 1 rpm; empty for neither.
+
+    Examples
+    --------
+    >>> restriction_words([SpeedSpan(4.0, 4.5)], 10.25, " of crank")
+    'at most 97 rpm of crank, 38.2 to 43.0 rpm barred'
+    >>> restriction_words([SpeedSpan(4.0, 4.5)], None)
+    '38.2 to 43.0 rpm'
+    """
+    words = span_words(passed)
+    if highest is None:
+        return words + (shaft if words else "")
+    return f"at most {math.floor(highest * RPM * (1 + 1e-12))} rpm{shaft}" + (f", {words} barred" if words else "")
