@@ -24,7 +24,7 @@ class AssembledModel(Model):
 
     @cached_property
     def assembly(self) -> Assembly:
-        """Assembly of the drivetrain: coordinates, rows and coefficients in numbers."""
+        """Coordinates, rows and coefficients of the drivetrain in numbers, assembled when first used."""
         from torsionnet.assembly.system import assemble  # numpy, which checking a file does without
 
         found = assemble(self.definition, self.exact_values, like=self._shared.latest)

@@ -30,7 +30,7 @@ from torsionnet.response import Channel
 
 @dataclass(frozen=True)
 class Term:
-    """Term of a reading: factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
+    """Term of a reading, factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
 
     ``columns`` is the row over the ``n_coordinates`` coordinates and, after them, imposed angles: the floats of
     ``exact``.
@@ -45,7 +45,7 @@ class Term:
 
     @property
     def row(self) -> FloatArray:
-        """Row of the term over the coordinates as an array (n_q,): not for large systems."""
+        """Coefficients of the coordinates in the angle of the term, an array (n_q,): not for large systems."""
         row = np.zeros(self.n_coordinates)
         for column, coefficient in self.columns.items():
             if column < self.n_coordinates:
@@ -55,7 +55,7 @@ class Term:
 
 @dataclass(frozen=True)
 class Functional:
-    """Linear functional of a reading: terms of motion, and factors on the torques applied to nodes.
+    """Reading of a sensor as a linear expression of the motion and of the torques applied to nodes.
 
     ``sensor`` is None for an excitation in the place of a measured input; ``applied`` is empty unless the torque of a
     rigid connection is read. ``actions`` are the factors of the torques of actions that belong to the element read;
@@ -93,7 +93,7 @@ def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fra
 
 
 def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Functional:
-    """Functional of a sensor: the reading as terms of motion and of applied torques.
+    """Reading of a sensor as a linear expression of the motion and of applied torques.
 
     Raises
     ------

@@ -67,7 +67,7 @@ class LawStiffness:
         return np.asarray(self.only([law]).by_law[0])
 
     def only(self, laws: Sequence[int]) -> LawStiffness:
-        """Dynamic stiffness of the selected laws alone, in the order given."""
+        """Dynamic stiffness in N m/rad of the selected laws alone, in the order given."""
         places = {law: place for place, law in enumerate(laws)}
         sampled = tuple((places[law], values) for law, values in self.sampled if law in places)
         parts = self.inertia[:, laws], self.damping[:, laws], self.stiffness[:, laws]
@@ -121,7 +121,7 @@ class LawStiffness:
         return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
 
     def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
-        """Dynamic stiffness of sums of laws, one sum for each of ``sources``: (law, factor), ..."""
+        """Dynamic stiffness in N m/rad of sums of laws, one for each of ``sources``: (law, factor), ..."""
         shape = (len(self.stiffness), len(sources))
         J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         places: dict[int, list[tuple[int, float]]] = {}
@@ -142,7 +142,10 @@ class LawStiffness:
 
     @cached_property
     def _columns(self) -> list[tuple[Any, Any, Any]]:
-        """J, c and k of every law: numbers for one variant, else (n_variants, 1) arrays; None where there is none."""
+        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, None where there is none.
+
+        They are numbers for one variant, else (n_variants, 1) arrays.
+        """
         parts = self.inertia, self.damping, self.stiffness
         shaped: list[Any] = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
         acting = [np.any(part, axis=0) for part in parts]
@@ -207,7 +210,9 @@ class LawStiffness:
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness of all laws for variants of one system, at omega in rad/s, (n_f,) or (n_variants, n_f).
+    """Dynamic stiffness in N m/rad of every law of variants of a drivetrain at omega (rad/s).
+
+    ``omega`` is (n_f,), or (n_variants, n_f) where every variant has frequencies of its own.
 
     Examples
     --------

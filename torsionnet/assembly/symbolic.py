@@ -54,7 +54,7 @@ class SymbolicAction:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicMatrices:
-    """M, C, K over the kept coordinates: (M s^2 + C s + K + j H) q + kappa(omega) terms = B u.
+    """Matrices of the equations of motion (M s^2 + C s + K + j H) q + kappa(omega) terms = B u in symbols.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ def _action(owner: str, action: Action, ratios: _Ratios, coordinates: Sequence[s
 
 
 class _Ratios:
-    """Kinematics solved on twins of value and symbol, with the pivots that the exact values choose."""
+    """Kinematics of a drivetrain solved in symbols, with the pivots that the exact values choose."""
 
     def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
         self.kinematics = kinematics_on(values, plain, definition, names)
@@ -239,12 +239,15 @@ def stiffness_symbol(owner: str, table: DynamicStiffness) -> Any:
 
 
 def with_symbols(table: DynamicStiffness) -> DynamicStiffness:
-    """Copy of a frequency-dependent stiffness whose coefficients, twins, are replaced by their sympy expressions."""
+    """Copy of a frequency-dependent stiffness with sympy expressions for the values of its coefficients."""
     return table.with_coefficients(*(twin(one).symbol for one in table.coefficients))
 
 
 class _Sum:
-    """Symmetric matrix summed up law by law, each entry collected by the ratio its terms are reflected with."""
+    """Symmetric matrix of inertias, dampings or stiffnesses in symbols, summed up law by law.
+
+    Each entry is collected by the ratio that its terms are reflected with.
+    """
 
     def __init__(self, coordinates: Sequence[str]) -> None:
         self.index = {name: number for number, name in enumerate(coordinates)}

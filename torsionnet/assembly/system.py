@@ -62,7 +62,7 @@ class Assembly:
 
     @property
     def imposed_rows(self) -> FloatArray:
-        """The part of gamma that follows imposed angles as an array (n_laws, n_x)."""
+        """Part of each law's angle gamma that follows the imposed angles, an array (n_laws, n_x)."""
         return self.imposed_law_rows.dense
 
     @cached_property
@@ -86,7 +86,7 @@ class Assembly:
 
     @cached_property
     def law_columns(self) -> tuple[dict[int, float], ...]:
-        """Coefficients of every law by column number: coordinates first, then imposed angles."""
+        """Coefficients of every law's angle gamma by column number: coordinates first, then imposed angles."""
         n = self.system.n_coordinates
         pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
         return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)
@@ -140,7 +140,7 @@ def assemble(
 
 
 def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
-    """Whether two kinematics have one reduction of constraints, and laws on equal rows in equal order."""
+    """Whether two kinematics share the solution of their constraints, and have laws on equal rows in equal order."""
     if kinematics.reduction is not like.reduction:
         return False
     ours, theirs = ([(owner, law.row, law.acts) for owner, law in side.laws] for side in (kinematics, like))
@@ -150,7 +150,7 @@ def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
 def _coefficients(
     laws: Sequence[tuple[str, Law]],
 ) -> tuple[FloatArray, FloatArray, FloatArray, tuple[tuple[int, DynamicStiffness], ...]]:
-    """J, c, k and the frequency-dependent stiffness of every law."""
+    """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each (n_laws,), and frequency-dependent stiffnesses."""
     return (
         np.array([float(law.inertia) for _, law in laws]),
         np.array([float(law.damping) for _, law in laws]),

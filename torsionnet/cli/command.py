@@ -69,7 +69,7 @@ class Command(Arguments):
     forms: ClassVar[tuple[str, ...]] = ()
     """Names of the options of :class:`Output` that the command has."""
     picture: ClassVar[str] = ""
-    """Words for the help of ``--plot``; empty: the command draws nothing."""
+    """Words of the help of ``--plot`` on what it draws; empty: the command draws nothing."""
 
     output: Output
 

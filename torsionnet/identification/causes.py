@@ -61,7 +61,7 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
 
 
 def _values(rig: AssembledModel) -> Iterator[Cause]:
-    """Parameters and plain numbers that stand for an inertia, a stiffness, a damping or a ratio."""
+    """Causes of a misfit by a wrong inertia, stiffness, damping or ratio, a parameter or a plain number."""
     definition, seen = rig.definition, set()
     for element in definition.active:
         for field, (spec, value) in element.scalars().items():
@@ -84,14 +84,14 @@ def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
 
 
 def _ratios(rig: AssembledModel) -> Iterator[Cause]:
-    """Causes that free the ratio of gears given by teeth."""
+    """Causes of a misfit by a wrong ratio of a gear whose ratio is given by teeth."""
     for element in rig.definition.active:
         if isinstance(element, Gear) and element.teeth is not None:
             yield Cause("ratio", f"{element.name}.ratio", element.name)
 
 
 def _dampings(rig: AssembledModel) -> Iterator[Cause]:
-    """Causes that exchange viscous and hysteretic damping of springs."""
+    """Causes of a misfit by springs whose damping is hysteretic where the model has it viscous, or the reverse."""
     for element in rig.definition.active:
         if isinstance(element, Spring | HystereticSpring):
             if _loss(element, rig):

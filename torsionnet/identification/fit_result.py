@@ -81,7 +81,10 @@ class FitResult(NotebookResult):
         return found
 
     def configured(self, model: Drivetrain) -> Drivetrain:
-        """Copy of the model with the shared parameters fitted; those per configuration are in ``values`` only."""
+        """Copy of the model with the fitted values of the parameters that all configurations share.
+
+        Values fitted per configuration are in ``values`` only.
+        """
         shared = {name: value for name, value in self.values.items() if name in model.parameter_definitions}
         return model.configured(**shared)
 

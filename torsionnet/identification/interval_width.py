@@ -16,9 +16,9 @@ from scipy.optimize import brentq
 from torsionnet.assembly.rows import FloatArray
 
 POSITION_COMBINATIONS = 1024
-"""Combinations of rest positions of several tests that the distribution is averaged over."""
+"""Number of combinations of rest positions of several tests over which errors are averaged."""
 NEGLIGIBLE_VARIANCE_SHARE = 1e-3
-"""Share of the variance below which step errors count as noise, and below which noise is not reduced."""
+"""Share of a value's variance up to which errors by sensor steps count as noise; noise keeps at least this share."""
 
 
 def interval_half_width(level: float, error: float, steps: Sequence[Sequence[float]], freedom: float) -> float:
@@ -56,7 +56,10 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
 
 
 def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
-    """Sums of step errors over the tests, for rest positions that fill a cube evenly (generalised golden ratio)."""
+    """Errors of a value by sensor steps, summed over the tests, for POSITION_COMBINATIONS sets of rest positions.
+
+    The sets fill a cube evenly (generalised golden ratio).
+    """
     ratio = float(brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
     places = (np.arange(POSITION_COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
     return np.asarray(

@@ -139,7 +139,7 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
 
 
 def _covariance(block: MeasurementBlock, noise: Noise, values: FloatArray) -> FloatArray:
-    """Covariance of the weighted residuals by the measured noise and by systematic errors of the estimate."""
+    """Covariance (count, count) of a measurement's weighted residuals by its noise and systematic errors."""
     size = np.sqrt(np.tile(noise.ratio, block.parts))
     return np.asarray(block.known_correlation * np.outer(size, size) + block.systematic_covariance(values))
 

@@ -70,7 +70,7 @@ def write_mass_elastic(drivetrain: Drivetrain, path: str | os.PathLike[str], *, 
 
 
 def _laid_out(graph: MassElasticGraph) -> tuple[list[str], dict[str, Connection], list[Connection]]:
-    """Nodes in the order of the rows, the connection in each row, and those that are left over.
+    """Nodes in the order of a sheet's rows, the connection written in each row, and connections left over.
 
     Along the main line a row has the shaft to the next one; in a branch, the one back to where it comes from.
     """

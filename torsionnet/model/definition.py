@@ -1,4 +1,4 @@
-"""Definition of a model: typed content of a model file, before its sections are checked against each other."""
+"""Typed content of a model file, a model's definition, before its sections are checked against each other."""
 
 from __future__ import annotations
 
@@ -128,7 +128,10 @@ class Definition(Declared):
         )
 
     def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
-        """Changed sections by key for changes as ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW``."""
+        """Sections of the definition, by key, with the entries of ``changes`` put in.
+
+        Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW``.
+        """
         found: dict[str, Any] = {EXCITATIONS: dict(self.excitations), ELEMENTS: dict(elements), LOAD: self.load}
         # All entries of one section at once: each alone may contradict what the others change.
         for (table, name), fields in by_section(self, changes).items():
@@ -172,9 +175,9 @@ def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | 
 
 
 def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
-    """Changes as ``engine.misfire: [3]``, grouped as entries by table and name of their section.
+    """Changes of entries of elements, excitations and the load, grouped by table and name of their section.
 
-    Changes of unknown sections are left out.
+    They are written as ``engine.misfire: [3]``. Changes of unknown sections are left out.
     """
     found: dict[tuple[str, str], dict[str, Any]] = {}
     for key, value in changes.items():

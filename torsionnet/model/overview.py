@@ -37,7 +37,7 @@ Written: TypeAlias = tuple[str | float, ...]
 
 
 def tables(rig: Model) -> tuple[Table, ...]:
-    """Tables of a model; sections that the model does not use have tables without rows."""
+    """Tables of elements, parameters, channels, configurations and speeds of a model; unused ones have no rows."""
     return (
         elements_table(rig),
         parameters_table(rig),
@@ -78,7 +78,7 @@ def without_empty_columns(table: Table) -> Table:
 
 
 def _listed(values: Iterable[Written]) -> Written:
-    """Text of several texts, joined by semicolons."""
+    """Several texts as one text, joined by semicolons."""
     parts = [part for value in values for part in ("; ", *value)]
     return tuple(parts[1:])
 

@@ -161,7 +161,7 @@ def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -
 
 
 def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
-    """Faults but for unknown names of quantities that are in the file though they could not be read."""
+    """Faults without those that call a quantity unknown which is in the file but could not be read."""
     return [fault for fault in faults if fault.kind != "unknown name" or fault.about not in names]
 
 
@@ -170,7 +170,10 @@ def _errors(faults: list[Fault]) -> bool:
 
 
 def unknown_names_in_answers(read: ExaminedStudy) -> list[Fault]:
-    """Faults of names in the answers that the study does not have; a named entry may have faults of its own."""
+    """Faults of answers that name a quantity, limit, parameter or configuration the study does not have.
+
+    A named entry may have faults of its own.
+    """
     known = {
         QUANTITY: read.names_of("quantities"),
         LIMIT: read.names_of("limits"),
@@ -203,7 +206,7 @@ def _kind_and_entries(raw: object) -> tuple[type[StudyAnswer] | None, Mapping[st
 
 
 def answer_faults(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_whole: bool) -> list[Fault]:
-    """Faults of the answers against the study.
+    """Faults of answers that ask for something that the study cannot give.
 
     Of a study with other faults only faults of single entries are given: what an answer lacks altogether may be an
     entry that has a fault.

@@ -1,4 +1,4 @@
-"""``torsionnet bench``."""
+"""Command ``torsionnet bench``, which tests a model in place of a rig and writes the record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet check``."""
+"""Command ``torsionnet check``, which checks model files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet compare``."""
+"""Command ``torsionnet compare``, which compares a record with a model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet critical-speeds``."""
+"""Command ``torsionnet critical-speeds``, which finds the speeds at which orders meet natural frequencies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet damper``."""
+"""Command ``torsionnet damper``, which finds the damping and stiffness with which a vibration is smallest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""``torsionnet equations``; also texts and tables of equations and matrices for ``torsionnet show``."""
+"""Command ``torsionnet equations``, which prints equations of motion or transfer functions in symbols.
+
+Also texts and tables of equations and matrices for ``torsionnet show``.
+"""
 
 from __future__ import annotations
 

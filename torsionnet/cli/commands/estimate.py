@@ -1,4 +1,4 @@
-"""``torsionnet estimate``."""
+"""Command ``torsionnet estimate``, which estimates frequency responses and coherence from a record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet explore``."""
+"""Command ``torsionnet explore``, which opens a page in the browser to play with a model."""
 
 from __future__ import annotations
 

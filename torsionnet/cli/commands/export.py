@@ -1,4 +1,4 @@
-"""``torsionnet export``."""
+"""Command ``torsionnet export``, which writes a model for another program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet fit``."""
+"""Command ``torsionnet fit``, which finds parameters of a model from records of tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet frf``."""
+"""Command ``torsionnet frf``, which calculates frequency responses."""
 
 from __future__ import annotations
 

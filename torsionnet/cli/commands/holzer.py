@@ -1,4 +1,4 @@
-"""``torsionnet holzer``."""
+"""Command ``torsionnet holzer``, which prints the Holzer table of a mode or a trial frequency."""
 
 from __future__ import annotations
 

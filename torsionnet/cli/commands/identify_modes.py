@@ -1,4 +1,4 @@
-"""``torsionnet identify-modes``."""
+"""Command ``torsionnet identify-modes``, which finds modes in a record without a model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet import``."""
+"""Command ``torsionnet import``, which makes a model file of a mass-elastic sheet or of a TORS file."""
 
 from __future__ import annotations
 

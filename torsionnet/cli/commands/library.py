@@ -1,4 +1,4 @@
-"""``torsionnet library``."""
+"""Command ``torsionnet library``, which lists the models and studies that come with the package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet limits``."""
+"""Command ``torsionnet limits``, which judges whether the elements bear what an engine does to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet margins``."""
+"""Command ``torsionnet margins``, which prints the stability margins of the loop opened at a controller."""
 
 from __future__ import annotations
 

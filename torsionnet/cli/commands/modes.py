@@ -1,4 +1,4 @@
-"""``torsionnet modes``."""
+"""Command ``torsionnet modes``, which prints natural frequencies, damping ratios and shapes."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class ModesCommand(ModelCommand):
         return referred_shapes(case.drivetrain, modes, self.referred_to)
 
     def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
-        """Tables printed for one configuration: modes, and shapes and energy shares if asked for."""
+        """Tables of the modes of one configuration for the screen, with shapes and energy shares if asked for."""
         yield without_eigenvalues(table)
         if self.shapes:
             yield from split_table(self.output.with_digits(modes.shape_table()), 2)

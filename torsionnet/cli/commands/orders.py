@@ -1,4 +1,4 @@
-"""``torsionnet orders``."""
+"""Command ``torsionnet orders``, which calculates the vibration over speed, order by order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet report``."""
+"""Command ``torsionnet report``, which writes a report on a model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet schema``."""
+"""Command ``torsionnet schema``, which prints the JSON Schema of model, bench, fit or study files."""
 
 from __future__ import annotations
 

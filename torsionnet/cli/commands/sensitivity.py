@@ -1,4 +1,4 @@
-"""``torsionnet sensitivity``."""
+"""Command ``torsionnet sensitivity``, which derives natural frequencies and damping ratios by the parameters."""
 
 from __future__ import annotations
 

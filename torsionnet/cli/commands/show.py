@@ -1,4 +1,4 @@
-"""``torsionnet show``."""
+"""Command ``torsionnet show``, which prints the content of a model."""
 
 from __future__ import annotations
 

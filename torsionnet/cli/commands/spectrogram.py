@@ -1,4 +1,4 @@
-"""``torsionnet spectrogram``."""
+"""Command ``torsionnet spectrogram``, which shows the level of a recorded channel over time and frequency."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet static``."""
+"""Command ``torsionnet static``, which prints mean torque, twist, stress and power of every element."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``torsionnet study``."""
+"""Command ``torsionnet study``, which calculates a drivetrain over tolerances, conditions and choices."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ class MeasurementBlock(ABC):
         return None
 
     def noise_covariance(self, backward: FloatArray) -> FloatArray:
-        """Covariance (n, n) of backward (n, count) @ residuals by noise."""
+        """Covariance (n, n) that noise gives to the combinations ``backward`` (n, count) @ residuals."""
         correlation = self.correlation
         return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
 
@@ -92,7 +92,7 @@ class MeasurementBlock(ABC):
         return float(self.count if self.correlation is None else np.sum(self.correlation**2))
 
     def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance (n, n) of backward (n, count) @ residuals by systematic errors that all lines share."""
+        """Covariance (n, n) of ``backward`` (n, count) @ residuals by systematic errors that all lines share."""
         del values
         return np.zeros((len(backward), len(backward)))
 
@@ -112,7 +112,10 @@ class MeasurementBlock(ABC):
         return ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
-        """Noise of the measurement, independent of errors of the model; None where it cannot be separated."""
+        """Noise variance of each line (n_b,) over that which the weights suppose, apart from errors of the model.
+
+        None where noise and errors of the model cannot be separated.
+        """
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]

@@ -1,4 +1,4 @@
-"""Choice of residual block and lines for each measurement of a fit."""
+"""Choice of the kind of residuals, and of the frequency lines compared, for each measurement of a fit."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ UNSTATED_UNIT = "1"
 def make_block(
     model: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form
 ) -> MeasurementBlock:
-    """Residual block of one measurement of a model.
+    """Weighted residuals between a model and one measurement, ready for a fit.
 
     Raises
     ------

@@ -16,11 +16,11 @@ from torsionnet.identification.residuals.segments import SegmentRows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 POOLED_VALUES = 20.0
-"""Independent complex noise values that an average over neighbouring lines has to contain."""
+"""Number of independent complex noise values that an average over neighbouring lines has to contain."""
 FEWEST_VALUES = 4.0
-"""Fewest independent noise values of a whole measurement from which its noise is estimated."""
+"""Least number of independent noise values of a whole measurement from which its noise is estimated."""
 PARABOLA_HALF_WIDTH = 3
-"""Lines on either side of a line that a local parabola is fitted to."""
+"""Number of lines on either side of a line to which a local parabola through the residuals is fitted."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Forms of residuals between prediction and test: complex, log magnitude and phase, or log magnitude alone.
+"""Residuals between prediction and test as complex numbers, log magnitude and phase, or log magnitude alone.
 
 Errors are small against the values, so the error of log(prediction / test) is the relative error of the line.
 """
@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 Form: TypeAlias = str
 FORMS = ("complex", "log", "magnitude")
-"""Forms of residuals by name."""
+"""Names of the forms that residuals between prediction and test can have."""
 
 
 def parts(values: ComplexArray | FloatArray) -> FloatArray:
@@ -44,5 +44,5 @@ def errors_in_form(form: Form, errors: FloatArray, measured: ComplexArray) -> Fl
 
 
 def covariance_in_form(form: Form, covariance: FloatArray, measured: ComplexArray) -> FloatArray:
-    """Covariance of real and imaginary parts (2 n, 2 n) converted to a form of residuals."""
+    """Covariance (2 n, 2 n) of real and imaginary parts converted to that of residuals in a form."""
     return errors_in_form(form, errors_in_form(form, covariance, measured).T, measured)

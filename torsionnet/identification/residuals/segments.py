@@ -19,9 +19,9 @@ from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.welch import Welch
 
 NUMBERS_PER_BATCH = 2**21
-"""Numbers that are transformed together; more take more memory, fewer more calls."""
+"""Number of samples that are Fourier transformed together; more take more memory, fewer more calls."""
 MOST_ROW_BYTES = 2**28
-"""Bytes of filtered rows up to which all are held at a time; beyond, they are made one by one."""
+"""Bytes of filtered rows up to which all are held in memory at a time; beyond, they are made one by one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +46,12 @@ class Segments:
 
     @property
     def length(self) -> int:
-        """Samples of a window."""
+        """Number of samples of a window."""
         return self.settings.samples(self.rate)
 
     @property
     def step(self) -> int:
-        """Samples from the start of a window to the next."""
+        """Number of samples from the start of a window to the start of the next."""
         return self.settings.step(self.rate)
 
     def starts(self, count: int) -> NDArray[np.intp]:
@@ -59,7 +59,7 @@ class Segments:
         return np.arange(self.first * self.step, count - self.length + 1, self.step)
 
     def lines(self, values: FloatArray) -> ComplexArray:
-        """Lines (n_segments, n_b) of the windows of a signal (n,)."""
+        """Fourier coefficients (n_segments, n_b) of every window of a signal (n,), at the lines taken."""
         starts = self.starts(len(values))
         found = np.zeros((len(starts), len(self.bins)), dtype=complex)
         if len(starts):
@@ -71,7 +71,7 @@ class Segments:
         return found
 
     def pieces(self, lines: slice = slice(None)) -> ComplexArray:
-        """Rows (n_b, length) that map a window to its lines, trend removed."""
+        """Matrix (n_b, length) that gives the Fourier coefficients of a window from its samples, trend removed."""
         turn = np.exp(-2j * np.pi * np.outer(self.bins[lines], np.arange(self.length)) / self.length)
         rows = self.settings.weights(self.rate) * turn
         return without_trend(rows.real, self.settings.detrend) + 1j * without_trend(rows.imag, self.settings.detrend)
@@ -94,16 +94,16 @@ class SegmentRows:
     count: int
 
     def apply(self, values: FloatArray) -> ComplexArray:
-        """Product rows @ values (n,), shape (n_b,)."""
+        """Weighted sums (n_b,) over all windows of the Fourier coefficients of a signal with ``values`` (n,)."""
         return np.asarray((self.weights * self.segments.lines(values)).sum(axis=0))
 
     def only(self, lines: NDArray[np.bool_]) -> SegmentRows:
-        """Copy with the rows of some lines only."""
+        """Copy of the matrix with the rows of some lines only, those where the mask ``lines`` (n_b,) is true."""
         chosen = replace(self.segments, bins=self.segments.bins[lines])
         return SegmentRows(chosen, self.weights[:, lines], self.count)
 
     def dense(self, lines: slice = slice(None)) -> ComplexArray:
-        """Rows as a dense matrix (n_b, n)."""
+        """Matrix (n_b, n) from the samples of a record to the weighted sums of lines, as a dense array."""
         pieces, length = self.segments.pieces(lines), self.segments.length
         rows = np.zeros((len(pieces), self.count), dtype=complex)
         for start, weights in zip(self.segments.starts(self.count), self.weights[:, lines], strict=True):
@@ -112,12 +112,12 @@ class SegmentRows:
 
     @cached_property
     def squares(self) -> FloatArray:
-        """Sum of the squares of each piece, (n_b,)."""
+        """Sum of the squared magnitudes in each row (n_b,) of the matrix from a window to its lines."""
         some = self._some(self.segments.length)
         return np.concatenate([(np.abs(self.segments.pieces(lines)) ** 2).sum(axis=1) for lines in some])
 
     def covariance(self) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of real and imaginary parts of rows @ white noise of unit variance.
+        """Covariance (2 n_b, 2 n_b) of real and imaginary parts of the sums for white noise of unit variance.
 
         Windows share noise as far as they overlap, which follows from the pieces, once for each lag.
         """
@@ -134,7 +134,7 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def filtered_covariance(self, spectrum: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of rows @ white noise after a filter of a spectrum (n_p,), n_p >= 2 n."""
+        """Covariance (2 n_b, 2 n_b) of the sums for white noise after a filter with a spectrum (n_p,), n_p >= 2 n."""
         if 16 * self.count * len(self.segments.bins) > MOST_ROW_BYTES:
             return self._row_by_row(spectrum)
         rows = np.concatenate([self._backwards(lines, spectrum) for lines in self._some(len(spectrum))])
@@ -142,7 +142,7 @@ class SegmentRows:
         return np.asarray(parts @ parts.T)
 
     def _row_by_row(self, spectrum: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of filtered noise with one row in memory at a time."""
+        """Covariance (2 n_b, 2 n_b) of the sums for filtered white noise, with one row in memory at a time."""
         size = (len(self.segments.bins),) * 2
         conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
         for line in range(len(self.segments.bins)):
@@ -153,7 +153,7 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def _backwards(self, lines: slice, spectrum: ComplexArray) -> ComplexArray:
-        """Product rows @ filter, effect of each sample before the filter on the lines, (n_lines, n)."""
+        """Effect (n_lines, n) of each sample before a filter on the weighted sums of lines after it."""
         passed = np.fft.fft(self.dense(lines), len(spectrum), axis=1)
         passed *= spectrum.conj()
         return np.fft.ifft(passed, axis=1)[:, : self.count]

@@ -19,7 +19,7 @@ from torsionnet.signals.decimation import FILTER_HALF_LENGTH, anti_alias_taps
 from torsionnet.signals.resolution import step_of, sweep_amplitudes
 
 REST_POSITIONS = 16
-"""Rest positions within a step for which errors are calculated."""
+"""Number of rest positions within a step of a sensor for which errors are calculated."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,10 @@ class SensorSteps:
     decimation: int = 1
 
     def errors(self, motion: FloatArray, rows: SegmentRows) -> ComplexArray:
-        """Errors (places, n_b) of lines rows @ output by the steps, for a motion (n,) at the rate of the record."""
+        """Errors (REST_POSITIONS, n_b) of the estimate's lines by sensor steps, for a motion (n,) in SI.
+
+        The motion has the sampling rate of the record.
+        """
         if not self.size:
             return np.zeros((REST_POSITIONS, len(rows.segments.bins)), dtype=complex)
         fine = _finer(motion, self.decimation)

@@ -17,9 +17,9 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.response.estimation import Estimation
 
 NEIGHBOUR_BINS = 8
-"""Bins on either side of a line that a window mixes into it."""
+"""Number of bins on either side of a line that a window mixes into it."""
 POINTS_PER_BIN = 8
-"""Points of the transfer function per bin; more give a smoother mean at more cost."""
+"""Number of points per bin at which the transfer function is evaluated; more give a smoother mean at more cost."""
 SMOOTHING_ERROR_SHARE = 0.15
 """Standard error of the whole smoothing as a share of it, if the input was a sweep, which is not stationary."""
 LINE_ERROR_RATIO = 1.5
@@ -60,7 +60,10 @@ class Smoothing:
         return 1 / below, self._linear(slopes / (G**2)[:, None]) / (below**2)[:, None]
 
     def covariance(self, change: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of smoothing errors under a sweep; ``change`` (n_b,) is smoothed minus exact."""
+        """Covariance (2 n_b, 2 n_b) of the error in the smoothed response of a model where the input was a sweep.
+
+        Real parts stand before imaginary ones; ``change`` (n_b,) is smoothed minus exact.
+        """
         far = np.subtract.outer(self.line_indices, self.line_indices) / POINTS_PER_BIN / ERROR_CORRELATION_LINES
         both = LINE_ERROR_RATIO**2 * np.outer(change, change.conj()) * np.exp(-(far**2) / 2)
         return np.block([[both.real, -both.imag], [both.imag, both.real]]) / 2
@@ -70,7 +73,7 @@ class Smoothing:
 
 
 def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
-    """Smoothing for the lines (n_b,) of an estimate, by its window, length and estimator."""
+    """Smoothing of a model's response for the lines (n_b,) in Hz of an estimate, by its window and estimator."""
     step = 1 / (estimation.seconds * POINTS_PER_BIN)
     offsets = np.arange(-NEIGHBOUR_BINS * POINTS_PER_BIN, NEIGHBOUR_BINS * POINTS_PER_BIN + 1)
     weights = _shares(estimation, offsets)
@@ -93,7 +96,7 @@ def _sparse(weights: FloatArray, places: NDArray[np.intp], count: int) -> csr_ar
 
 
 def _shares(estimation: Estimation, offsets: NDArray[np.intp]) -> FloatArray:
-    """Weights of a window at offsets (in fine steps) from its line; their sum is 1."""
+    """Weights with which a window mixes the response at offsets (in fine steps) into a line; their sum is 1."""
     samples = 4 * NEIGHBOUR_BINS * POINTS_PER_BIN
     window = np.asarray(get_window(estimation.window, samples), dtype=np.float64)
     power = np.abs(np.fft.fft(window, samples * POINTS_PER_BIN)) ** 2

@@ -20,7 +20,7 @@ from torsionnet.identification.residuals.windowed_estimate import WindowedEstima
 NOISE_WINDOW = "blackmanharris"
 """Window with side lobes of -92 dB, so that a sweep at other lines does not cover noise."""
 WINDOWS_PER_LENGTH = 4
-"""Windows that start within the length of one (overlap of 3/4)."""
+"""Number of windows that start within the length of one window (overlap of 3/4)."""
 EXCITATION_CELLS = 5
 """Windows and lines over which the power of the input is averaged to decide whether a line is excited."""
 UNEXCITED_POWER_SHARE = 0.03
@@ -28,9 +28,9 @@ UNEXCITED_POWER_SHARE = 0.03
 LEAST_UNEXCITED_WINDOWS = 0.3
 """Least share of unexcited windows of a line; fewer are chance, as lines of a stationary input come and go."""
 FEWEST_VALUES = 100
-"""Fewest independent values for a mean."""
+"""Fewest independent values in unexcited windows whose mean gives the noise of the input."""
 FEWEST_WINDOWS = 2
-"""Fewest separate windows for a median."""
+"""Fewest separate unexcited windows of a line whose median gives the noise of the output there."""
 SMOOTHING_CELLS = 15
 """Windows and lines over which the power of the input is smoothed for weights: weights from the noise of a single cell
 would favour cells that have little by chance."""

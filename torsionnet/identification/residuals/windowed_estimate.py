@@ -27,7 +27,7 @@ SIDE_LOBE_FACTOR = 2.0
 
 @dataclass(frozen=True, eq=False)
 class WindowedEstimate:
-    """Estimate of a record at some lines, and the linear map from a transfer function to such an estimate.
+    """Frequency response estimated from a record, and the linear map from a transfer function to such an estimate.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class WindowedEstimate:
     background: NDArray[np.bool_]
 
     def predicted(self, G: ComplexArray) -> ComplexArray:
-        """Estimate of the output predicted by G (n_f,) or several of them (n_f, n_p)."""
+        """Estimates (n_b,) or (n_b, n_p) from the outputs that transfer functions G (n_f,) or (n_f, n_p) predict."""
         columns = [self.rows.apply(self._passed(column)) for column in G.reshape(len(G), -1).T]
         return np.stack(columns, axis=1).reshape(-1, *G.shape[1:])
 
@@ -70,7 +70,7 @@ class WindowedEstimate:
         return self.rows.covariance()
 
     def input_covariance(self, G: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of the predicted estimate, for unit white noise on the input passed on by G."""
+        """Covariance (2 n_b, 2 n_b) of the predicted estimate, for unit white noise on the input of G (n_f,)."""
         n, first = _padded(self.rows.count), self._first
         both = np.zeros(n, dtype=complex)
         both[first : first + len(G)] = G
@@ -99,7 +99,7 @@ class WindowedEstimate:
 
     @property
     def _first(self) -> int:
-        """Index of the lowest of the fine frequencies in the spectrum."""
+        """Index, in the spectrum of the input, of the lowest frequency at which the model is evaluated."""
         return round(float(self.fine[0]) * _padded(self.rows.count) / self.record.sampling_rate)
 
     def _passed(self, G: ComplexArray) -> FloatArray:
@@ -119,7 +119,7 @@ def windowed_estimate(
     settling: float = 0.0,
     instrument: Instrument | None = None,
 ) -> WindowedEstimate:
-    """Windowed estimate of one record, ready to compare with models.
+    """Frequency response estimated from one record by windows, ready to compare with models.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def _from_rest(record: Recording, name: str) -> FloatArray:
 
 
 def _padded(count: int) -> int:
-    """Length of a record with zeros appended in which a response dies away: at least twice its own."""
+    """Number of samples, twice ``count`` or more, to which zeros lengthen a record so that responses die away."""
     from scipy.fft import next_fast_len
 
     return int(next_fast_len(2 * count, real=True))

@@ -30,7 +30,7 @@ _Names: TypeAlias = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Motion:
-    """Laws of a drivetrain over the coordinates of its FMU, on a tape.
+    """Laws of a drivetrain over the coordinates of its FMU, with how they follow from the parameters.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Motion:
 
 
 def trace_motion(drivetrain: Drivetrain) -> Motion:
-    """Coordinates and laws of a drivetrain on a tape, with as many parameters left open as its structure allows."""
+    """Coordinates and laws of a drivetrain as they follow from parameters, as many of them left open as possible."""
     settled: set[str] = set()
     while True:
         motion = _traced(drivetrain, settled)
@@ -100,7 +100,7 @@ class _Kinds:
         self.relative: set[str] = set()
 
     def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
-        """Changes, heavy, damped and static coordinates, and which of them are relative."""
+        """Changes of coordinates, names of those with inertia, massless damped, static, and of relative ones."""
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
         massless = self._separated(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
@@ -139,7 +139,7 @@ class _Kinds:
 def _parameters(
     tape: NumberTape, definitions: Mapping[str, Parameter], values: Mapping[str, Any], settled: Iterable[str]
 ) -> dict[str, Traced]:
-    """Parameters on a tape by name; derived ones follow from others, settled ones are constants."""
+    """Parameters by name as traced numbers; derived ones follow from others, settled ones are constants."""
     traced: dict[str, Traced] = {}
     for name in evaluation_order(definitions)[0]:
         expression = definitions[name].value

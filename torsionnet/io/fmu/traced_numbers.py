@@ -25,7 +25,7 @@ CHECK_PRIME = 2**61 - 1
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """Number on a tape: its value, and the operation on parameters that gave it.
+    """Number that is recorded with its calculation: its value, and the operation on parameters that gave it.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class NumberTape:
         return bool(self.operations[place][0] == "parameter")
 
     def needed(self, numbers: Iterable[Traced]) -> list[int]:
-        """Places of all operations that these numbers depend on, ascending."""
+        """Indices, ascending, of all recorded operations by which these numbers were calculated."""
         waiting = [number.place for number in numbers if number.place is not None]
         found: set[int] = set()
         while waiting:
@@ -213,5 +213,5 @@ class NumberTape:
 
 
 def _order(number: Traced) -> tuple[int, Any]:
-    """Sort key of an operand, constants first: operations with exchanged operands have equal keys."""
+    """Sort key of a number in a sum or product, constants first: exchanged operands give equal keys."""
     return (0, number.value) if number.place is None else (1, number.place)

@@ -1,4 +1,4 @@
-"""Content of a binary file, whatever its format: named arrays with attributes, read in blocks."""
+"""Named arrays with attributes from a binary file of any format, read in blocks."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class ForeignFileError(Exception):
 
 @dataclass(frozen=True)
 class StoredArray:
-    """Array of a file: samples by columns; ``value`` is the number where the array is a single one."""
+    """Shape and attributes of an array in a binary file, samples by columns; ``value`` is that of a single number."""
 
     name: str
     shape: tuple[int, ...]
@@ -41,7 +41,7 @@ class StoredArray:
 
 @dataclass(frozen=True)
 class Content:
-    """Arrays and attributes of an open file.
+    """Arrays and attributes of an open binary file of any format.
 
     ``blocks(numbers, count)`` reads so many samples of these arrays at a time, everything at once where ``count`` is 0.
     ``others`` are the names of what is neither numbers nor text.
@@ -84,7 +84,7 @@ def _slice(values: NDArray[Any]) -> Slice:
 
 
 def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
-    """Attributes that are text or a single number; all others are left out.
+    """Attributes of a file or array that are text or a single number; all others are left out.
 
     >>> plain_attributes({"unit": b"N*m", "count": 3, "table": [1, 2]})
     {'unit': 'N*m', 'count': 3}

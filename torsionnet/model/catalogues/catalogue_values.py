@@ -14,7 +14,7 @@ from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, Cata
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 
 PACKAGE = Path(__file__).resolve().parents[2]
-"""Folder of the package."""
+"""Folder of the package ``torsionnet``, from which its library of catalogues is found."""
 
 
 def shipped_catalogues() -> dict[str, Path]:

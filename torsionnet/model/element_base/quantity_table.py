@@ -64,7 +64,7 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
 
 
 class TableByNode(TableByName[One_co]):
-    """Entry for values by node, as ``{crank: 80 mm, pump: 60 mm}``, stored as pairs."""
+    """Entry for values by node, stored as pairs of node and value: ``{crank: 80 mm, pump: 60 mm}``."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return tuple((names.node(node), names.within(one)) for node, one in value)

@@ -30,7 +30,7 @@ _LINE_FREQUENCY = Value("frequency of the line or inverter", "frequency", exclus
 
 @dataclass(frozen=True, kw_only=True)
 class AirGapTorque(Declared):
-    """Peak value and phase of one pulsation: a torque, a share of the torque at that speed, or the sum of both."""
+    """Peak value (N m, share of the torque at that speed, or both) and phase (rad) of one air-gap torque pulsation."""
 
     kind: ClassVar[str] = "pulsation"
     article: ClassVar[str] = "a pulsation"

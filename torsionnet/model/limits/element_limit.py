@@ -80,7 +80,10 @@ class ElementLimit(Limit):
             yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
 
     def total(self, line: LimitLine, mean: Sensor, evidence: Evidence) -> LimitLine:
-        """Line of the absolute mean value plus the half range in ``line``; no speed may exceed its limit."""
+        """Limit line with the absolute mean value plus the half range of ``line`` at every speed.
+
+        No speed may exceed its limit.
+        """
         found = evidence.mean(mean)
         if found is None:
             return line_without_data(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")

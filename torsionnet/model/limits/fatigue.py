@@ -119,7 +119,7 @@ class FatigueLimit(ShaftLimit):
         return (f"safety against fatigue {self.safety * float(np.min(line.allowed / line.values)):.3g}",)
 
     def mean_stress_in(self, evidence: Evidence) -> Any:
-        """Mean stress in Pa over speed; zero where it is left out, None where it is needed and not known."""
+        """Mean shear stress (n_speeds,) in Pa; zero where it is left out, None where it is needed and not known."""
         found = self.mean_stress_of(evidence)
         if found is None and self.mean_stress == "none" and self.yield_strength is None:
             return np.zeros(len(evidence.speeds))

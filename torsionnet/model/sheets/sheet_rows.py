@@ -56,13 +56,13 @@ class SheetLink:
 
 @dataclass
 class _Begun:
-    """Link that is read before the mass at its end is known."""
+    """Shaft or mesh that is read from a row before the mass at its end is known."""
 
     row: Row
     first: str | None
     second: str | None
     link: SheetLink | None
-    """Link of the row; None where the row does not say how the masses are connected."""
+    """Shaft or mesh of the row; None where the row does not say how the masses are connected."""
 
 
 def read_rows(values: SheetValues, *, referred: bool) -> tuple[list[SheetMass], list[SheetLink], list[str]]:
@@ -221,7 +221,7 @@ class _Rows:
         return _quotient(found, self.first_speed)
 
     def _link(self, row: Row, first: str | None) -> _Begun:
-        """Shaft of a row; rows of later masses may say which masses it connects."""
+        """Shaft read from a row of the sheet; rows of later masses may say which masses it connects."""
         if not self._has_link(row):
             return _Begun(row, first, None, None)
         of = self.values.of
@@ -242,7 +242,7 @@ class _Rows:
         return _Begun(row, first, None, link)
 
     def connected(self) -> list[SheetLink]:
-        """Links between the masses that were read."""
+        """Shafts and meshes between the masses that were read."""
         links: list[SheetLink] = []
         for begun in self.begun:
             links += self._ended(begun)

@@ -26,7 +26,7 @@ Columns = NDArray[np.intp]
 
 
 class FollowedModes(NamedTuple):
-    """Modes of n variants in the order of those they continue: eigenvalues (n, m) in rad/s, and states."""
+    """Eigenvalues (n, m) in rad/s and states of the modes of n variants, each at the place of the mode it continues."""
 
     values: ComplexArray
     states: ComplexArray
@@ -72,7 +72,10 @@ def successors(known: FollowedModes, found: FollowedModes) -> Successors:
 
 
 def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Columns:
-    """Column of the most similar mode; the slower of two real poles into which an overdamped vibration falls."""
+    """Column (n, m) of the found mode that is most similar to each known one.
+
+    Of two real poles into which an overdamped vibration falls it is the slower.
+    """
     best = alike.max(axis=2, keepdims=True)
     real = _is_real(found.values)[:, None, :]
     chosen = np.argmax(alike, axis=2)
@@ -92,7 +95,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
 
 
 def _order(sizes: FloatArray) -> FloatArray:
-    """Sign of the size difference of all pairs: 1 or -1, 0 for equal ones."""
+    """Sign (n, m, m) of the size difference of all pairs of modes: 1 or -1, 0 for equal ones."""
     apart = _differences(sizes)
     return np.where(np.abs(apart) > EQUAL_EIGENVALUES * sizes[:, :, None], np.sign(apart), 0.0)
 

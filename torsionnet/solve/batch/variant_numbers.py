@@ -21,11 +21,11 @@ from torsionnet.core.expressions import Algebra
 CANCELLATION_RATIO = 1e-3
 """Ratio of a sum to its terms below which the sum has lost digits that exact fractions would have kept."""
 MOST_PASSES = 64
-"""Largest number of passes, one per kind of decisions; variants of further kinds are looked at one by one."""
+"""Most passes over variants, one per combination of decisions; variants beyond are looked at one by one."""
 
 
 class Decisions:
-    """Decisions of elements in a pass, as they fall for the first variant.
+    """Record of which variants decide like the first one wherever an element chooses by a parameter value.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Decisions:
         self.unsure = np.zeros(count, dtype=bool)
 
     def decide(self, answers: Any) -> bool:
-        """Decision of the first variant; variants that would decide otherwise are marked as not following."""
+        """Answer of the first variant to a question on values; variants that differ are marked as not following."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first
@@ -147,9 +147,9 @@ def variant_column(number: Any, count: int) -> FloatArray:
 
 
 def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
-    """Yield places of variants and the decisions of a pass over them, until every variant has followed one.
+    """Yield the indices of variants and the record of their decisions, until each has decided like a first one.
 
-    Those of a kind beyond :data:`MOST_PASSES` come in no pass.
+    Variants of a combination of decisions beyond :data:`MOST_PASSES` come in no pass.
     """
     rest = np.arange(count)
     for _ in range(MOST_PASSES):

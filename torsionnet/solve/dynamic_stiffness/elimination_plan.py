@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class EliminatedPair(NamedTuple):
-    """Pair of terms i < j of an elimination step, with kappa[target] += factor kappa_i kappa_j / S."""
+    """Dynamic stiffness that an eliminated coordinate leaves, kappa[target] += factor kappa_i kappa_j / S, i < j."""
 
     i: int
     j: int
@@ -20,7 +20,7 @@ class EliminatedPair(NamedTuple):
 
 
 class PassedLoad(NamedTuple):
-    """Load passed on in an elimination step: w[target] += factor (kappa_i / S) w[slot]."""
+    """Load that an eliminated coordinate passes on to other rows: w[target] += factor (kappa_i / S) w[slot]."""
 
     slot: int
     i: int
@@ -42,7 +42,7 @@ class MotionStep:
 
 @dataclass(frozen=True)
 class EliminationStep:
-    """Elimination of one coordinate.
+    """Step of an elimination plan that removes one coordinate and passes on its stiffnesses and loads.
 
     Attributes
     ----------
@@ -73,7 +73,10 @@ class EliminationStep:
 
 @dataclass(frozen=True)
 class ReactionStep:
-    """Reaction as sum of factor kappa[slot] value[motion] over ``laws``, and of factor w[slot] over ``loads``."""
+    """Torque that holds an imposed angle or a rigid connection, as a sum over stiffnesses and loads.
+
+    The sum is of factor kappa[slot] value[motion] over ``laws``, and of factor w[slot] over ``loads``.
+    """
 
     laws: tuple[tuple[int, float, int], ...]
     loads: tuple[tuple[int, float], ...]
@@ -81,7 +84,7 @@ class ReactionStep:
 
 @dataclass(frozen=True)
 class EliminationPlan:
-    """Plan of an elimination: steps and numbers of slots, for all frequencies and parameter values.
+    """Plan that eliminates all coordinates from the equations of motion, for all frequencies and parameter values.
 
     Attributes
     ----------

@@ -45,7 +45,7 @@ class Gap:
     nodes: Mapping[str, Fraction]
 
     def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
-        """Work of torques on nodes as the gap opens by one."""
+        """Work in J, per rad that the gap opens, of torques in N m on nodes (``row``: node -> torque)."""
         return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
@@ -81,7 +81,7 @@ class ReadingProblem:
         return len(self.problem.excitations) - len(self.sensed)
 
     def excitations_reaching(self, reading: int) -> frozenset[int]:
-        """Excitations that reach a reading at all, also by way of actions."""
+        """Numbers of the excitations that reach a reading at all, also by way of actions."""
         reached = self._reached
         found = set(reached.get(self.parts[reading].solved, ()))
         waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
@@ -98,7 +98,7 @@ class ReadingProblem:
 
     @cached_property
     def _reached(self) -> dict[int, frozenset[int]]:
-        """Excitations of the problem that reach each row of the solution."""
+        """Row of the solution -> numbers of the excitations that reach it."""
         found: dict[int, set[int]] = {}
         for excitations, part in self.problem.parts:
             for value in part.tape.reached:
@@ -158,7 +158,7 @@ def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
 
 
 def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
-    """Rows of all laws over all columns."""
+    """Rows of all laws over coordinates, imposed angles, imposed twists and gaps."""
     exact = number is not float
     laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
     for column, gap in gaps.items():

@@ -108,7 +108,7 @@ class RowTable:
     touching: dict[int, set[int]] = field(default_factory=dict)
 
     def add(self, row: Row) -> tuple[int, float]:
-        """Number of the row in the table, and its factor on the stored row."""
+        """Number of a row in the table, added if it is new, and its factor on the stored row."""
         key, unit, factor = normalised(row, self.accuracy)
         number = self.numbers.get(key)
         if number is None:
@@ -119,14 +119,14 @@ class RowTable:
         return number, factor
 
     def take(self, column: int) -> list[int]:
-        """Remove and return the rows on a column, those over several columns first."""
+        """Remove the rows that involve a coordinate, and return their numbers, rows over several coordinates first."""
         numbers = list(self.touching.get(column, ()))
         for number in numbers:
             self.remove(number)
         return sorted(numbers, key=lambda number: (len(self.rows[number]) == 1, number))
 
     def remove(self, number: int) -> None:
-        """Remove a row; its number is not used again."""
+        """Remove a row from the table; its number is not used again."""
         for j in self.rows[number]:
             self.touching[j].discard(number)
         del self.numbers[normalised(self.rows[number], self.accuracy)[0]]

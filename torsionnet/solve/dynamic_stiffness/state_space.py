@@ -111,7 +111,7 @@ class Channels:
     sensors: dict[str, Sensor]
 
     def readings(self, drivetrain: AssembledModel) -> tuple[Functional, ...]:
-        """Functionals of the sensors."""
+        """Readings of the active sensors as linear expressions of the motion and of applied torques."""
         return tuple(functional(drivetrain, sensor, name) for name, sensor in self.sensors.items())
 
 
@@ -169,7 +169,7 @@ def first_order(
 def _matrices(
     system: RowSystem, actions: Sequence[LawStates], kinds: tuple[FloatArray, FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Matrices M, C and K with the direct feedthrough of actions.
+    """Matrices M, C and K (n_q, n_q) with the direct feedthrough of actions, in SI.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
+    """Bases (n_q, n) of the motions with inertia, of the massless damped and of the static ones."""
     heavy = system.inertia != 0
     massless, static = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
     return (

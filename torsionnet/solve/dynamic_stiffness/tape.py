@@ -25,13 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
-"""Codes of the operations on a tape, as listed above."""
+"""Codes of the operations on an elimination's tape, as listed above."""
 _READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
-"""Number of registers that an operation reads; operations not listed read none."""
+"""Number of registers that an operation reads, by its code; operations not listed read none."""
 
 
 class Operation(NamedTuple):
-    """Operation of a tape: code, target, sources and factor."""
+    """Operation on the registers of an elimination: code, target, sources and factor."""
 
     code: int
     t: int
@@ -50,7 +50,7 @@ class Operation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operation tape: operations (n, 4) with factors (n,), and the numbers of registers and of values."""
+    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and of values."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
@@ -68,7 +68,7 @@ class Tape:
 
 
 class TapeQuantity(NamedTuple):
-    """Quantity on a tape: ``factor`` times the result of operation ``name``, or the factor alone if ``name`` < 0."""
+    """Quantity in an elimination: ``factor`` times the result of operation ``name``, or ``factor`` if ``name`` < 0."""
 
     name: int
     factor: float
@@ -76,7 +76,7 @@ class TapeQuantity(NamedTuple):
 
 @dataclass
 class Writer:
-    """Writer of a tape; scalar factors are carried along until an operation needs them."""
+    """Writer of the operations of an elimination; scalar factors are carried along until an operation needs them."""
 
     operations: list[Operation] = field(default_factory=list)
     n_names: int = 0
@@ -118,14 +118,14 @@ class Writer:
         self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
 
     def tape(self, n_values: int) -> Tape:
-        """Tape of the operations that outputs depend on, with registers for the quantities."""
+        """Tape of the operations that the outputs of an elimination depend on, with registers for results."""
         placed, n_registers = _with_registers(_needed(self.operations))
         operations = np.array([one[:4] for one in placed], dtype=np.int64).reshape(-1, 4)
         return Tape(operations, np.array([one.factor for one in placed]), n_registers, n_values)
 
 
 def _needed(operations: list[Operation]) -> list[Operation]:
-    """Operations that some output depends on."""
+    """Operations of an elimination that at least one output depends on, in their order."""
     used: set[int] = set()
     kept = []
     for one in reversed(operations):
@@ -136,7 +136,10 @@ def _needed(operations: list[Operation]) -> list[Operation]:
 
 
 def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
-    """Operations with registers in place of names; a register is reused after the last operation on its name."""
+    """Operations with registers in place of names, and the number of registers.
+
+    A register is reused after the last operation on its name.
+    """
     last = {name: place for place, one in enumerate(operations) for name in one.read}
     home: dict[int, int] = {}
     free: list[int] = []

@@ -38,11 +38,11 @@ class DelayedSum:
     delay: float
 
     def at(self, s: complex) -> complex:
-        """Value of the delayed terms at s."""
+        """Value of the delayed terms at the Laplace variable s in rad/s."""
         return -sum(value * self._factor(power, s) for power, value in self.terms)
 
     def derivative(self, s: complex) -> complex:
-        """Derivative of the delayed terms by s."""
+        """Derivative of the delayed terms by the Laplace variable, at s in rad/s."""
         total = 0j
         for power, value in self.terms:
             slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
@@ -55,7 +55,7 @@ class DelayedSum:
         return total
 
     def size(self, s: complex) -> float:
-        """Sum of the magnitudes of the delayed terms at s."""
+        """Sum of the magnitudes of the delayed terms at the Laplace variable s in rad/s, to judge rounding by."""
         return float(sum(abs(value * self._factor(power, s)) for power, value in self.terms))
 
     def _factor(self, power: int, s: complex) -> complex:

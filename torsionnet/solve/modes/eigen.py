@@ -76,7 +76,7 @@ class EigenSolution:
     missing: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
-        """Copy with only the first ``count`` modes; None: all."""
+        """Copy of the solution with only its first ``count`` modes; None: all."""
         whole = ("kinds", "missing")
         parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
         return replace(self, kinds=self.kinds[:count], **parts)

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class _Same:
-    """Key of an entry, equal for the same object alone; elements and entries need not be hashable."""
+    """Wrapper of an object for use in a key, equal only to that of the same object; it need not be hashable."""
 
     entry: object
 
@@ -53,7 +53,7 @@ def shared_by_conditions(
 
 
 def named(outputs: str | Sensor | Sequence[str | Sensor]) -> Hashable:
-    """Outputs as a part of a question, one or several."""
+    """Outputs of a request, one or several, as a hashable part of the key of its result."""
     return outputs if isinstance(outputs, str | Sensor) else tuple(outputs)
 
 

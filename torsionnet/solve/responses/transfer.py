@@ -67,7 +67,7 @@ def known_method(method: str) -> None:
 def chosen_frequencies(
     drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
-    """Frequencies in Hz of a request, as given or as an adaptive range resolves them."""
+    """Frequencies (n_f,) in Hz of a request, as given or as an adaptive range resolves them."""
     return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
 
@@ -79,7 +79,7 @@ class Evaluated(NamedTuple):
 
 
 def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
-    """Transfer functions of drivetrains with the same rows at frequencies >= 0."""
+    """Transfer functions in SI of drivetrains with the same rows at frequencies f >= 0 in Hz."""
     assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
     if moving.all():
         return evaluate(assemblies, request, f, method)
@@ -93,7 +93,7 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 
 
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
-    """Values at zero frequency: the static solution where finite and certain, else the limit."""
+    """Transfer functions (n_out, n_in) in SI at 0 Hz: the static solution where finite and certain, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.uncertain[0]:
@@ -102,7 +102,7 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
 
 
 def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRequest) -> FloatArray:
-    """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
+    """Frequencies (n_f,) in Hz that resolve the peaks of the drivetrain and, for a measured input, of its poles."""
     found = [modes_against(drivetrain, None)]
     if request.is_measured and len(request.measured) == 1:
         found.append(modes_against(drivetrain, request))
@@ -122,7 +122,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 def evaluate(
     assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray, method: str = "auto"
 ) -> Evaluated:
-    """Transfer functions at frequencies > 0, and the conditioning of the measured inputs.
+    """Transfer functions (n_variants, n_f, n_out, n_in) in SI at frequencies > 0, and conditioning of measured inputs.
 
     Parameters
     ----------
@@ -144,7 +144,10 @@ def evaluate_laws(
     frequencies: FloatArray,
     method: str = "auto",
 ) -> Evaluated:
-    """Transfer functions for given dynamic stiffnesses of the laws; assemblies are used for uncertain points."""
+    """Transfer functions (n_variants, n_f, n_out, n_in) in SI for given dynamic stiffnesses of the laws.
+
+    Assemblies are used for uncertain points.
+    """
     found = transfer_functions(request, kappa, method)
     if method != "dense":
         found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)

@@ -30,7 +30,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 MOST_TIME_STEPS = 400_000
 """Points in time of all passes together, which bounds the time of a simulation: steps run one by one in Python."""
 FEWEST_STEPS_PER_DELAY = 3
-"""Steps in the shortest delay: the cubic that reads a delayed torque ends before the current point."""
+"""Fewest time steps in the shortest delay: the cubic that reads a delayed torque ends before the current point."""
 ERROR_TOLERANCE = 1e-6
 """Estimated error, over the largest reading, at which the step is halved no more."""
 ERROR_WARNED = 1e-4

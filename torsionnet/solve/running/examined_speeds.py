@@ -40,7 +40,10 @@ class ExaminedSpeeds:
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
     ) -> ExaminedSpeeds:
-        """Examined speeds from the arguments of an order response; ``refine`` None: unless the model lists speeds."""
+        """Speeds to examine, taken from the arguments of an order response and else from the model.
+
+        ``refine`` None: speeds are added between them unless the model lists speeds.
+        """
         given = drivetrain.definition.speeds
         is_list = speeds is None and given is not None and bool(given.list)
         request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
@@ -49,7 +52,7 @@ class ExaminedSpeeds:
 
     @property
     def reference(self) -> str:
-        """Node to which the examined speeds belong."""
+        """Name of the node to which the examined speeds belong."""
         return self.request.reference
 
     @property
@@ -58,7 +61,7 @@ class ExaminedSpeeds:
         return float(self.request.speeds.min()), float(self.request.speeds.max())
 
     def first(self, breaks: FloatArray) -> FloatArray:
-        """Speeds in rad/s of the first pass: gaps filled, more around narrow resonances, and at ``breaks``."""
+        """Speeds (n_speeds,) of the first pass in rad/s: gaps filled, more near narrow resonances, and ``breaks``."""
         if not self.refine:
             return self.request.speeds
         speeds = fill_speed_gaps(self.request.speeds)

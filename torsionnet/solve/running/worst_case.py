@@ -114,7 +114,10 @@ def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
 def _cases(
     nominal: OrderResponse, alternatives: Sequence[Contributions]
 ) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
-    """Label -> response and (excitation, part) pairs, of every combination of one alternative per excitation."""
+    """Label -> order response of every combination of one alternative per excitation, and what it changes.
+
+    What it changes is a set of pairs of an excitation and its part, such as a cylinder.
+    """
     count = math.prod(len(one.labels) for one in alternatives)
     if count > MOST_CASES:
         names = " and ".join(one.excitation for one in alternatives)
@@ -133,7 +136,7 @@ def _cases(
 
 
 def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[np.int64]) -> tuple[EngineAngle, ...]:
-    """Angle and period of each engine in the worst case of each speed and output."""
+    """Angle and period in rad of each engine in the worst case, each (n_speeds, n_out)."""
     return tuple(
         replace(
             same[0],

@@ -21,7 +21,7 @@ from torsionnet.solve.sensitivity.dual import DUALS, Dual
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Numbers of a drivetrain to be varied: parameters, or fields of elements.
+    """Parameters and fields of elements of a drivetrain that are varied, with their present values in SI.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Unknowns:
     definition: Definition
 
     def values(self, at: Sequence[float]) -> dict[str, Any]:
-        """Values of all parameters, as duals where they depend on the unknowns.
+        """Parameter -> value in SI, with its derivatives by the unknowns (a dual number) where it depends on them.
 
         Raises
         ------

@@ -73,23 +73,23 @@ FEWEST_VARIANTS = 4000
 LEVEL_SHARE = 0.02
 """Share of all variants in each level of the run of subset simulation that looks for failures."""
 FEWEST_IN_LEVEL = 200
-"""Fewest variants in such a level; with fewer its tenth, which begins the next, is too small."""
+"""Fewest variants in a level of subset simulation; with fewer its tenth, which begins the next, is too small."""
 MOST_STARTS = 10
-"""Most starts of searches for design points in a round; each takes some hundred variants."""
+"""Most searches for design points that are started in a round; each takes some hundred variants."""
 BATCH = 2000
 """Variants drawn before the error is looked at again; larger batches overshoot the accuracy, smaller run slower."""
 MOST_ROUNDS = 6
-"""Most rounds of searches from failures that no design point explains."""
+"""Most rounds of searches for design points, each from failed variants that lie beyond none found so far."""
 EXPECTED_STEPS = 8
-"""Expected steps of a search for a design point, by which the number of starts is bounded."""
+"""Expected number of steps of a search for a design point, by which the number of searches is bounded."""
 FEWEST_EFFECTIVE, HEAVIEST = 100, 0.05
 """Effective variants below which, and share of one variant above which, the result is called uncertain."""
 MOST_MISSED = 0.05
-"""Share of the probability away from all design points above which the result is called uncertain."""
+"""Share of the probability of failure away from all design points above which the result is called uncertain."""
 TANGENT_SLACK = 0.5
 """Distance by which a failure may lie before the tangent plane of a design point and still belong to it."""
 FREQUENT_PROBABILITY = 0.02
-"""Probability above which plain sampling is as good."""
+"""Probability of failure above which plain sampling is as good as importance sampling."""
 
 
 def importance_sampling(

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DamperInCondition:
-    """Largest levels in one condition: as given, with the damper for all, and with one for this condition alone."""
+    """Largest levels in one operating condition with the damper as given, that for all conditions, and its own best."""
 
     condition: str
     before: LevelPeak
@@ -43,7 +43,7 @@ class DamperInCondition:
 
 @dataclass(frozen=True, eq=False)
 class DamperOverConditions:
-    """Damper for all conditions and the levels that it gives.
+    """Damper with which the largest level in the worst of several operating conditions is smallest.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class DamperOverConditions:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result in sentences: levels before and after, bounds reached, cost of one damper for all."""
+        """Result of the search in sentences: levels before and after, bounds reached, cost of one damper for all."""
         before, after = self.worst_before, self.worst
         said = [
             f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
@@ -97,7 +97,7 @@ class DamperOverConditions:
         return tuple(said)
 
     def table(self) -> Table:
-        """Table of the levels, a row for each condition."""
+        """Table of the largest levels without and with the best damper, a row for each operating condition."""
         columns = (
             Column("condition"),
             Column("as given", self.channel.unit),
@@ -121,11 +121,11 @@ class DamperOverConditions:
         return Table(f"{self.title}: best damper for all conditions", columns, rows, (*best, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the levels by :mod:`torsionnet.plot`."""
+        """Figure of the levels in all operating conditions by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.damper_over_conditions(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """Result as JSON data in full precision."""
+        """Best damper and its levels as JSON data in full precision."""
         return {
             "values": self.values,
             "holding": list(self.holding),

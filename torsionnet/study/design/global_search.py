@@ -12,11 +12,11 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.design.design_problem import DesignProblem
 
 MOST_GENERATIONS = 60
-"""Most generations of a population; a local search goes on from there."""
+"""Most generations of designs in differential evolution; a local search goes on from there."""
 SCALE, CROSSOVER = (0.5, 1.0), 0.7
-"""Range of the factor of differences, drawn for each generation, and share of coordinates that a mutant brings."""
+"""Scale factor of differential evolution, drawn from this range in each generation, and its crossover rate."""
 PER_PARAMETER, FEWEST_MEMBERS = 12, 24
-"""Members of a population for each parameter, and fewest members: fewer find fewer optima, more take longer."""
+"""Designs in a population for each parameter, and fewest designs: fewer find fewer optima, more take longer."""
 START_DISTANCE = 0.05
 """Smallest distance in the unit cube between starts of local searches; nearer ones mostly find the same optimum."""
 VIOLATION_MERIT = 1e30

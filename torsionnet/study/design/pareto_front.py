@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ParetoFront:
-    """Pareto front: designs none of which is better in every objective than another.
+    """Designs of a search none of which is better in every objective than another (Pareto front).
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class ParetoFront:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result in sentences: size of the front, best designs in each objective, compromise, verification."""
+        """Result of the search in sentences: size of the Pareto front, best designs, compromise, verification."""
         said = [f"{len(self.designs)} designs by {self.method}, {self.evaluations} calculated, seed {self.seed}"]
         if len(self.designs) == 1:
             return (*said, "one design is the best in every objective: they do not contradict each other")
@@ -103,7 +103,7 @@ class ParetoFront:
         ]
 
     def table(self) -> Table:
-        """Table of the front, a row for each design."""
+        """Table of the designs on the Pareto front, a row each, with parameter values and objectives."""
         columns = (
             *(Column(one.name, one.unit) for one in self.parameters),
             *(Column(one.name, unit) for one, unit in zip(self.objectives, self.units, strict=True)),
@@ -114,11 +114,11 @@ class ParetoFront:
         return Table(f"{self.title}: best compromises".removeprefix(": "), columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the front by :mod:`torsionnet.plot`."""
+        """Figure of the Pareto front by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.pareto_front(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """Front as JSON data in full precision."""
+        """Pareto front as JSON data in full precision."""
         return {
             "parameters": [one.name for one in self.parameters],
             "objectives": [{"quantities": list(one.quantities), "sense": one.sense} for one in self.objectives],

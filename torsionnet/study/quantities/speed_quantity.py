@@ -19,7 +19,7 @@ from torsionnet.model.excitations.speed_range import SpeedBand
 from torsionnet.study.quantities.quantity import StudyQuantity
 
 OWN = ("excitations", "speeds", "every")
-"""Names of the entries that all these quantities have."""
+"""Names of the entries that every quantity over the speeds of the machinery has."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +37,7 @@ class SpeedQuantity(StudyQuantity):
         return declared.name in OWN
 
     def at(self, model: Drivetrain) -> FloatArray:
-        """Speeds of the quantity in rad/s, (n_speeds,); empty where the model has no speeds."""
+        """Speeds (n_speeds,) in rad/s at which the quantity is calculated; empty where the model has no speeds."""
         given = model.definition.speeds
         found = np.array(given.values if given else ())
         if self.speeds is not None:

@@ -38,12 +38,12 @@ class SharedStudy(Study):
     calculator: BlockCalculator | None = None
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
-        """Evaluator of the study that uses the block calculator."""
+        """Evaluator of the study's quantities, which leaves blocks of variants to the study's block calculator."""
         return replace(super().evaluator(configuration, names, method), calculator=self.calculator)
 
 
 def with_calculator(study: Study, calculator: BlockCalculator) -> SharedStudy:
-    """Copy of a study whose evaluators use a block calculator."""
+    """Copy of a study whose evaluators leave the calculation of blocks of variants to ``calculator``."""
     return SharedStudy(**{one.name: getattr(study, one.name) for one in fields(study)}, calculator=calculator)
 
 
@@ -190,7 +190,7 @@ def _answered(
 
 
 def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:
-    """Callback for the variants of each block that reports the sum calculated for an answer so far."""
+    """Callback that adds up the variants of each block and reports how many an answer has taken so far."""
     done = 0
 
     def report(count: int) -> None:

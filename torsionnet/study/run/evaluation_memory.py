@@ -18,13 +18,13 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 
 HEAD = Struct("<4sI32s")
-"""Head of a record: mark, length of the data, key."""
+"""Layout of the head of a record of stored evaluations: mark, length of the data, key."""
 MARK = b"tnev"
-"""First bytes of every record."""
+"""First bytes of every record of stored evaluations."""
 CHECKSUM_BYTES = hashlib.sha256().digest_size
 """Length of the SHA-256 checksum behind a record."""
 ENDING = ".log"
-"""Ending of the names of logs."""
+"""Ending of the names of the log files of stored evaluations."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class EvaluationLog:
         return LogPlace(Path(stream.name).name, start, len(record))
 
     def close(self) -> None:
-        """Close the file; the next record opens it again."""
+        """Close the log file of this process; the next record opens it again."""
         if self._file is not None:
             self._file.close()
             self._file = None

@@ -98,7 +98,7 @@ class GridAxis:
 
 MIDDLE, SPREAD, LOWEST_VALUE, HIGHEST_VALUE = "mean", "standard deviation", "lowest", "highest"
 MOST_FREQUENT = "most frequent"
-"""Names of the numbers of a variation in :meth:`Variation.sizes`."""
+"""Keys of the mean, spread, bounds and most frequent value of a variation in :meth:`Variation.sizes`."""
 
 V = TypeVar("V", bound="type[Variation]")
 
