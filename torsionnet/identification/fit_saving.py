@@ -83,14 +83,17 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
     data = document.data
     if not isinstance(data, dict) or str(data.get("torsionnet_fit")) != str(FIT_FORMAT_VERSION):
         fault = Fault(
-            f"this is no result of a fit: it begins with torsionnet_fit: {FIT_FORMAT_VERSION}",
+            f"this is no result of a fit, which begins with torsionnet_fit: {FIT_FORMAT_VERSION}; name the file of one",
             position=document.position(),
         )
         raise ModelError([fault], file.name)
     try:
         return _fit(data)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        fault = Fault(f"the result of a fit is not complete: {error}", position=document.position())
+        fault = Fault(
+            f"the result of a fit is damaged or not complete ({error}); fit again and write it anew",
+            position=document.position(),
+        )
         raise ModelError([fault], file.name) from None
 
 
