@@ -232,7 +232,7 @@ class TestEquations:
         [
             (["--form", "python"], "say which by --tf"),
             (["--simplify", "1%"], "say which by --tf"),
-            (["--tf", "theta_1/T_T", "--band", "1", "2"], "--band is that of --simplify"),
+            (["--tf", "theta_1/T_T", "--band", "1", "2"], "--band has no effect without --simplify"),
             (["--tf", "theta_1/T_T", "--simplify", "1"], "must be less than 1 (100 %)"),
             (["--tf", "theta_1/T_T", "--form", "python", "--latex"], "two ways of writing"),
             (["--tf", "theta_1"], "written OUTPUT/INPUT"),

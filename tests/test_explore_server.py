@@ -192,7 +192,10 @@ def test_a_bug_is_a_sentence_too(server, monkeypatch):
     monkeypatch.setitem(QUESTIONS, "api/model", fail)
     status, _, content = ask(server, "POST", "api/model", b"{}")
     assert status == 500
-    assert json.loads(content)["error"] == "unexpected ZeroDivisionError (a bug in torsionnet): a reason"
+    assert (
+        json.loads(content)["error"]
+        == "unexpected ZeroDivisionError (a bug in torsionnet; report it with the model file): a reason"
+    )
     assert ask(server)[0] == 200
 
 

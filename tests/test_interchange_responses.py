@@ -300,8 +300,8 @@ class TestUniversalFiles:
         with pytest.raises(ModelError) as caught:
             read_frequency_response(tmp_path / "r.uff")
         assert [fault.message for fault in caught.value.faults] == [
-            "dataset 2 (4+RX over 7-RX) has other frequencies than the first one",
-            "dataset 3 (3+RX over 7-RX) is in the file twice",
+            "dataset 2 (4+RX over 7-RX) has other frequencies than the first one; give it a file of its own",
+            "dataset 3 (3+RX over 7-RX) is in the file twice; keep one of them",
         ]
 
     @pytest.mark.parametrize("name", ["a / b", "n" * 80, "größe"])

@@ -140,7 +140,7 @@ def test_estimators_and_references_act_or_are_refused(rig):
         "of Hr with command as reference"
         in tn.identify(rig, measurement_of(named, reference="command"), ["c_2"]).notes[0]
     )
-    with pytest.raises(UsageError, match="Hv is not for the fit of a record; there is H1, H2, and Hr"):
+    with pytest.raises(UsageError, match="Hv is not for the fit of a record; choose H1, H2, or Hr"):
         tn.identify(rig, measurement_of(record, settings=estimator("Hv")), ["c_2"])
     bare = record.select(["T_T", "theta_1"])
     with pytest.raises(UsageError, match="Hr needs a reference, such as a set-point T_M_set"):

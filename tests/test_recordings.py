@@ -384,7 +384,7 @@ UNEVEN = (
     "time: warning: sampling is not uniform: intervals vary by 8.2 % (standard deviation); resampled() makes it uniform"
 )
 BACKWARDS = with_values(3, 0.0) * 0 + np.r_[TIME[:3], 0.001, TIME[4:]]
-FEW = "channels: warning: the record has only 2.5 windows of 2 s: few averages, large random errors"
+FEW = "channels: warning: the record has only 2.5 windows of 2 s: few averages, large random errors; record longer"
 SHORT = "channels: error: the record lasts 1.5 s, less than one window of 2 s; record longer or take a shorter window"
 ANYTHING = "give one of torque, angle, velocity, acceleration, stress"
 PULSES = "time: error: 3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s; angle_from_pulses() counts them"
@@ -396,11 +396,11 @@ FAULTS = {  # all that is said for windows of 2 s, beside that these are few
     "clipped": (one(np.clip(sine(2.0), -1.5, 1.5)), f"channels.x: error: {CLIPPED}"),
     "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m: the sensor may be dead, or not connected"),
     "short": (one(sine()[:1500]), SHORT),
-    "gap": (one(sine()[: len(GAPPED)], times=GAPPED), "time: error: 1 gap in the time stamps: 0.501 s after 0.999 s"),
-    "gaps": (one(sine()[: len(LOST)], times=LOST), "time: error: 2 gaps in the time stamps: 0.002 s after 0.999 s, 0.003 s after 1.999 s"),
+    "gap": (one(sine()[: len(GAPPED)], times=GAPPED), "time: error: 1 gap in the time stamps: 0.501 s after 0.999 s; cut the record there"),
+    "gaps": (one(sine()[: len(LOST)], times=LOST), "time: error: 2 gaps in the time stamps: 0.002 s after 0.999 s, 0.003 s after 1.999 s; cut the record there"),
     "jitter": (one(sine(), times=JITTERED), UNEVEN),
     "jitter of a ramp": (one(ANGLE, times=JITTERED), UNEVEN),
-    "backwards": (one(sine(), times=BACKWARDS), "time: error: time stamps do not increase: 0.001 s follows 0.002 s"),
+    "backwards": (one(sine(), times=BACKWARDS), "time: error: time stamps do not increase: 0.001 s follows 0.002 s; cut the record there"),
     "quantity": (one(sine(), ""), f"channels.x: error: quantity and unit are missing; {ANYTHING}"),
     "unknown quantity": (one(sine(), "force"), f'channels.x: error: unknown quantity "force"; {ANYTHING}'),
     "wrap": (one(np.mod(20 * TIME, 2 * np.pi), "angle"), f"channels.x: error: {WRAPPED}"),

@@ -181,7 +181,7 @@ def test_the_same_seed_gives_the_same_answer():
         (lambda: DesignTolerance("x", 1.0, "square"), "normal or uniform"),
         (lambda: MeanAndDeviation(-1.0), "a k from 0"),
         (lambda: SamplePercentile(100.0), "between 0 and 100 %"),
-        (lambda: DesignTolerances(()), "needs the tolerance of a parameter"),
+        (lambda: DesignTolerances(()), "needs the tolerance of at least one parameter"),
         (lambda: SCATTER.even_draws(1, 0), "two samples or more"),
         (
             lambda: robust_optimum(

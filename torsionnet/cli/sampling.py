@@ -55,7 +55,7 @@ def frequency_range(start: float, stop: float, points: int, logarithmic: bool | 
     if logarithmic is None:
         logarithmic = 0 < start <= stop / RANGE_BELOW
     if logarithmic and start == 0:
-        raise UsageError("a logarithmic range cannot begin at 0")
+        raise UsageError("a logarithmic range cannot begin at 0; give --from above 0, in Hz")
     return np.asarray(np.geomspace(start, stop, points) if logarithmic else np.linspace(start, stop, points))
 
 
@@ -68,7 +68,7 @@ def read_list(text: str) -> FloatArray:
     parts = [_part(part, text) for part in text.split(",")]
     frequencies = np.unique(np.concatenate(parts))
     if frequencies[0] < 0:
-        raise UsageError(f"a frequency must not be negative, got {frequencies[0]:g}")
+        raise UsageError(f"a frequency must not be negative, got {frequencies[0]:g} Hz")
     return frequencies
 
 

@@ -152,7 +152,7 @@ class Handler(BaseHTTPRequestHandler):
         except (ConnectionError, TimeoutError):
             self.close_connection = True
         except Exception as error:  # noqa: BLE001
-            text = f"unexpected {type(error).__name__} (a bug in torsionnet): {error}"
+            text = f"unexpected {type(error).__name__} (a bug in torsionnet; report it with the model file): {error}"
             self._send(HTTPStatus.INTERNAL_SERVER_ERROR, _words(text), JSON)
 
     def _only(self, header: str) -> str | None:

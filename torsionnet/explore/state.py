@@ -85,11 +85,12 @@ def read_state(raw: object) -> State:
     {'c_O': '360 N*m*s/rad', 'tau': 3.3}
     """
     if not isinstance(raw, Mapping):
-        raise RequestError("a request is a JSON object with the state of the page")
+        raise RequestError("a request is a JSON object with entries such as values and band")
     known = [entry.name for entry in fields(State)]
     for key in raw:
         if key not in known:
-            raise RequestError(f'"{str(key)[:LONGEST_TEXT]}" is no entry of a state{did_you_mean(str(key), known)}')
+            hint = did_you_mean(str(key), known) or f"; there are {', '.join(known)}"
+            raise RequestError(f'"{str(key)[:LONGEST_TEXT]}" is no entry of a request{hint}')
     given: dict[str, Any] = {
         key: _text(raw, key) for key in ("axis", "output", "input", "excitation", "quantity", "angle") if key in raw
     }
@@ -123,7 +124,7 @@ def _known(key: str, value: str, known: tuple[str, ...]) -> None:
 def _table(raw: Mapping[str, Any], key: str) -> dict[str, Value]:
     table = raw[key]
     if not isinstance(table, Mapping) or len(table) > MOST_VALUES:
-        raise RequestError(f"{key} is an object of names and values, at most {MOST_VALUES}")
+        raise RequestError(f"{key} is a JSON object that gives names their values, at most {MOST_VALUES}")
     return {str(name): _value(f'{key} of "{str(name)[:40]}"', value, key) for name, value in table.items()}
 
 
@@ -134,7 +135,7 @@ def _value(what: str, value: Any, key: str) -> Value:
     if key == "values" and isinstance(value, int | float) and not isinstance(value, bool):
         if abs(value) < math.inf:
             return value
-        raise RequestError(f"{what}: a parameter needs a finite number")
+        raise RequestError(f"{what}: a parameter needs a finite number, as 360")
     form = "a number, or a text with a unit" if key == "values" else "a text"
     raise RequestError(f"{what}: expected {form}")
 
@@ -145,7 +146,7 @@ def _band(raw: object) -> tuple[float, float]:
         and len(raw) == 2
         and all(isinstance(end, int | float) and not isinstance(end, bool) for end in raw)
     ):
-        raise RequestError("a band is [lowest, highest] frequency in Hz")
+        raise RequestError("a band is a list of its lowest and highest frequency in Hz, as [1, 50]")
     low, high = raw
     if (low, high) != (0, 0) and not 0 < low < high <= HIGHEST_FREQUENCY:
         raise RequestError(

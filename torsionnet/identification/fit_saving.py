@@ -160,7 +160,7 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
     data = document.data
     if not isinstance(data, dict) or str(data.get(VERSION_KEY)) != str(FIT_FORMAT_VERSION):
         fault = Fault(
-            f"this is no result of a fit: it begins with {VERSION_KEY}: {FIT_FORMAT_VERSION}",
+            f"this is no result of a fit, which begins with {VERSION_KEY}: {FIT_FORMAT_VERSION}; name the file of one",
             position=document.position(),
         )
         raise ModelError([fault], file.name)

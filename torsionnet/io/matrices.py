@@ -90,7 +90,9 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
         )
     imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity != "torque"]
     if imposed:
-        raise UsageError(f"{', '.join(imposed)} imposes an angle; only torques are inputs of constant matrices")
+        raise UsageError(
+            f"{', '.join(imposed)} imposes an angle; constant matrices have only torques as inputs: make it one"
+        )
 
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:

@@ -82,7 +82,8 @@ def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, conf
         if match and match["name"] == output.name:
             parts[match["part"]] = (place, match["unit"])
     if len(parts) < 2:
-        raise UsageError(f"{file} has no columns of {output.name}")
+        text = f"{file} has no columns {output.name} real and {output.name} imag"
+        raise UsageError(f"{text}; write it with torsionnet orders --csv --output {output.name}")
     if "configuration" in heading:
         of = heading.index("configuration")
         known = dict.fromkeys(cells[of] for cells in chosen)

@@ -157,7 +157,12 @@ def _connections(
             text = f"a component begins with its first element: connect {pair[0]} to {first}, not to {pair[1]}"
             faults.append(Fault(text, (*path, 1)))
         elif target[0] in entered:
-            faults.append(Fault(f'component "{target[0]}" begins at two places; TORS holds no loops', (*path, 1)))
+            faults.append(
+                Fault(
+                    f'component "{target[0]}" begins at two places; connect it at one, as TORS holds no loops',
+                    (*path, 1),
+                )
+            )
         else:
             entered.add(target[0])
             onward[source] = (*onward.get(source, ()), target[0])

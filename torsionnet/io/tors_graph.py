@@ -152,10 +152,15 @@ def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
     joined = Groups(disks)
     for edge in edges:
         if not joined.join(edge.first, edge.second):
-            raise UsageError(f"{', '.join(edge.names)} closes a loop; TORS holds trees only")
+            raise UsageError(
+                f"{', '.join(edge.names)} closes a loop; TORS holds trees only: switch it off, or take another format"
+            )
     parts = [part[0] for part in joined.groups()]
     if len(parts) > 1:
-        raise UsageError(f"nothing connects {' and '.join(parts)} in this configuration; TORS holds one tree")
+        raise UsageError(
+            f"nothing connects {' and '.join(parts)} in this configuration; "
+            "TORS holds one tree: leave one of the two parts out"
+        )
 
 
 def _two(ends: list[str]) -> tuple[str, str]:

@@ -144,7 +144,7 @@ def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str
     """
     element = next((one for one in definition.active if one.name == name), None)
     if element is None:
-        raise UsageError(f"{name} is switched off in this configuration")
+        raise UsageError(f"{name} is switched off in this configuration, and has no torque there")
     node, _ = port_of(element, None)
     rows = [
         (owned.element, owned.part.row) for owned in owned_parts(definition, Values(values)) if _hands_on(owned.part)

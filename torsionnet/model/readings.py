@@ -88,7 +88,8 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
         own = port_of(element, sensor.at)[0] if sensor.quantity == "torque" else own_node(element.ports)
     path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
     if path is None:
-        raise UsageError(f"{sensor}: no ratio leads from {own} to {shaft} in this configuration")
+        text = f"{sensor}: no ratio leads from {own} to {shaft} in this configuration"
+        raise UsageError(f"{text}; close the clutch or gearbox in between, or measure at {own}")
     ratio = path.ratio(value)
     return 1 / ratio if sensor.quantity == "torque" else ratio
 

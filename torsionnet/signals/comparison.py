@@ -62,7 +62,9 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
     """
     _check_comparable(first, second)
     if not (first.has_phase and second.has_phase):
-        raise UsageError("the assurance criterion compares complex responses; one of these has magnitudes only")
+        raise UsageError(
+            "the assurance criterion compares complex responses, and one of these has no phase; give both with phase"
+        )
     common = np.abs(np.einsum("foi,foi->oi", first.values.conj(), second.values)) ** 2
     sizes = [np.einsum("foi,foi->oi", r.values.conj(), r.values).real for r in (first, second)]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -72,7 +74,9 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
 def _check_comparable(first: FrequencyResponse, second: FrequencyResponse) -> None:
     for what, one, other in (("output", first.outputs, second.outputs), ("input", first.inputs, second.inputs)):
         if _units(one) != _units(other):
-            raise UsageError(f"the {what}s differ: {_described(one)} against {_described(other)}")
+            raise UsageError(
+                f"the {what}s differ: {_described(one)} against {_described(other)}; compare the same quantities"
+            )
     if first.frequencies.shape != second.frequencies.shape or not np.allclose(
         first.frequencies, second.frequencies, rtol=1e-9, atol=0
     ):

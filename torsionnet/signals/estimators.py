@@ -164,9 +164,12 @@ def _check(
             f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}'
         )
     if estimator == "H2" and 1 < len(inputs) > len(outputs):
-        raise UsageError(f"H2 needs as many outputs as inputs; there are {len(outputs)} and {len(inputs)}")
+        counts = f"there are {len(outputs)} and {len(inputs)}"
+        raise UsageError(f"H2 needs as many outputs as inputs; {counts}: add outputs, or take H1")
     if estimator == "Hs" and noise_ratio is None and len(inputs) > 1:
-        raise UsageError("Hs of several inputs needs a noise ratio")
+        raise UsageError(
+            "Hs of several inputs needs a noise ratio, that of output noise to input noise: noise_ratio=..."
+        )
     if noise_ratio is not None and (estimator != "Hs" or not noise_ratio > 0):
         raise UsageError(f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}")
     if estimator == "Hr" and len(references) < len(inputs):

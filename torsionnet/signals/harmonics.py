@@ -113,7 +113,8 @@ def _checked(frequency: ArrayLike, count: int, points: int) -> FloatArray:
 def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
     first, last = np.searchsorted(cycles, [periods / 2, cycles[-1] - periods / 2])
     if last <= first:
-        raise UsageError(f"the sweep of {cycles[-1]:.3g} periods is too short for windows of {periods:g}")
+        text = f"the sweep of {cycles[-1]:.3g} periods is too short for windows of {periods:g}"
+        raise UsageError(f"{text}; take fewer periods")
     return [int(place) for place in np.unique(np.linspace(first, last - 1, points).round())]
 
 

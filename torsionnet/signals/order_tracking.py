@@ -94,7 +94,8 @@ def order_map(
     equal = np.arange(count) / per_turn
     length, step = revolutions * per_turn, max(1, round(revolutions * per_turn * (1 - overlap)))
     if count < length:
-        raise UsageError(f"the record of {turns[-1]:.3g} revolutions is too short for one window of {revolutions}")
+        text = f"the record of {turns[-1]:.3g} revolutions is too short for one window of {revolutions}"
+        raise UsageError(f"{text}; take fewer revolutions")
     times = np.interp(equal, turns, chosen.time)
     starts = np.arange(0, count - length + 1, step)
     middles, ends = starts + length // 2, np.minimum(starts + length, count - 1)

@@ -205,7 +205,7 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
     if steps and period != steps:
         raise UsageError(
             f"pulses are missing every {period} pulses, first at {times[0]:.6g} s: a wheel with a gap, of {period} "
-            f"steps per revolution with the missing ones; {steps:g} were given"
+            f"steps per revolution with the missing ones; give this number instead of {steps:g}"
         )
     return period
 

@@ -72,7 +72,7 @@ def _length(recording: Recording, window: float) -> Iterator[Fault]:
         yield Fault(f"{text}; record longer or take a shorter window", ("channels",))
     elif windows < FEWEST_WINDOWS:
         text = f"the record has only {windows:.2g} windows of {window:g} s: few averages, large random errors"
-        yield Fault(text, ("channels",), "warning")
+        yield Fault(f"{text}; record longer", ("channels",), "warning")
 
 
 def _times(recording: Recording) -> Iterator[Fault]:
@@ -81,7 +81,8 @@ def _times(recording: Recording) -> Iterator[Fault]:
         return
     if not np.all(np.diff(times) > 0):
         at = int(np.flatnonzero(~(np.diff(times) > 0))[0])
-        yield Fault(f"time stamps do not increase: {times[at + 1]:.9g} s follows {times[at]:.9g} s", ("time",))
+        text = f"time stamps do not increase: {times[at + 1]:.9g} s follows {times[at]:.9g} s"
+        yield Fault(f"{text}; cut the record there", ("time",))
         return
     if any(_counts_steps(signal) for signal in recording):
         yield from _pulses(times)
@@ -89,7 +90,8 @@ def _times(recording: Recording) -> Iterator[Fault]:
     found = gaps(times)
     if len(found):
         where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], MOST_LISTED)
-        yield Fault(f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}", ("time",))
+        text = f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}"
+        yield Fault(f"{text}; cut the record there", ("time",))
     spread = jitter(times)
     if spread > MOST_JITTER:
         text = f"sampling is not uniform: intervals vary by {100 * spread:.2g} % (standard deviation)"

@@ -109,7 +109,8 @@ class _Total:
         count = sum(self.runs)
         if self.first is None or count == 0:
             have = self.samples / self.first.sampling_rate if self.first else 0
-            raise UsageError(f"the record of {have:g} s is too short for one window of {self.settings.seconds:g} s")
+            text = f"the record of {have:g} s is too short for one window of {self.settings.seconds:g} s"
+            raise UsageError(f"{text}; take shorter windows (seconds)")
         rate, length = self.first.sampling_rate, len(self.weights)
         scale = np.full(len(self.sum), 2 / (rate * (self.weights @ self.weights) * count))
         scale[0] /= 2

@@ -97,7 +97,8 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
     chosen = decimate(chosen, settings.decimation)
     rate, count = chosen.sampling_rate, len(chosen)
     if count < settings.samples(rate):
-        raise UsageError(f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s")
+        text = f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s"
+        raise UsageError(f"{text}; take shorter windows (seconds)")
     weights, step = settings.weights(rate), settings.step(rate)
     slices = (count - len(weights)) // step + 1
     about = f"{count} samples in windows of {settings.seconds:g} s with {100 * settings.overlap:g} % overlap"

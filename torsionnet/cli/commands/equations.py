@@ -80,7 +80,9 @@ class EquationsCommand(ModelCommand):
             if given is not None and not self.pairs:
                 raise click.UsageError(f"{name} is about a transfer function; say which by --tf OUTPUT/INPUT")
         if self.band is not None and self.simplify is None:
-            raise click.UsageError("--band is that of --simplify, as in --simplify 1% --band 0.5 20")
+            raise click.UsageError(
+                "--band has no effect without --simplify; write --simplify 1% --band 0.5 20, or leave it out"
+            )
         if self.latex and self.form == "python":
             raise click.UsageError("--latex and --form python are two ways of writing; choose one")
 

@@ -103,7 +103,8 @@ class ExportCommand(ModelCommand):
         except UsageError as error:
             if not written.assembly.system.dynamic:
                 raise
-            raise UsageError(f"{error}; --viscous-at HZ makes springs and dampers of laws over frequency") from error
+            instead = "--viscous-at HZ replaces laws over frequency by springs and dampers with their values at HZ"
+            raise UsageError(f"{error}; {instead}") from error
 
     def _written(self, drivetrain: Drivetrain) -> Drivetrain:
         if self.viscous_at is None:
@@ -124,7 +125,7 @@ def _format(ending: str, form: str | None) -> str:
     if form is None and usual is None:
         raise click.UsageError(f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format')
     if form and usual and form != usual:
-        raise click.UsageError(f"a file ending in {ending} is of the format {usual}, not {form}")
+        raise click.UsageError(f"a file ending in {ending} is of the format {usual}, not {form}; change one of the two")
     return form or str(usual)
 
 

@@ -84,8 +84,8 @@ class FitCommand(Command):
         }
         if named := [option for option, given in asked.items() if given]:
             raise UsageError(
-                f"{' and '.join(named)}: the fit file names no parameters, so there is nothing "
-                "but a ranking; name parameters in it, or leave these options out"
+                f"{' and '.join(named)}: the fit file names no parameters, so that parameters are only "
+                "ranked; name those to be fitted under parameters: in it, or leave these options out"
             )
         from torsionnet.identification.fit_record import RankingRecord
 

@@ -74,7 +74,8 @@ class OrdersCommand(ModelCommand):
         conventions = Conventions(angle=self.angle)
         if self.measured and self.drawn != PICTURES[0]:
             raise UsageError(
-                "a measurement is drawn only over the amplitudes over speed: leave out --picture, or the measurement"
+                "a measurement can only be drawn into the plot of amplitudes over speed; leave out --picture, or the "
+                "measurement"
             )
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")

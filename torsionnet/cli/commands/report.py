@@ -173,7 +173,8 @@ def _measured(
         return Measured(whole, configuration)
     part = whole.between(*band)
     if not len(part.frequencies):
-        raise UsageError(f"{file} has nothing between {band[0]:g} and {band[1]:g} Hz; {whole!r}")
+        text = f"{file} has no frequency between {band[0]:g} and {band[1]:g} Hz; choose a band within what it has"
+        raise UsageError(f"{text}: {whole!r}")
     return Measured(part, configuration)
 
 

@@ -61,7 +61,10 @@ class StaticCommand(ModelCommand):
                     raise
                 message("note", f"left out {case.configuration}: {error}")
         if not found:
-            raise CutOffError("the load determines no mean torques in any of these configurations")
+            raise CutOffError(
+                "the load determines no mean torques in any of these configurations, for the reasons above; "
+                "name with -c one in which the shafts of the load turn together"
+            )
         return cases, found
 
 

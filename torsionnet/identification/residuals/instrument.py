@@ -99,7 +99,7 @@ def choose_instrument(
     own = {"": measurement.input, "H1": measurement.input, "H2": measurement.output}
     if asked in own:
         return Instrument(asked or "H1", own[asked])
-    why = "is not for the fit of a record; there is H1, H2, and Hr with a reference"
+    why = "is not for the fit of a record; choose H1, H2, or Hr with a reference"
     if asked == "Hr":
         why = f"needs a reference, such as a set-point {' or '.join(set_points(model, measurement.excitation))}"
     raise UsageError(f"{measurement.label}: {asked} {why}")

@@ -152,7 +152,8 @@ def windowed_estimate(
     X = segments.lines(x)
     if not len(X):
         raise UsageError(
-            f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after settling"
+            f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after "
+            "settling; take shorter windows (seconds)"
         )
     instrument, R = instrument.lines(X, lambda name: segments.lines(_from_rest(record, name)))
     if instrument.is_clean or instrument.plain:

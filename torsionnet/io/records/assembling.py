@@ -71,7 +71,7 @@ def recordings(source: Source, options: ReadOptions, file: str, seconds: float |
         yield _recording(source, choices, block, clock, file)
         done += len(block[0])
     if not done:
-        raise ModelError([Fault("there are no samples in the file")], file)
+        raise ModelError([Fault("there are no samples in the file; export the record again")], file)
 
 
 def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:

@@ -70,7 +70,7 @@ def _channel(name: str, part: Transducer | Encoder, plan: Plan, definition: Defi
     dimension = DIMENSION_OF.get(sensor.quantity, sensor.quantity)
     if isinstance(part, Encoder):
         if dimension != "angle":
-            yield Fault(f"an encoder measures an angle; {sensor} is measured by a transducer", on_key=True)
+            yield Fault(f"an encoder measures an angle; {sensor} needs a transducer instead", on_key=True)
         return
     if plan.acquisition.bits is not None and part.range is None:
         text = f"an analog input of {plan.acquisition.bits} bits divides a range; give the transducer one"

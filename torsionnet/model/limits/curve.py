@@ -134,7 +134,9 @@ class CurveLimit(Limit):
         if speeds[0] < low * (1 - 1e-9) or speeds[-1] > high * (1 + 1e-9):
             covered = f"{low * RPM:.6g} to {high * RPM:.6g} rpm"
             text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
-            yield Fault(f"{text}; the rest is not judged", (key,), "warning", on_key=True)
+            yield Fault(
+                f"{text}; other speeds are not judged, extend the table to them", (key,), "warning", on_key=True
+            )
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         sensor = self.sensor(subject)

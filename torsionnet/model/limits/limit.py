@@ -199,8 +199,8 @@ class Limit(Declared):
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
-            tolerance=self.tolerance, remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
-            orders=line.orders,
+            remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
+            orders=line.orders, tolerance=self.tolerance,
         )  # fmt: skip
 
 

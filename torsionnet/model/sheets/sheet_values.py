@@ -131,7 +131,8 @@ class SheetValues:
             self.faults.append(self.grid.fault(f'"{cell.text}" is not a number: {error}', cell))
             return None
         if not meaning.fits(unit.dimension):
-            self.faults.append(self.grid.fault(f'"{text}" is not a unit of {meaning.dimensions[0]}', cell))
+            said = f'"{text}" is not a unit of {meaning.dimensions[0]}; write one, as in {meaning.example}'
+            self.faults.append(self.grid.fault(said, cell))
             return None
         if column.unit is not None and (unit.factor, unit.dimension) != (column.unit.factor, column.unit.dimension):
             said = f'"{cell.text}" is in another unit than its heading says ("{column.unit_text}")'

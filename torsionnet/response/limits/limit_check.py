@@ -239,7 +239,7 @@ class LimitCheck(NotebookResult):
     def verdict(self) -> str:
         """Gravest of all verdicts on this configuration.
 
-        "incomplete" instead of "pass", "barred range" and "reduced speed" if no configuration was chosen although there are some.
+        "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
         """
         found = [one.verdict for one in self.verdicts]
         return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])

@@ -201,6 +201,8 @@ def _require_possible(element: Element, parts: Iterable[Part], value: Values, *,
             spec, number, measure=is_in_measure(spec, path), wanted=wanted
         )
         if wrong or (on and isinstance(spec, OnCurve) and spec.curve_fault(number)):
-            raise UsageError(f"{expression} is not possible")
+            raise UsageError(f"{expression} is not possible for {element.name}; check the range of what is varied")
     if negative_laws(element, [part for part in parts if isinstance(part, Law)]):
-        raise UsageError(f"{element.name} has a coefficient below zero")
+        raise UsageError(
+            f"{element.name} has a stiffness, damping or inertia below zero; check the range of what is varied"
+        )

@@ -162,7 +162,10 @@ def first_order(
     try:
         form = _condensed(_matrices(system, actions, kinds), *kinds, columns, states)
     except np.linalg.LinAlgError:
-        raise UsageError("the torques that follow the motion leave no unique motion of what has no inertia") from None
+        raise UsageError(
+            "the torques that follow the motion leave no unique motion of what has no inertia; "
+            "give its nodes inertia or dampers"
+        ) from None
     return close_loops_in_states(form, actions) if actions else form
 
 

@@ -224,7 +224,7 @@ def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
     moved = kinematics.reduced(channel.row)
     if moved.keys().isdisjoint(kinematics.coordinates):
         held = "its motion is imposed" if moved else immobility_text(channel)
-        raise UsageError(f"a torque on {where} moves nothing: {held}")
+        raise UsageError(f"a torque on {where} moves nothing: {held}; put it on a node that can turn")
     return channel
 
 
@@ -245,10 +245,13 @@ def _present(drivetrain: AssembledModel, name: str) -> Input:
     channel = drivetrain.inputs[name]
     missing = next((node for node in channel.nodes if node not in drivetrain.nodes), None)
     if missing is not None:
-        raise UsageError(f'input {name} acts on node "{missing}", which is not there in this configuration')
+        text = f'input {name} acts on node "{missing}", to which nothing is attached in this configuration'
+        raise UsageError(f"{text}; choose another input, or a configuration in which it is attached")
     if drivetrain.assembly.kinematics.holds_row(channel.row):
         which = f'"{channel.of}" is locked' if channel.against is None else immobility_text(channel)
-        raise UsageError(f"input {name} does nothing: {which} in this configuration")
+        raise UsageError(
+            f"input {name} does nothing: {which} in this configuration; choose another input or configuration"
+        )
     return channel
 
 
@@ -283,7 +286,7 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
         if channel == declared:
             return _present(drivetrain, name)
     raise UsageError(
-        f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
+        f"the model has no {channel}; an imposed angle must stand in its entry inputs:, a torque must act on its nodes"
     )
 
 

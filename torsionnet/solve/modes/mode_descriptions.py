@@ -50,14 +50,15 @@ def describe(
 def convergence_warnings(solution: EigenSolution) -> tuple[str, ...]:
     """Warnings about modes that were lost, or whose frequency-dependent stiffness did not converge."""
     lost = (
-        (f"{solution.missing} mode(s) could not be followed from the undamped model; it has more than are given",)
+        (f"{solution.missing} mode(s) could not be followed from the undamped model and are not listed",)
         if solution.missing
         else ()
     )
     if solution.converged.all():
         return lost
     stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
-    return (*lost, f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}")
+    text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
+    return (*lost, f"{text}; take these frequencies from a frequency response")
 
 
 def accuracy_warnings(errors: FloatArray) -> tuple[str, ...]:
@@ -65,7 +66,8 @@ def accuracy_warnings(errors: FloatArray) -> tuple[str, ...]:
     count = int(np.count_nonzero(errors > LARGEST_ERROR))
     if not count:
         return ()
-    return (f"{count} eigenvalues are uncertain, the worst by {errors.max():.1g} of its size",)
+    text = f"{count} eigenvalues are uncertain, the worst by {errors.max():.1g} of its size"
+    return (f"{text}; look for a stiffness, damping or inertia of a size far from the others",)
 
 
 def _rigid(assembly: Assembly, shape: ComplexArray) -> str:

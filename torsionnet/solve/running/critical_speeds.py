@@ -173,11 +173,11 @@ class _CrossingSearch:
 
     def notes(self) -> Iterator[str]:
         for where in operating_speed_notes(self.drivetrain.external_torques):
-            yield f"{where}; each critical speed is that of the mode with the values of this speed"
+            yield f"{where}; critical speeds are found with the values at this speed"
         for name, known in self.known.items():
             if known != self.limits:
                 text = f"the data of {name} do not go beyond the operating range"
-                yield f"{text}; its forces at critical speeds outside are those at the end of it"
+                yield f"{text}; at critical speeds outside, its torques are those at the nearer end"
 
     def _crossing(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
         low, high = excited_frequencies(line, self.speed_range)

@@ -51,7 +51,8 @@ def mean_response(
     nodes = [node for node in torques if node in drivetrain.nodes]
     if not nodes:
         raise UsageError(
-            f"mean torques act on {', '.join(torques)}, to which nothing is attached in this configuration"
+            f"mean torques act on {', '.join(torques)}, to which nothing is attached in this configuration; "
+            "choose a configuration in which they are attached"
         )
     wanted = resolve_request(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)

@@ -378,12 +378,14 @@ def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
     """Refuse an excitation on a node or element that is locked or switched off in this configuration."""
     if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
-        raise UsageError(f"{name} acts in {excitation.element_entry[1]}, which is switched off in this configuration")
+        off = f"{excitation.element_entry[1]}, which is switched off in this configuration"
+        raise UsageError(f"{name} acts in {off}; leave this excitation out")
     for node in excitation.nodes:
         channel = excitation.channel(node)
         missing = next((one for one in channel.nodes if one not in drivetrain.nodes), None)
         if missing is not None:
-            raise UsageError(f'{name} acts on "{missing}", to which nothing is attached in this configuration')
+            text = f'{name} acts on "{missing}", to which nothing is attached in this configuration'
+            raise UsageError(f"{text}; leave this excitation out")
         if drivetrain.assembly.kinematics.holds_row(channel.row):
             held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
             raise UsageError(f"{name} acts on {held} in this configuration and causes no vibration; leave it out")
@@ -421,6 +423,6 @@ def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
     """Revolutions of a shaft per revolution of the reference."""
     if node not in drivetrain.nodes:
         raise UsageError(
-            f'"{node}" is not there in this configuration, so that its orders have no speed; name another shaft'
+            f'"{node}" is not part of this configuration, so that its orders have no speed; name another shaft'
         )
     return cached_total_ratio(drivetrain, node, reference)

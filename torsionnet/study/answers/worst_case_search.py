@@ -117,7 +117,9 @@ class _Search:
         points = np.concatenate([points, np.full((1, self.d), 0.5)])
         self.offer(points, self.values(points))
         if not np.isfinite(self.best):
-            raise SolveError("none of the corners of the tolerances has a value")
+            raise SolveError(
+                "none of the corners of the tolerances has a value; narrow the tolerances, or try one corner alone"
+            )
         if self.d > MOST_WITH_ALL_CORNERS:
             self._into_bounds()
 

@@ -115,7 +115,7 @@ class DesignTolerances:
 
     def __post_init__(self) -> None:
         if not self.each:
-            raise UsageError("a robust design needs the tolerance of a parameter")
+            raise UsageError("a robust design needs the tolerance of at least one parameter")
 
     def even_draws(self, count: int, seed: int) -> IndependentDraws:
         """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""

@@ -140,7 +140,9 @@ def _evolved(
         algorithm = NSGA2(pop_size=population, sampling=first)
     found = minimize(asked, algorithm, ("n_gen", generations), seed=seed, verbose=False)
     if found.X is None or (np.atleast_2d(found.F) >= MISSING_OBJECTIVE).all():
-        raise SolveError("no design within the bounds was found that keeps all limits")
+        raise SolveError(
+            "no design within the bounds was found that keeps all limits; widen the bounds, or relax a limit"
+        )
     return method, np.atleast_2d(found.X)
 
 

@@ -66,7 +66,8 @@ class SpaceTolerances:
         for name in self.designed:
             if name in self.space.random_names and not self.space.nominal[name] > 0:
                 raise UsageError(
-                    f"{name} is {self.space.nominal[name]:g} in the model: its tolerance has no proportion"
+                    f"{name} is {self.space.nominal[name]:g} in the model, and a tolerance scales with "
+                    "it; give it a value above 0"
                 )
 
     def even_draws(self, count: int, seed: int) -> SpaceDraws:
@@ -128,7 +129,8 @@ class RobustDesign(SingleDesign):
             yield Fault("rejects are what exceeds limits: give limits", ("measure",))
         for name in self.design:
             if name in study.space.random_names and not study.space.nominal[name] > 0:
-                yield Fault(f"{name} is not above 0 in the model: its tolerance has no proportion", ("design", name))
+                text = f"{name} is not above 0 in the model, and a tolerance scales with it"
+                yield Fault(f"{text}; give it a value above 0, or leave it out of design", ("design", name))
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> RobustOptimum:
         del result

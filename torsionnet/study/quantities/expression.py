@@ -116,7 +116,8 @@ class QuantityExpression(StudyQuantity):
         curves = [one for one in parts.values() if one.is_curve]
         for one in curves[1:]:
             if one.over != curves[0].over or not np.array_equal(one.points, curves[0].points):
-                raise UsageError(f"{self.of}: curves over different points cannot be calculated with each other")
+                text = f"{self.of} combines curves over different points"
+                raise UsageError(f"{text}; give them the same frequencies or speeds, or take a number of each")
         unit = self._unit(parts) if self.unit is None else self.unit
         return QuantityForm(unit, curves[0].over, curves[0].points) if curves else QuantityForm(unit)
 

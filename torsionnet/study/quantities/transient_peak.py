@@ -172,11 +172,15 @@ class TransientPeak(StudyQuantity):
             return [Fault(f"the history determines {name}; leave it out", (name,), on_key=True) for name in given]
         faults = []
         if self.duration is None:
-            faults.append(Fault("a torque needs the duration that is simulated", on_key=True, kind="missing key"))
+            faults.append(
+                Fault(
+                    "a torque needs the duration that is simulated, as duration: 2 s", on_key=True, kind="missing key"
+                )
+            )
         if self.torque == 0:
-            faults.append(Fault("a torque of 0 moves nothing", ("torque",)))
+            faults.append(Fault("a torque of 0 moves nothing; give its size, as 500 N*m", ("torque",)))
         if self.shape in (None, STEP) and self.rise is not None:
-            faults.append(Fault("a step has no rise", ("rise",), on_key=True))
+            faults.append(Fault("a step has no rise; leave it out, or choose another shape", ("rise",), on_key=True))
         if self.shape not in (None, STEP) and self.rise is None:
             faults.append(Fault(f"a {str(self.shape).replace('_', ' ')} needs its rise", on_key=True))
         return faults

@@ -49,7 +49,8 @@ class StudyFolder:
         file = self.path / RECORD
         if not file.exists():
             if any(any((self.path / part).glob("*.*")) for part in ("chunks", ANSWERS)):
-                raise UsageError(f"{self.path} holds chunks but no {RECORD}; nothing says what they are of")
+                text = f"{self.path} holds results but no {RECORD}, which says what study they are of"
+                raise UsageError(f"{text}; choose another folder, or put a copy of {RECORD} back")
             write_text(file, record_text(record))
             return
         differing = record_differences(self.record(), json.loads(record_text(record)))
@@ -67,8 +68,8 @@ class StudyFolder:
                 raise ValueError("it is not the record of a study")
         except (OSError, ValueError) as error:
             raise UsageError(
-                f"{self.path / RECORD} cannot be read: {error}. Nothing else says what the chunks beside it are of; "
-                "choose another folder, or put a copy of it back"
+                f"{self.path / RECORD} cannot be read: {error}. Nothing else says which study the results beside "
+                "it are of; choose another folder, or put a copy of it back"
             ) from None
         return found
 

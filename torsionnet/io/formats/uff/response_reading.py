@@ -37,7 +37,7 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
     numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION_DATASET]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
-        text = "there is no frequency response (dataset 58 with function type 4) in the file"
+        text = "there is no frequency response (dataset 58 with function type 4) in the file; export transfer functions"
         raise ModelError([Fault(text)], path.name)
     first = functions[0][1]
     matrix, faults = ResponseMatrix(np.asarray(first["x"], dtype=float)), []
@@ -64,9 +64,9 @@ def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Faul
     label = f"dataset {number} ({pair[0]} over {pair[1]})"
     values = np.asarray(item["data"], dtype=complex)
     if not np.array_equal(np.asarray(item["x"], dtype=float), matrix.frequencies):
-        return [Fault(f"{label} has other frequencies than the first one")]
+        return [Fault(f"{label} has other frequencies than the first one; give it a file of its own")]
     if pair in matrix.pairs:
-        return [Fault(f"{label} is in the file twice")]
+        return [Fault(f"{label} is in the file twice; keep one of them")]
     try:
         (above, up), (below, down) = (
             _unit(item, axis, side) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
@@ -85,7 +85,8 @@ def _cohere(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[F
     if pair not in matrix.pairs or len(values) != len(matrix.frequencies):
         return [
             Fault(
-                f"dataset {number}: a coherence of {pair[0]} and {pair[1]} without a response at the same frequencies"
+                f"dataset {number}: a coherence of {pair[0]} and {pair[1]} without a response at the same frequencies; "
+                "add the response, or leave it out"
             )
         ]
     matrix.pairs[pair].coherence = np.asarray(values, dtype=float)
