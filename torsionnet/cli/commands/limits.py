@@ -24,7 +24,9 @@ class LimitsCommand(ModelCommand):
     """Whether shafts, couplings, gears and dampers bear what an engine does to them, and which speeds are barred.
 
     The model says what they bear in its entry limits: and what runs in excitations: and speeds:. Every limit is judged
-    at its worst speed: "pass", "barred range" (it holds outside of the speeds given), "fail", or "not judged". Between
+    at its worst speed: "pass", "barred range" (it holds outside of the speeds given), "reduced speed" (with a cylinder
+    out it holds up to a highest speed), "fail", or "not judged". With -c all the worst of every limit stands first;
+    what follows for operation is a table of instructions. Between
     the speeds of a range more are examined until the result does not depend on their step. The last line is the verdict
     on the model: "incomplete" unless all configurations (-c all) and limits were examined. Exit code 5 if a limit
     fails, 6 if none does but the verdict is "incomplete" or "not judged"; a barred range is no failure. --csv writes
@@ -67,7 +69,11 @@ class LimitsCommand(ModelCommand):
     ) -> Iterator[Table | str]:
         from torsionnet.model.excitations.engine_phases import conditions_running_alone
         from torsionnet.response.limits.limit_check import PASS
+        from torsionnet.response.limits.operating_instructions import instruction_table
 
+        if len(overall.checks) > 1:
+            yield replace(overall.worst_table(conventions), title=f"{cases[0].drivetrain.name}: worst of every limit")
+            yield ""
         table = self.combined_table(cases, [one.table(conventions) for one in overall.checks])
         yield replace(table, title=f"{cases[0].drivetrain.name}: limits", notes=())
         yield ""
@@ -80,6 +86,10 @@ class LimitsCommand(ModelCommand):
         for one in worse:
             yield f"{one.configuration}: {one.finding()}"
         if worse:
+            yield ""
+        instructions = instruction_table(overall.checks, conventions)
+        if instructions.rows:
+            yield instructions
             yield ""
         yield f"{cases[0].drivetrain.name}: {overall.verdict}: {overall.sentence}"
 

@@ -200,7 +200,7 @@ class Limit(Declared):
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
             remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
-            orders=line.orders, tolerance=self.tolerance,
+            orders=line.orders, tolerance=self.tolerance, in_passing=line.in_passing,
         )  # fmt: skip
 
 

@@ -21,11 +21,12 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_engines import engine_remarks
-from torsionnet.report.report_tables import table
+from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
 from torsionnet.response.limits.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.response.limits.limit_conclusion import LimitConclusion
+from torsionnet.response.limits.operating_instructions import instruction_table
 
 MOST_DRAWN = 8
 """Limits drawn over speed, each in its worst condition."""
@@ -38,7 +39,7 @@ def limits_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    blocks: list[Block] = [verdict(found), conclusion(found), *engine_remarks(subject)]
+    blocks: list[Block] = [verdict(found), conclusion(found), *_instructions(subject, found), *engine_remarks(subject)]
     names = list(dict.fromkeys(one.limit for check in found.checks for one in check.verdicts))
     blocks += [_verdicts(subject, found, name) for name in names]
     for number, name in enumerate(names[:MOST_DRAWN], 1):
@@ -60,6 +61,12 @@ def conclusion(found: LimitConclusion) -> TableBlock:
     rest = len(found.checks) - len(rows)
     notes = [f"{rest} further configurations are in the verdict."] if rest else []
     return table("Conclusion on stresses and limits", columns, rows, notes)
+
+
+def _instructions(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
+    """Table of operating instructions, where speeds are restricted."""
+    instructions = instruction_table(found.checks, subject.conventions)
+    return [results_table(instructions, "Operating instructions")] if instructions.rows else []
 
 
 def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableBlock:

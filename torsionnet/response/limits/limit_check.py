@@ -108,6 +108,8 @@ class LimitVerdict:
         Highest speed permitted in rad/s, where a cylinder is out and the rated or the highest speed would be barred.
     tolerance : float
         Relative error of the tachometer that is in ``barred``.
+    in_passing : bool
+        Whether no speed may exceed it, not even while it is passed.
     remarks : tuple of str
     orders : (n_speeds, n_lines) array, optional
         Amplitudes of the orders behind ``values``.
@@ -127,6 +129,7 @@ class LimitVerdict:
     barred: tuple[SpeedSpan, ...] = ()
     highest: float | None = None
     tolerance: float = 0.0
+    in_passing: bool = False
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
     absent: bool = False

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.result_rows import Out
+from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limits.limit_check import (
     FAIL,
@@ -22,6 +24,7 @@ from torsionnet.response.limits.limit_check import (
     listed_names,
     unexamined_sentence,
 )
+from torsionnet.response.limits.operating_instructions import Instruction, operating_instructions
 from torsionnet.response.limits.speed_spans import (
     SpeedSpan,
     joined_spans,
@@ -29,6 +32,7 @@ from torsionnet.response.limits.speed_spans import (
     rpm_spans,
     span_words,
 )
+from torsionnet.response.table import Column, Table
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,7 @@ class ConclusionRecord:
     not_examined: tuple[str, ...]
     left_out: tuple[str, ...]
     barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    instructions: tuple[Instruction, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +90,12 @@ class LimitConclusion:
     def records(self) -> list[LimitsRecord]:
         """Limits of every configuration as plain data, for JSON."""
         overall = ConclusionRecord(
-            self.verdict, self.sentence, self.not_examined, self.left_out, rpm_spans(self.barred)
+            self.verdict,
+            self.sentence,
+            self.not_examined,
+            self.left_out,
+            rpm_spans(self.barred),
+            operating_instructions(self.checks),
         )
         return [
             LimitsRecord(
@@ -120,6 +130,19 @@ class LimitConclusion:
     def barred(self) -> tuple[SpeedSpan, ...]:
         """Speeds to be barred in any configuration, joined where they overlap."""
         return joined_spans([span for one in self.checks for span in one.barred])
+
+    def worst_table(self, conventions: Conventions = SI) -> Table:
+        """Table with a row for each criterion, in the configuration and at the speed where it is used most."""
+        worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
+        for check, one in self._verdicts():
+            known = worst.get((one.limit, one.criterion))
+            if known is None or _use(one) > _use(known[1]):
+                worst[one.limit, one.criterion] = (check, one)
+        tables = [replace(check, verdicts=(one,)).table(conventions) for check, one in worst.values()]
+        names = [check.configuration for check, _ in worst.values()]
+        rows = [(name, *table.rows[0]) for name, table in zip(names, tables, strict=True)]
+        rows.sort(key=lambda row: -(row[8] if row[8] is not None else math.inf))
+        return Table("worst of all configurations", (Column("configuration"), *tables[0].columns), tuple(rows))
 
     @property
     def sentence(self) -> str:
@@ -190,3 +213,7 @@ class LimitConclusion:
         if len(self.configurations) > 1 and len(named) == len(self.configurations):
             return f" in all {len(named)} configurations"
         return f" in {listed_names(named)}"
+
+
+def _use(one: LimitVerdict) -> float:
+    return -1.0 if one.worst is None else float(one.utilisation[one.worst])

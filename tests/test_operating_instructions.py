@@ -1,0 +1,129 @@
+"""Operating instructions: ranges outward and highest speeds down to 1 rpm, conditions joined, and what they rest on."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_cli import run
+from test_limits import RPM, hump, m68, stressed
+
+import torsionnet as tn
+from torsionnet.core.result_rows import json_schema
+from torsionnet.report.document_tree import TableBlock, inlines
+from torsionnet.report.report import make_report
+from torsionnet.response.limits.limit_check import LimitCheck
+from torsionnet.response.limits.limit_conclusion import ConclusionRecord, LimitConclusion
+from torsionnet.response.limits.operating_instructions import instruction_table, operating_instructions
+
+
+def check(found, configuration="", misfiring=False):
+    """Check of a ship's shaft with these verdicts."""
+    speeds = RPM * np.arange(20.0, 104.01, 0.5)
+    names = ("normal", "other", "misfire")
+    return LimitCheck(
+        speeds, "crank", tuple(found.values()), configuration=configuration, misfiring=misfiring,
+        configurations=names, others=tuple(name for name in names if name != configuration),
+    )  # fmt: skip
+
+
+class TestMisfire:
+    """What cannot be passed with a cylinder out limits the speed; nothing "holds" then."""
+
+    def test_a_range_with_rated_speed_in_it_is_a_highest_speed(self):
+        found = stressed(hump(70, 100), m68(), misfire=True)["tau_C"]
+        assert found.verdict == "reduced speed"
+        assert found.highest / RPM == pytest.approx(16 * 100 / 17, rel=1e-6)
+        assert found.passed == ()
+        assert found.restrictions == "at most 94 rpm"
+
+    def test_in_normal_firing_it_fails_and_nothing_is_to_be_barred(self):
+        found = stressed(hump(70, 88), m68())["tau_C"]
+        assert (found.verdict, found.barred, found.highest) == ("fail", (), None)
+        assert check({"tau_C": found}).finding() == "shaft does not hold"
+
+    def test_a_range_below_stays_to_be_passed(self):
+        both = lambda rpm: max(hump(70, 100)(rpm), hump(90, 50)(rpm))  # noqa: E731
+        found = stressed(lambda rpm: [both(one) for one in rpm], m68(), misfire=True)["tau_C"]
+        assert found.restrictions == "at most 94 rpm, 45.7 to 54.7 rpm barred"
+        said = check({"tau_C": found}, "misfire", misfiring=True).finding(" in misfire")
+        assert said == "with a cylinder out in misfire: at most 94 rpm of crank, 45.7 to 54.7 rpm barred"
+
+    def test_a_speed_for_safe_navigation_above_it_fails(self):
+        found = stressed(hump(70, 97, width=0.5), m68(safe_speed="104 rpm"), misfire=True)["tau_C"]
+        assert found.verdict == "fail"
+        assert found.remarks[0] == "safe_speed is above the highest speed permitted: at most 91 rpm"
+
+    def test_exceeded_from_the_lowest_speed_on_nothing_is_permitted(self):
+        found = stressed(lambda rpm: 500 + 0 * rpm, m68(), misfire=True)["tau_C"]
+        assert (found.verdict, found.barred) == ("fail", ())
+        assert "exceeded at all speeds" in found.remarks
+
+
+class TestInstructions:
+    """Rows for the crew."""
+
+    def test_a_barred_range(self):
+        found = stressed(hump(90, 50), m68(tachometer_tolerance="2 %"))
+        (one,) = operating_instructions([check(found, "normal")])
+        assert (one.from_rpm, one.to_rpm) == (math.floor(0.98 * 0.91429 * 50), math.ceil(1.02 * 1.09375 * 50))
+        assert (one.tolerance, one.limit, one.criterion, one.shaft) == (0.02, "shaft", "tau_C", "crank")
+        assert one.value == pytest.approx(90e6)
+        assert one.allowed == pytest.approx(66.562e6, rel=1e-4)
+        assert one.allowed_in_passing == pytest.approx(1.7 * 66.562e6, rel=1e-4)
+        assert one.action == "pass without stopping"
+
+    def test_ranges_that_overlap_are_one_with_the_worst_value(self):
+        first, second = stressed(hump(90, 50), m68()), stressed(hump(100, 53), m68())
+        (one,) = operating_instructions([check(first, "normal"), check(second, "other")])
+        assert one.conditions == ("normal", "other")
+        assert one.value == pytest.approx(100e6)
+        assert (one.from_rpm, one.to_rpm) == (45, math.ceil((18 - 0.53) / 16 * 53))
+
+    def test_conditions_with_a_cylinder_out_are_apart(self):
+        normal, out = stressed(hump(90, 50), m68()), stressed(hump(70, 100), m68(), misfire=True)
+        found = operating_instructions([check(normal, "normal"), check(out, "misfire", misfiring=True)])
+        assert [one.conditions for one in found] == [("normal",), ("misfire",)]
+        assert (found[1].from_rpm, found[1].to_rpm) == (94, None)
+        assert found[1].action == "not above 94 rpm, reduce power"
+        whole = LimitConclusion((check(normal, "normal"), check(out, "misfire", misfiring=True)))
+        assert whole.verdict == "incomplete"
+        assert "limits hold with 45.7 to 54.7 rpm of crank barred for normal" in whole.sentence
+        assert whole.sentence.endswith("with a cylinder out in misfire: at most 94 rpm of crank")
+
+    def test_whole_numbers_stay(self):
+        found = stressed(hump(90, 50), m68())["tau_C"]
+        span = type(found.barred[0])(45 * RPM, 56 * RPM)
+        (one,) = operating_instructions([check({"tau_C": replace(found, barred=(span,))})])
+        assert (one.from_rpm, one.to_rpm) == (45, 56)
+
+    @pytest.mark.parametrize(
+        ("stress", "last"),
+        [
+            (hump(10, 50), "No restrictions."),
+            (hump(90, 50), "No other restrictions."),
+            (hump(130, 50), "Not to be run as it is: shaft not kept."),
+        ],
+    )
+    def test_what_stands_below(self, stress, last):
+        assert instruction_table([check(stressed(stress, m68()))]).notes == (last,)
+
+
+def test_command_and_report_show_them():
+    result = run("limits", "two_stroke_ship", "-c", "all")
+    lines = result.stdout.splitlines()
+    assert lines[-1].endswith(
+        "reduced speed: limits hold in normal, misfire_2; with a cylinder out in misfire: at most 97 rpm of flywheel"
+    )
+    assert lines[0].endswith("worst of every limit")
+    assert lines[5].split()[:4] == ["misfire", "tail", "tail", "tau_C"]
+    assert lines.index("operating instructions") > 0
+    overall = json.loads(run("limits", "two_stroke_ship", "-c", "all", "--json").stdout)[0]["overall"]
+    (one,) = overall["instructions"]
+    assert one["conditions"] == ["misfire"]
+    assert (one["from_rpm"], one["to_rpm"], one["criterion"]) == (97, None, "tau_C")
+    assert set(json_schema(ConclusionRecord)["properties"]) == set(overall)
+    report = make_report(tn.load("two_stroke_ship"), sections=["limits"], date=None)
+    captions = [inlines(block.caption) for block in report.sections[0].blocks if isinstance(block, TableBlock)]
+    assert ("Operating instructions",) in captions

@@ -1,0 +1,154 @@
+"""Operating instructions that follow from checks of limits: speeds to pass, highest speeds, values and markings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+
+from torsionnet.core.result_rows import Out
+from torsionnet.core.units import RPM
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.limits.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans
+from torsionnet.response.table import Table, result_table
+
+WHOLE_RPM = 1e-9
+"""Share of a speed by which rounding may miss a whole number of rpm that is meant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Instruction:
+    """Instruction to the crew on a range of speeds: where it lies, what limits it there, and what is to be done.
+
+    Attributes
+    ----------
+    conditions : tuple of str
+        Configurations in which it holds.
+    shaft : str
+        Node whose speed the tachometer shows.
+    tolerance : float
+        Relative error of the tachometer that is in the speeds.
+    from_rpm, to_rpm : int or None
+        Speeds rounded outward to 1 rpm; None where there is no such end.
+    limit, criterion : str
+        Limit that is used most in the range.
+    value, allowed, allowed_in_passing : float
+        Its largest value there, and what it may be in continuous operation and in passing at that speed, SI; NaN where
+        no rule says it.
+    unit, action, marking : str
+    """
+
+    conditions: tuple[str, ...]
+    condition: Annotated[str, Out("condition", json=None)]
+    shaft: Annotated[str, Out("shaft")]
+    tolerance: Annotated[float, Out("tachometer", "%", "tachometer_tolerance", factor=100, digits=3)]
+    from_rpm: Annotated[int | None, Out("from", "rpm")]
+    to_rpm: Annotated[int | None, Out("to", "rpm")]
+    limit: Annotated[str, Out("limit")]
+    criterion: Annotated[str, Out("criterion")]
+    value: Annotated[float, Out("value", digits=4)]
+    allowed: Annotated[float, Out("allowed", digits=4)]
+    allowed_in_passing: Annotated[float, Out("in passing", digits=4)]
+    unit: Annotated[str, Out("unit")]
+    action: Annotated[str, Out("action")]
+    marking: Annotated[str, Out("marking")]
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Limit in a condition, at the speed of a range at which it is used most."""
+
+    check: LimitCheck
+    verdict: LimitVerdict
+    span: SpeedSpan
+    at: int
+
+    @property
+    def utilisation(self) -> float:
+        return float(self.verdict.utilisation[self.at])
+
+
+def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, ...]:
+    """Instructions that follow from checks of one model; ranges that overlap in several conditions are one.
+
+    Conditions with a cylinder out and with normal firing are kept apart. Speeds to be barred are rounded outward to
+    1 rpm, the highest speed permitted is rounded down.
+    """
+    found: list[Instruction] = []
+    for misfiring in (False, True):
+        those = [one for one in checks if one.misfiring == misfiring]
+        passed = [place for one in those for place in _passed(one)]
+        for span in joined_spans([place.span for place in passed]):
+            inside = [place for place in passed if span.low <= place.span.low <= span.high]
+            low, high = _whole(span.low, math.floor), _whole(span.high, math.ceil)
+            action, marking = "pass without stopping", "tachometer red; notice at each control station"
+            found.append(_instruction(inside, low, high, action, marking))
+        reduced = [place for one in those for place in _reduced(one)]
+        if reduced:
+            highest = _whole(min(place.span.low for place in reduced), math.floor)
+            action, marking = f"not above {highest} rpm, reduce power", "notice at each control station"
+            found.append(_instruction(reduced, highest, None, action, marking))
+    return tuple(found)
+
+
+def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = SI, title: str = "") -> Table:
+    """Table of operating instructions from checks of one model, with what else restricts operation below it."""
+    rows = operating_instructions(checks)
+    failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
+    shown = [_in_units(one, conventions) for one in rows]
+    last = "No other restrictions." if rows else "No restrictions."
+    if failed:
+        last = f"Not to be run as it is: {listed_names(list(failed))} not kept."
+    return result_table(title or "operating instructions", shown, Instruction, notes=[last])
+
+
+def _passed(check: LimitCheck) -> Iterator[_Place]:
+    for one in check.verdicts:
+        for span in one.passed:
+            yield _Place(check, one, span, _worst(check, one, span))
+
+
+def _reduced(check: LimitCheck) -> Iterator[_Place]:
+    for one in check.verdicts:
+        if one.highest is not None:
+            span = SpeedSpan(one.highest, float(check.speeds[-1]))
+            yield _Place(check, one, span, _worst(check, one, span))
+
+
+def _worst(check: LimitCheck, one: LimitVerdict, span: SpeedSpan) -> int:
+    inside = (check.speeds >= span.low) & (check.speeds <= span.high)
+    return int(np.argmax(np.where(inside, np.nan_to_num(one.utilisation), -1.0)))
+
+
+def _instruction(places: Sequence[_Place], low: int, high: int | None, action: str, marking: str) -> Instruction:
+    worst = max(places, key=lambda place: place.utilisation)
+    check, one, at = worst.check, worst.verdict, worst.at
+    conditions = tuple(dict.fromkeys(place.check.configuration for place in places))
+    passing = [float(other.allowed[at]) for other in check.verdicts if other.limit == one.limit and other.in_passing]
+    return Instruction(
+        conditions, listed_names([name or "as written" for name in conditions]), check.reference,
+        max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
+        float(one.values[at]), float(one.allowed[at]), min(passing, default=math.nan), one.unit, action, marking,
+    )  # fmt: skip
+
+
+def _in_units(one: Instruction, conventions: Conventions) -> Instruction:
+    scale = conventions.scale(one.unit)
+    return replace(
+        one,
+        value=one.value * scale,
+        allowed=one.allowed * scale,
+        allowed_in_passing=one.allowed_in_passing * scale,
+        unit=conventions.unit(one.unit),
+    )
+
+
+def _whole(speed: float, rounded: Callable[[float], int]) -> int:
+    """Speed in rad/s as whole rpm, rounded up or down where it is not one."""
+    rpm = speed * RPM
+    nearest = round(rpm)
+    return nearest if abs(rpm - nearest) <= WHOLE_RPM * rpm else rounded(rpm)
