@@ -16,6 +16,7 @@ from torsionnet.report.report import make_report
 from torsionnet.response.limits.limit_check import LimitCheck
 from torsionnet.response.limits.limit_conclusion import ConclusionRecord, LimitConclusion
 from torsionnet.response.limits.operating_instructions import instruction_table, operating_instructions
+from torsionnet.response.limits.speed_spans import SpeedSpan
 
 
 def check(found, configuration="", misfiring=False):
@@ -94,9 +95,10 @@ class TestInstructions:
 
     def test_whole_numbers_stay(self):
         found = stressed(hump(90, 50), m68())["tau_C"]
-        span = type(found.barred[0])(45 * RPM, 56 * RPM)
-        (one,) = operating_instructions([check({"tau_C": replace(found, barred=(span,))})])
-        assert (one.from_rpm, one.to_rpm) == (45, 56)
+        for low in range(21, 100):
+            span = SpeedSpan(low * RPM, (low + 3) * RPM)
+            (one,) = operating_instructions([check({"tau_C": replace(found, barred=(span,))})])
+            assert (one.from_rpm, one.to_rpm) == (low, low + 3)
 
     @pytest.mark.parametrize(
         ("stress", "last"),
