@@ -23,6 +23,7 @@ CASES = {
 }
 IN_TEST_PAPER = {"amt_rig", "dmf_rig"}
 RUNNING = {
+    "bulk_carrier",
     "engine_generator_set",
     "front_wheel_drive_car",
     "marine_medium_speed",

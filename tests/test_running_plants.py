@@ -168,6 +168,70 @@ class TestTwoStroke:
         assert worst_speed(run, 6, "T_int") == pytest.approx(5.2121 * 60 / 6, abs=1)
 
 
+class TestBulkCarrier:
+    """Nine inertias in a row, with the matrices written down here."""
+
+    G, DENSITY = 79.3e9, 7850.0
+    SHAFTS = ((0.44, 6.0), (0.5, 5.0))
+
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("bulk_carrier").configured("normal")
+
+    def matrices(self, rpm):
+        """Inertia, damping and stiffness (9, 9) at a speed; half the inertia of each shaft at either end."""
+        polar = np.array([np.pi * d**4 / 32 for d, _ in self.SHAFTS])
+        lengths = np.array([length for _, length in self.SHAFTS])
+        of_shafts = self.DENSITY * polar * lengths
+        inertia = np.array([9500.0] * 6 + [12000, 0, 52000])
+        inertia[6:8] += of_shafts / 2
+        inertia[7:9] += of_shafts / 2
+        k = np.array([900e6] * 5 + [1.1e9, *(self.G * polar / lengths)])
+        c = np.array([300e3] * 6 + [*(2 * 0.008 * k[6:] / (2 * np.pi * 5))])
+        shape = np.eye(8, 9) - np.eye(8, 9, 1)
+        water = 30 * 7e6 / (105 / RPM) * (rpm / 105) ** 2 / rpm
+        damping = shape.T @ np.diag(c) @ shape
+        damping[8, 8] += water
+        return np.diag(inertia), damping, shape.T @ np.diag(k) @ shape
+
+    def test_natural_frequencies(self, plant):
+        inertia, _, stiffness = self.matrices(105)
+        expected = np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(inertia, stiffness)))) / (2 * np.pi)
+        found = plant.modes().undamped_natural_frequencies
+        assert found[1:4] == pytest.approx(np.sort(expected)[1:4], rel=2e-3)
+        assert found[1] * 60 / 6 == pytest.approx(51, abs=0.5)
+
+    def test_order_six_in_the_intermediate_shaft(self, plant):
+        """All cylinders are in phase then; no order of the reciprocating mass is left at order 6."""
+        engine = engine_of("bulk_carrier")
+        run = plant.order_response("T_int")
+        k, c = self.G * np.pi * 0.44**4 / 32 / 6, 2 * 0.008 / (2 * np.pi * 5)
+        expected = []
+        for rpm in run.rpm:
+            inertia, damping, stiffness = self.matrices(rpm)
+            omega = 6 * rpm / RPM
+            torque = (rpm / 105) ** 2 * gas_harmonic(engine, "fired", 6)
+            load = np.array([torque] * 6 + [0] * 3)
+            angle = np.linalg.solve(stiffness + 1j * omega * damping - omega**2 * inertia, load)
+            expected.append(abs(k * (1 + 1j * omega * c) * (angle[6] - angle[7])))
+        found = np.abs(run.of_order(6, "T_int"))
+        assert found.max() == pytest.approx(max(expected), rel=0.01)
+        assert run.rpm[np.argmax(found)] == pytest.approx(run.rpm[np.argmax(expected)], abs=0.3)
+
+    def test_it_lies_between_what_it_may_be_in_operation_and_in_passing(self, plant):
+        found = {(one.limit, one.criterion): one for one in plant.check_limits().verdicts}
+        tau_c, tau_t = (found["intermediate", name] for name in ("tau_C", "tau_T"))
+        assert (tau_c.verdict, tau_t.verdict) == ("barred range", "pass")
+        assert tau_c.values.max() / 1e6 == pytest.approx(68.5, abs=0.2)
+        at = int(np.argmax(tau_c.values))
+        # (560 + 160)/18 (0.35 + 0.93 440^-0.2) (3 - 2 (51/105)^2), and 1.7 times that
+        allowed = 40 * (0.35 + 0.93 * 440**-0.2) * (3 - 2 * (51.07 / 105) ** 2)
+        assert tau_c.allowed[at] / 1e6 == pytest.approx(allowed, rel=1e-3)
+        assert tau_t.allowed[at] / 1e6 == pytest.approx(1.7 * allowed, rel=1e-3)
+        assert tau_c.barred[0].high < 0.8 * 105 / RPM
+
+
 class TestCar:
     @pytest.fixture(scope="class")
     @staticmethod
