@@ -48,6 +48,7 @@ def command(*arguments):
     [
         pytest.param("import torsionnet", ALL_BUT_THE_READER, id="import torsionnet"),
         pytest.param(command("--help"), HEAVY, id="torsionnet --help"),
+        pytest.param(command("new", "--help"), ALL_BUT_THE_READER, id="torsionnet new --help"),
         pytest.param(command("check", "dmf_rig"), ALL_BUT_THE_READER, id="torsionnet check dmf_rig"),
     ],
 )
@@ -57,7 +58,7 @@ def test_loads_no_heavy_package(body, unwanted, pytestconfig):
     assert loaded & unwanted == set()
 
 
-@pytest.mark.parametrize("name", ["modes", "library", "static", "study"])
+@pytest.mark.parametrize("name", ["modes", "library", "new", "static", "study"])
 def test_help_of_a_command_reads_no_entries(name, pytestconfig):
     """What makes JSON of results, and what a notebook shows, wait until one is asked for."""
     loaded = loaded_modules(command(name, "--help"), pytestconfig.rootpath)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from torsionnet.cli.commands.new import KINDS
+
 pytestmark = pytest.mark.slow
 
 FIND_LIBRARY = """
@@ -56,6 +58,7 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
     templates = Path(__file__).parents[1] / "torsionnet" / "report" / "writers" / "templates"
     assert files >= {f"torsionnet/report/writers/templates/{template.name}" for template in templates.iterdir()}
     assert "torsionnet/report/texts.yaml" in files
+    assert files >= {f"torsionnet/cli/starting_models/{kind}.yaml" for kind in KINDS}
     sources = Path(__file__).parents[1] / "torsionnet" / "io" / "fmu" / "c"
     assert files >= {f"torsionnet/io/fmu/c/{source.name}" for source in sources.iterdir()}
     assert {name.split("/")[0].split("-")[0] for name in files} == {"torsionnet"}

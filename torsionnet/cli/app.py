@@ -16,6 +16,7 @@ from torsionnet.core.version import __version__
 
 COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
     "library": "The models, parts and catalogues that come with the package.",
+    "new": "A commented model file to start from: ship, genset, rig, train, turbine.",
     "check": "Is a model sound? Every fault with its place in the file.",
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
     "equations": "Equations of motion and transfer functions in symbols.",
