@@ -52,17 +52,17 @@ class Assembly:
 
     @property
     def T(self) -> FloatArray:
-        """Angles theta = T q of all nodes as an array (n_nodes, n_q): not for large systems."""
+        """Matrix T (n_nodes, n_q) of the node angles theta = T q, a dense array: not for large systems."""
         return self.node_rows.dense
 
     @property
     def S(self) -> FloatArray:
-        """Angles theta = S x of all nodes as an array (n_nodes, n_x)."""
+        """Matrix S (n_nodes, n_x) of the node angles theta = S x that follow the imposed angles x."""
         return self.imposed_node_rows.dense
 
     @property
     def imposed_rows(self) -> FloatArray:
-        """Part of each law's angle gamma that follows the imposed angles, an array (n_laws, n_x)."""
+        """Matrix (n_laws, n_x) of the part of each law's angle gamma that follows the imposed angles."""
         return self.imposed_law_rows.dense
 
     @cached_property
@@ -76,7 +76,7 @@ class Assembly:
         return free, imposed
 
     def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
-        """Row over column numbers (coordinates, then imposed angles) from a row over their names."""
+        """Coefficients of a row by column number (coordinates, then imposed angles) from those by name."""
         return {self._column[name]: number(coefficient) for name, coefficient in row.items()}
 
     @cached_property
@@ -97,7 +97,7 @@ class Assembly:
 
     @cached_property
     def laws(self) -> tuple[Law, ...]:
-        """Laws behind the rows of ``system``, with exact coefficients."""
+        """Laws (inertia, damping, stiffness) of the rows of ``system``, in their order, with exact coefficients."""
         return tuple(law for _, law in self.kinematics.laws if law.acts)
 
     @cached_property
@@ -113,7 +113,7 @@ def assemble(
     referred_to: tuple[str, ...] = (),
     like: Assembly | None = None,
 ) -> Assembly:
-    """Assemble a drivetrain in one configuration from its exact parameter values.
+    """Assembly of a drivetrain in one configuration, in numbers, from its exact parameter values.
 
     Where ``like``, of another configuration, has the same rows, they and all that was worked out from them are shared.
     """

@@ -12,11 +12,12 @@ from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import errors_in_form, parts
 
 REPORTED_BIAS = 0.5
-"""Bias in standard errors above which a verdict reports it."""
+"""Bias of a fitted value, in standard errors, above which a verdict reports it, as a smaller one is lost in the
+error."""
 
 
 def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """Mean of the weighted residuals by squared noise (n_residuals,), from the sensor noise that the fit estimated."""
+    """Mean that squared noise gives to the weighted residuals, (n_residuals,), from the sensor noise of the fit."""
     shifts = np.zeros(len(problem.residuals(values)))
     for block, span, place in zip(problem.blocks, problem.residual_slices, problem.unknown_indices, strict=True):
         if isinstance(block, RecordBlock):
@@ -34,7 +35,7 @@ def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
-    """Bias that squared noise gives the difference of model and test at each line, shape (n_b,)."""
+    """Bias that squared noise gives to model minus test at each line of a record, complex, SI, (n_b,)."""
     windowed, (on_output, on_input) = block.windowed, block.sources
     rows = windowed.rows
     own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]

@@ -1,4 +1,4 @@
-"""Measurement for a fit, data, channels, band and the configuration it was made in."""
+"""Measurement for a fit with its data, channels, band, and the configuration of the rig it was made in."""
 
 from __future__ import annotations
 
