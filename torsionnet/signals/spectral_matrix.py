@@ -58,6 +58,6 @@ class CrossSpectra:
         return [known.index(name) for name in wanted]
 
     def between(self, first: Iterable[str], second: Iterable[str]) -> ComplexArray:
-        """Cross spectral densities between two groups of signals in SI/Hz, complex, (n_f, n_first, n_second)."""
+        """Cross spectral densities of two groups of signals, SI units per Hz, (n_f, n_first, n_second), complex."""
         rows, columns = self.indices(first), self.indices(second)
         return self.matrix[np.ix_(range(len(self.frequencies)), rows, columns)]
