@@ -1,4 +1,4 @@
-"""Transfer functions of actions (controllers, fluid couplings): torques that follow a motion, in exact numbers."""
+"""Transfer functions of actions (controllers, fluid couplings), whose torques follow a motion, in exact numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Model of a drivetrain with its assembly: coordinates, rows and coefficients for the solvers."""
+"""Model of a drivetrain with its assembly, the coordinates, rows and coefficients that solvers use."""
 
 from __future__ import annotations
 

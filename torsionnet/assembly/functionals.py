@@ -1,4 +1,4 @@
-"""Readings of sensors as linear functionals of the motion and of applied torques.
+"""Readings of sensors as linear expressions of the motion and of applied torques.
 
 Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, and a direct share of applied torques, which
 only the torque through a rigid connection has. Solvers that care about accuracy keep the gap of such a connection as a

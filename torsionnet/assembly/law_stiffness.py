@@ -1,4 +1,4 @@
-"""Dynamic stiffness of every law over frequency, and over variants of the parameters.
+"""Dynamic stiffness of every law in N m/rad over frequency, and over variants of the parameters.
 
 Solvers work on points: one point is one frequency of one variant, all frequencies of the first variant first.
 """
@@ -110,7 +110,7 @@ class LawStiffness:
         )
 
     def with_sampled_stiffness(self, values: ComplexArray) -> LawStiffness:
-        """Dynamic stiffness given by values (n_laws, n_f) in N m/rad for one variant, at the same frequencies."""
+        """Dynamic stiffness of all laws given by values (n_laws, n_f) in N m/rad, for one variant."""
         nothing = np.zeros((1, self.n_laws))
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
@@ -142,7 +142,7 @@ class LawStiffness:
 
     @cached_property
     def _columns(self) -> list[tuple[Any, Any, Any]]:
-        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, None where there is none.
+        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each None where the law has none.
 
         They are numbers for one variant, else (n_variants, 1) arrays.
         """
@@ -210,7 +210,7 @@ class LawStiffness:
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness in N m/rad of every law of variants of a drivetrain at omega (rad/s).
+    """Dynamic stiffness in N m/rad of every law of a drivetrain's variants, at omega in rad/s.
 
     ``omega`` is (n_f,), or (n_variants, n_f) where every variant has frequencies of its own.
 

@@ -80,7 +80,7 @@ class Rows:
 
     @cached_property
     def csr(self) -> Any:
-        """Rows as a scipy.sparse.csr_array (n_rows, n_columns)."""
+        """Sparse rows as a scipy.sparse.csr_array (n_rows, n_columns)."""
         from scipy import sparse
 
         indices = [column for row in self.maps for column in row]
@@ -91,7 +91,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class RowSystem:
-    """Rows and coefficients of every law of a drivetrain, in the kept coordinates q.
+    """Rows of all laws of a drivetrain over the kept coordinates q, with inertia, damping and stiffness of each in SI.
 
     Attributes
     ----------

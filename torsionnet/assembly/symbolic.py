@@ -22,7 +22,7 @@ from torsionnet.model.elements import Action, Law, Row, Values
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
-"""Sympy symbol of the circular frequency in rad/s."""
+"""Sympy symbol of the circular frequency in rad/s, on which tables and delays depend."""
 MOST_TERMS = 1000
 """Largest number of terms up to which an entry of a matrix is multiplied out, as longer ones are not read term by
 term."""
@@ -285,7 +285,7 @@ def _expanded(total: Any) -> Any:
 
 
 def _terms(expression: Any) -> int:
-    """Upper bound of the number of terms of an expression when multiplied out."""
+    """Upper bound of the number of terms of a sympy expression when multiplied out."""
     if expression.is_Add:
         return sum(map(_terms, expression.args))
     if expression.is_Mul:

@@ -1,4 +1,4 @@
-"""Assembly of a drivetrain in numbers: theta = T q + S x, and the rows of the laws with their coefficients."""
+"""Assembly of a drivetrain in numbers, theta = T q + S x and the rows of the laws with their coefficients."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solv
 
 @dataclass(frozen=True)
 class Assembly:
-    """Assembled drivetrain in numbers: kinematics, rows and coefficients of all laws, angles of all nodes.
+    """Assembled drivetrain in numbers, with kinematics, rows and coefficients of all laws, and angles of all nodes.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class Assembly:
 
     @cached_property
     def law_columns(self) -> tuple[dict[int, float], ...]:
-        """Coefficients of every law's angle gamma by column number: coordinates first, then imposed angles."""
+        """Coefficients of every law's angle gamma by column number, of coordinates and then imposed angles."""
         n = self.system.n_coordinates
         pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
         return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)
@@ -102,7 +102,7 @@ class Assembly:
 
     @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
-        """Rows of the laws of ``system`` over coordinates and imposed angles as exact rationals."""
+        """Row of each law of ``system`` over coordinates and imposed angles, as exact rationals by name."""
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
 

@@ -1,4 +1,4 @@
-"""Exact number with its symbolic expression: decisions use the value, the symbol records the calculation."""
+"""Exact numbers with their symbolic expressions, of which decisions use the value and formulas the symbol."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.model.elimination import exact
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """Exact rational value with its sympy expression; equal to a number if its value is."""
+    """Twin of an exact rational value and its sympy expression, equal to a number if its value is."""
 
     value: Fraction
     symbol: Any

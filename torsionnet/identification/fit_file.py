@@ -33,7 +33,7 @@ SAME_ENTRIES = (
 )  # fmt: skip
 """Entries of a measurement in a fit file that a :class:`Measurement` takes under the same name."""
 OPTIONS = ("residual", "loss", "starts")
-"""Entries of a fit file that are passed on to :func:`identify` as options."""
+"""Entries of a fit file that are passed on to :func:`identify` as its options of the same name."""
 ReadResponse = Callable[[Path], FrequencyResponse]
 
 

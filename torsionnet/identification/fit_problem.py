@@ -59,7 +59,7 @@ class FitProblem:
         return self.residuals_and_jacobian(values)[1]
 
     def residuals_and_jacobian(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weighted residuals (n_residuals,) and their derivatives (n_residuals, n); the last result is cached."""
+        """Weighted residuals (n_residuals,) of the fit and their derivatives by the unknowns (n_residuals, n)."""
         key = values.tobytes()
         if self._known is not None and self._known[0] == key:
             return self._known[1]
@@ -132,7 +132,7 @@ class FitProblem:
         self._known = None
 
     def noise_covariance(self, backward: FloatArray) -> FloatArray:
-        """Covariance (n, n) by noise of ``backward`` @ residuals, where ``backward`` is (n, n_residuals)."""
+        """Covariance (n, n), due to noise, of the sums ``backward`` (n, n_residuals) @ residuals."""
         total, start = np.zeros((len(backward), len(backward))), 0
         for block in self.blocks:
             total += block.noise_covariance(backward[:, start : start + block.count])
@@ -140,14 +140,14 @@ class FitProblem:
         return total + backward[:, start:] @ backward[:, start:].T
 
     def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance (n, n) of ``backward`` @ residuals by errors that all lines share, as of a sensor's steps."""
+        """Covariance (n, n), due to errors that all lines share, of ``backward`` (n, n_residuals) @ residuals."""
         total = np.zeros((len(backward), len(backward)))
         for block, span, place in zip(self.blocks, self.residual_slices, self.unknown_indices, strict=True):
             total += block.shared_covariance(backward[:, span], values[place])
         return total
 
     def step_shifts(self, backward: FloatArray) -> list[FloatArray]:
-        """Errors (n, n_positions) of ``backward`` @ residuals by the sensor steps of each record, by rest position."""
+        """Errors (n, n_positions), by the steps of each record's sensor, of the sums ``backward`` @ residuals."""
         return [
             block.step_shifts(backward[:, span])
             for block, span in zip(self.blocks, self.residual_slices, strict=True)

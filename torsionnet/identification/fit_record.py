@@ -32,7 +32,7 @@ class FittedRow:
 
 @dataclass(frozen=True, eq=False)
 class ComparedRow:
-    """Real and imaginary parts of test and fitted model for one measurement, SI, arrays of shape (2, n_f)."""
+    """Real and imaginary parts (2, n_f) of the responses of test and fitted model for one measurement, SI."""
 
     name: str
     unit: str

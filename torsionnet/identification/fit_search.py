@@ -1,4 +1,4 @@
-"""Search for a local optimum of a fit problem, with or without a robust loss."""
+"""Search for a local optimum of a least-squares fit of parameters, with or without a robust loss."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ noise (Huber 1981)."""
 DEVIATION_PER_MEDIAN = 1.4826
 """Standard deviation of normally distributed residuals over the median of their absolute values."""
 SCALE_ROUNDS, SETTLED_SCALE_CHANGE = 30, 1e-4
-"""Most repetitions of a robust fit, and the relative change of its residual scale at which they end."""
+"""Most repetitions of a robust fit, so that it ends, and the relative change of its residual scale at which it has
+settled."""
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ class Misfit:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Explanation of a misfit, one additional unknown with which the model fits, or fits much better.
+    """Explanation of a misfit by one additional unknown, with its value and those of all parameters then, SI.
 
     Attributes
     ----------

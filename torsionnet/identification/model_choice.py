@@ -53,7 +53,7 @@ class Choice:
 
     @property
     def verdict(self) -> str:
-        """Sentence that names the preferred model and how clearly it is better."""
+        """Sentence that names the preferred model and says how clearly it is better than the others."""
         others = [f"{name} is {rise:.3g} worse in AICc ({_how(rise)})" for name, rise in self.differences.items()][1:]
         return f"{self.best} is preferred: {', '.join(others)}" if others else f"only {self.best} was tried"
 

@@ -27,7 +27,7 @@ def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """Bias of the fitted values by squared noise, (n,), SI."""
+    """Bias of the fitted values by squared noise of the sensors, in SI, (n,)."""
     shift = noise_shift(problem, values)
     if not shift.any():
         return np.zeros(len(values))
@@ -49,7 +49,7 @@ def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
 def noise_bias_sentence(
     problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray
 ) -> Iterator[str]:
-    """Sentence on the values that noise biases by more than REPORTED_BIAS standard errors, if there are any."""
+    """Sentence on the fitted values that noise biases by more than half a standard error, if there are any."""
     listed = [
         f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"
         for name, value, change, error in zip(problem.names, values, moved, errors, strict=True)

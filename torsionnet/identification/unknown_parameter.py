@@ -16,7 +16,7 @@ mistake."""
 
 @dataclass(frozen=True)
 class Unknown:
-    """Unknown parameter of a fit, with start value, bounds and prior.
+    """Unknown parameter of a fit, with its start value, bounds and prior in SI.
 
     Attributes
     ----------

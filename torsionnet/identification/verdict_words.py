@@ -52,7 +52,7 @@ def _where(problem: FitProblem) -> str:
 
 
 def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
-    """Sentence for each combination of parameters that the data do not determine."""
+    """Sentence for each combination of parameters that the data of a fit do not determine."""
     for direction in lost:
         members = np.flatnonzero(np.abs(direction) > 1e-3 * np.abs(direction).max())
         names = " and ".join(problem.names[index] for index in members)
@@ -93,7 +93,7 @@ def _bounds(problem: FitProblem, values: FloatArray, ended: Collection[str]) -> 
 
 
 def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
-    """Sentence for each measurement that fits much worse than the others."""
+    """Sentence for each measurement of a fit that the model fits much worse than the others."""
     misfits = relative_misfits(problem, values)
     if len(misfits) < 2:
         return

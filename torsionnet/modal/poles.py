@@ -30,7 +30,7 @@ def kinds(poles: ComplexArray) -> tuple[str, ...]:
 
 
 def upper_half(roots: ComplexArray) -> NDArray[np.int_]:
-    """Indices of the real roots and of one root of each conjugate pair, sorted by magnitude."""
+    """Indices of the real roots and of one root of each conjugate pair, sorted by magnitude, among all roots."""
     kept = np.flatnonzero(roots.imag >= -ROUND_OFF * np.abs(roots))
     return np.asarray(kept[np.argsort(np.abs(roots[kept]), kind="stable")])
 

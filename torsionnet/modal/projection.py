@@ -57,7 +57,7 @@ class Projection:
         return np.vstack(blocks)
 
     def _pairs(self, logarithms: FloatArray) -> list[tuple[ComplexArray, FloatArray, tuple[FloatArray, FloatArray]]]:
-        """Factor at the lines, residuals, and orthonormal basis with residues, of each transfer function."""
+        """Weight times s^p at the lines, residuals, and orthonormal basis with residues, by transfer function."""
         lines = self.lines
         columns = self._columns(coefficients_of(logarithms))
         found = []

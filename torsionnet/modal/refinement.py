@@ -105,7 +105,7 @@ def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexA
 
 
 def _reweighted(lines: Lines, left: ComplexArray) -> Lines:
-    """Copy of the lines with weights that give the residuals of each transfer function a mean square of 1."""
+    """Copy of the lines with weights that give each transfer function's residuals a mean square of 1."""
     size = np.sqrt(np.mean(np.abs(left) ** 2, axis=0))
     floor = SMALLEST_VALUE * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
     return replace(lines, weights=lines.weights / np.maximum(size, floor))

@@ -74,7 +74,7 @@ def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
 
 
 def clusters(diagram: Stabilisation) -> list[Place]:
-    """Places of one pole for each chain of poles that stay stable over enough orders within the band.
+    """Places, in a stabilisation diagram, of one pole for each chain of poles that stay stable over enough orders.
 
     A chain leads from each pole to its partner at the order before, the longest chains first; the pole nearest to its
     median represents it. A chain with frequency and damping of another is a separate mode only if some order has poles

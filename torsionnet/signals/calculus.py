@@ -12,7 +12,7 @@ from torsionnet.signals.record_blocks import check_processable
 
 Ends: TypeAlias = Literal["mirror", "periodic"]
 MOTION_QUANTITIES = ("angle", "velocity", "acceleration")
-"""Quantities of motion, each the time derivative of the one before."""
+"""Names of the quantities of motion, each the time derivative of the one before, as integration needs their order."""
 
 
 def convert(

@@ -1,4 +1,4 @@
-"""Difference between two frequency responses in dB and degrees, and their assurance criterion (FRAC)."""
+"""Difference of two frequency responses in dB and degrees, and their assurance criterion (FRAC)."""
 
 from __future__ import annotations
 

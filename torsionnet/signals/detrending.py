@@ -1,4 +1,4 @@
-"""Removal of a mean or a straight line from signals."""
+"""Removal of the mean or of a straight line from signals."""
 
 from __future__ import annotations
 

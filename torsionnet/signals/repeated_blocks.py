@@ -139,7 +139,7 @@ def _powers(base: int, count: int) -> WholeArray:
 
 
 def _equal(one: FloatArray, other: FloatArray) -> int:
-    """Number of equal samples from the beginning of two arrays."""
+    """Number of equal samples at the beginning of two arrays, up to the first that differs."""
     most, begin, size = min(len(one), len(other)), 0, 256
     while begin < most:
         unlike = np.flatnonzero(one[begin : min(begin + size, most)] != other[begin : min(begin + size, most)])

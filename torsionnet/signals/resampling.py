@@ -1,4 +1,4 @@
-"""Resampling of recordings with non-uniform time stamps to a uniform rate."""
+"""Resampling of recordings with non-uniform time stamps to a uniform sampling rate."""
 
 from __future__ import annotations
 

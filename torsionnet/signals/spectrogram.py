@@ -59,7 +59,7 @@ class Spectrogram:
             return np.asarray(20 * np.log10(self.amplitude / reference))
 
     def record(self) -> SpectrogramRecord:
-        """Spectrogram as plain data, for JSON."""
+        """Spectrogram of the channel as plain data, for JSON output."""
         return SpectrogramRecord(self.name, self.unit, self.notes, self.times, self.frequencies, self.amplitude)
 
     @property

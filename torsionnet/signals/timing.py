@@ -12,7 +12,7 @@ GAP_RATIO = 1.9
 
 
 def gaps(times: FloatArray) -> NDArray[np.intp]:
-    """Indices of the last sample before every gap in time stamps.
+    """Indices of the last sample before every gap in time stamps, (n_gaps,).
 
     >>> gaps(np.array([0.0, 1.0, 2.0, 5.0, 6.0]))
     array([2])

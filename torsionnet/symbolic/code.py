@@ -98,7 +98,7 @@ def _symbols(table: WhereTable) -> set[Any]:
 
 
 def _delaying(function: SymbolicFraction) -> set[Any]:
-    """Parameters that appear in delays, as sympy symbols."""
+    """Parameters that appear in the delays of a transfer function, as sympy symbols."""
     times = (delay.time for delay in delays_of(function.used_tables).values())
     return {symbol for time in times for symbol in time.free_symbols}
 

@@ -77,12 +77,12 @@ def bracketed_matrix(rows: list[list[str]]) -> str:
 
 
 def angle_derivatives(coordinates: tuple[str, ...], dots: str) -> str:
-    """LaTeX of the column of coordinate angles with a time derivative, such as ``\\ddot``."""
+    """LaTeX column of the coordinates' angles, each under the accent of a time derivative, such as ``\\ddot``."""
     return column_latex([angle_derivative(name, dots) for name in coordinates])
 
 
 def angle_derivative(node: str, dots: str) -> str:
-    """LaTeX of the angle of a node with a time derivative, such as ``\\ddot``."""
+    """LaTeX of a node's angle under the accent of a time derivative, such as ``\\ddot``."""
     base, index = angle_latex(node).split("_", 1)
     return f"{dots}{{{base}}}_{index}" if dots else f"{base}_{index}"
 

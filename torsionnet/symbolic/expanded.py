@@ -1,4 +1,4 @@
-"""Fully expanded numerator and denominator of a symbolic transfer function."""
+"""Symbolic transfer function with numerator and denominator fully multiplied out."""
 
 from __future__ import annotations
 

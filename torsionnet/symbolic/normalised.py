@@ -80,7 +80,7 @@ class Factor:
 
 
 def _both(expression: Any, values: Mapping[Any, Any]) -> str:
-    """Text of an expression in symbols, and as a number where all symbols have values."""
+    """Text of an expression in symbols, followed by its number where all symbols have values."""
     number = expression.xreplace(dict(values))
     in_figures = f"{float(number):.6g}" if number.is_real and not number.free_symbols else ""
     in_symbols = str(for_display(expression)) if expression.free_symbols or not in_figures else ""
@@ -88,7 +88,7 @@ def _both(expression: Any, values: Mapping[Any, Any]) -> str:
 
 
 def _is_positive(expression: Any) -> bool:
-    """Whether an expression is positive for all positive values of its symbols."""
+    """Whether a sympy expression is positive for all positive values of its symbols."""
     positive = {name: sympy.Dummy(positive=True) for name in expression.free_symbols}
     return bool(expression.xreplace(positive).is_positive)
 

@@ -50,7 +50,7 @@ class SymbolicRequest:
     change: Callable[[Any], Any] = lambda expression: expression
 
     def changed(self, change: Callable[[Any], Any]) -> SymbolicRequest:
-        """Copy of the request with a further substitution applied to all its expressions."""
+        """Copy of the request with one more substitution applied to all expressions of parameters in it."""
         before = self.change
         return replace(self, change=lambda expression: change(before(expression)))
 

@@ -33,7 +33,7 @@ PURE_S = Stiffness(damping=ONE)
 
 @dataclass(frozen=True)
 class SymbolicPart:
-    """Term of a reading: factor * s^power * law * (row theta), or factor * torque of a constraint or action."""
+    """Term of a sensor reading, factor * s^power * law * (row theta), or factor * torque of a constraint or action."""
 
     row: Mapping[str, Any]
     factor: Any = ONE

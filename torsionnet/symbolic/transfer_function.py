@@ -260,7 +260,7 @@ class TransferFunction(SymbolicFraction):
         return f"<TransferFunction {names}: {len(self.free_symbols)} parameters, {operations} operations>"
 
     def __str__(self) -> str:
-        """Mechanical form of the transfer function if short, else its straight-line program."""
+        """Text of the transfer function, its mechanical form if short, else its straight-line program."""
         names = "/".join(channel.name for channel in self.channels)
         if self._short_form == "mechanical":
             return f"{names} = {for_display(self.mechanical)}"

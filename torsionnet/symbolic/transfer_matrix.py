@@ -37,7 +37,7 @@ MOST_MEASURED = 3
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """Matrix of symbolic transfer functions by output (row) and input (column).
+    """Matrix of symbolic transfer functions, a row for each output and a column for each input.
 
     Attributes
     ----------

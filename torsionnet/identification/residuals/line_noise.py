@@ -1,4 +1,4 @@
-"""Variance of the lines of a response by noise, and the correlation between neighbouring lines."""
+"""Variance of a response's lines by noise, and the correlation between neighbouring lines."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
 WINDOW_SAMPLES = 512
 """Number of samples of a window from which the correlation of lines is calculated, enough as only its shape matters."""
 NEGLIGIBLE_CORRELATION = 1e-4
-"""Correlation of two lines below which it is left out, so that the matrix stays sparse."""
+"""Correlation of the random errors of two lines below which it is left out, so that the matrix stays sparse."""
 USUAL_WINDOW, USUAL_OVERLAP = "hann", 0.5
-"""Window and overlap assumed for a response with coherence whose averaging is unknown."""
+"""Window and overlap assumed for a response with coherence whose averaging is unknown, the most usual ones."""
 
 
 def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:

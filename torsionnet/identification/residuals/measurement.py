@@ -14,7 +14,7 @@ from torsionnet.signals.welch import Welch
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Measurement for a fit, either a record of signals or an estimated frequency response.
+    """Measurement for a fit, a record of signals or an estimated frequency response, with channels and band.
 
     Attributes
     ----------

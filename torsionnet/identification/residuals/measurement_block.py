@@ -82,7 +82,7 @@ class MeasurementBlock(ABC):
         return None
 
     def noise_covariance(self, backward: FloatArray) -> FloatArray:
-        """Covariance (n, n) by noise of ``backward`` @ residuals, where ``backward`` is (n, count)."""
+        """Covariance (n, n), due to noise, of the sums ``backward`` (n, count) @ residuals."""
         correlation = self.correlation
         return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
 
@@ -92,12 +92,12 @@ class MeasurementBlock(ABC):
         return float(self.count if self.correlation is None else np.sum(self.correlation**2))
 
     def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance (n, n) of ``backward`` @ residuals by systematic errors that all lines share."""
+        """Covariance (n, n), due to errors that all lines share, of the sums ``backward`` (n, count) @ residuals."""
         del values
         return np.zeros((len(backward), len(backward)))
 
     def systematic_covariance(self, values: FloatArray) -> FloatArray:
-        """Covariance (count, count) of the weighted residuals of a correct model by systematic errors."""
+        """Covariance (count, count), due to systematic errors, of a correct model's weighted residuals."""
         return self.shared_covariance(np.eye(self.count), values)
 
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,7 @@ FLOAT_BYTES, COMPLEX_BYTES = 8, 16
 
 @dataclass(frozen=True)
 class MemoryDemand:
-    """Memory demand of one record in a fit, in bytes.
+    """Memory demand of one record in a fit, in bytes held throughout and in bytes held for a time.
 
     Attributes
     ----------

@@ -19,7 +19,8 @@ POOLED_VALUES = 20.0
 """Number of independent complex noise values that an average over neighbouring lines contains, for a noise level within
 a quarter or so."""
 FEWEST_VALUES = 4.0
-"""Least number of independent noise values of a whole measurement from which its noise is estimated."""
+"""Least number of independent noise values of a whole measurement from which its noise is estimated, as fewer scatter
+too widely."""
 PARABOLA_HALF_WIDTH = 3
 """Number of lines on either side of a line to which a local parabola through the residuals is fitted, to separate noise
 from smooth errors."""
@@ -44,7 +45,7 @@ class Noise:
 def noise_between_windows(
     windowed: WindowedEstimate, G: ComplexArray, kept: NDArray[np.bool_], supposed: FloatArray, independent: float
 ) -> Noise | None:
-    """Noise of a record from the part of the residuals that does not follow the input between windows.
+    """Noise of a record's lines from the part of the residuals that does not follow the input between windows.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ def _pooled(ratio: FloatArray, worth: FloatArray) -> Noise:
 
 
 def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatArray) -> Noise | None:
-    """Noise of a measurement from the part of the residuals (n_b,) that is not smooth over the lines.
+    """Noise of a measurement's lines from the part of the residuals (n_b,) that is not smooth over the lines.
 
     Parameters
     ----------

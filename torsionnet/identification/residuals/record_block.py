@@ -84,7 +84,7 @@ class RecordBlock(MeasurementBlock):
         return float(np.sum((noise / np.outer(size, size)) ** 2))
 
     def step_shifts(self, backward: FloatArray) -> FloatArray:
-        """Errors of ``backward`` @ residuals by the sensor's steps, one for each rest position, (n, n_positions)."""
+        """Errors (n, n_positions), by the sensor's steps at each rest position, of ``backward`` @ residuals."""
         return np.asarray(
             backward @ (errors_in_form(self.form, self.step_errors.T, self.measured) / self.sizes[:, None])
         )

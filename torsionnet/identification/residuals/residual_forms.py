@@ -18,7 +18,7 @@ alone)."""
 
 
 def parts(values: ComplexArray | FloatArray) -> FloatArray:
-    """Real parts of complex values, then imaginary parts, (2 n, ...)."""
+    """Real parts of complex values, then their imaginary parts, as one real array (2 n, ...)."""
     return np.concatenate([values.real, values.imag])
 
 

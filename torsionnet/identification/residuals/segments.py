@@ -55,7 +55,7 @@ class Segments:
         return self.settings.step(self.rate)
 
     def starts(self, count: int) -> NDArray[np.intp]:
-        """Indices of the first samples of the windows in a record of ``count`` samples."""
+        """Index of the first sample of each window in a record of ``count`` samples, (n_segments,)."""
         return np.arange(self.first * self.step, count - self.length + 1, self.step)
 
     def lines(self, values: FloatArray) -> ComplexArray:

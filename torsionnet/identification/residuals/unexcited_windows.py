@@ -32,7 +32,8 @@ FEWEST_VALUES = 100
 """Fewest independent values in unexcited windows whose mean gives the noise power of the input, as few scatter
 widely."""
 FEWEST_WINDOWS = 2
-"""Fewest separate unexcited windows of a line whose median gives the noise of the output there."""
+"""Fewest separate unexcited windows of a line whose median gives the noise of the output there, as one alone may hold
+ringing."""
 SMOOTHING_CELLS = 15
 """Number of windows and of lines over which the power of the input is smoothed for weights, as weights from the noise
 of a single cell would favour cells that have little by chance."""

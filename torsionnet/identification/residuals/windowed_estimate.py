@@ -22,7 +22,8 @@ from torsionnet.signals.record_blocks import check_processable
 from torsionnet.signals.welch import Welch
 
 SIDE_LOBE_FACTOR = 2.0
-"""Multiple of the highest line (plus 20 lines) up to which the model is evaluated, for the side lobes of windows."""
+"""Multiple of the highest line (plus 20 lines) up to which the model is evaluated, so that the side lobes of windows
+are covered."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ further."""
 
 @dataclass(frozen=True, kw_only=True)
 class _Periodic(Excitation):
-    """Periodic test signal of several periods, with lines at multiples of 1/period in a band.
+    """Test signal of several periods of one length, with lines at multiples of 1/period in a band (base class).
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class _Periodic(Excitation):
 
 @dataclass(frozen=True, kw_only=True)
 class Multisine(_Periodic):
-    """Multisine with equal amplitudes at all lines of a band, and phases for a low peak at a given power.
+    """Test signal, a multisine with equal amplitudes at all lines of a band, and phases for a low peak.
 
     From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
     Schoukens and Renneboog 1988).
@@ -129,7 +129,7 @@ class Multisine(_Periodic):
 
 @dataclass(frozen=True, kw_only=True)
 class BurstRandom(_Periodic):
-    """Burst of noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+    """Test signal, a burst of noise in a band for a share of each period, then silence in which the drivetrain rests.
 
     Every period has noise of its own. ``amplitude`` is the peak.
 
@@ -163,7 +163,7 @@ class BurstRandom(_Periodic):
 
 
 def _periodic(numbers: NDArray[np.int_], values: ComplexArray, size: int) -> FloatArray:
-    """One period of a signal, shape (size,), from the complex amplitudes of its lines."""
+    """Samples (size,) of one period of a signal, from the complex amplitudes of its lines."""
     spectrum = np.zeros(size // 2 + 1, dtype=complex)
     spectrum[numbers] = values
     return np.asarray(np.fft.irfft(spectrum, size) * size / 2)

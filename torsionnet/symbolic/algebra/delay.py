@@ -66,7 +66,7 @@ class Delay(DynamicStiffness):
 
 
 def delay_symbol(owner: str) -> Any:
-    """Sympy function ``delay_NAME(omega)`` that stands for the delay of an element."""
+    """Sympy function ``delay_NAME(omega)`` that stands for the delay of an element's action."""
     return sympy.Function(f"delay_{owner}")(OMEGA)
 
 

@@ -16,9 +16,9 @@ SymbolRow: TypeAlias = Mapping[str, Any]
 """Row of sympy coefficients by coordinate, none of them zero."""
 
 ONE = sympy.Integer(1)
-"""Exact one of sympy, shared so that rows and laws compare quickly."""
+"""Exact number one of sympy, shared so that rows and laws compare quickly."""
 ZERO = sympy.Integer(0)
-"""Exact zero of sympy, for parts that a law lacks."""
+"""Exact number zero of sympy, for stiffness, damping or inertia that a law lacks."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Contraction(Generic[L]):
     idle: tuple[L, ...]
 
     def row(self, row: SymbolRow) -> SymbolRow:
-        """Row over the remaining coordinates from a row over all coordinates."""
+        """Row over the remaining coordinates of the network from a row over all coordinates, symbolic."""
         return substitute_coordinate(row, self.pivot, self.solution)
 
 
@@ -164,7 +164,7 @@ def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
 
 
 def substitute_coordinate(row: SymbolRow, pivot: str, solution: SymbolRow) -> SymbolRow:
-    """Row with one coordinate replaced by its expression in the others."""
+    """Symbolic row in which one coordinate is replaced by its expression in the others."""
     if pivot not in row:
         return row
     rest = {name: value for name, value in row.items() if name != pivot}
