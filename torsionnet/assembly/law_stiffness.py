@@ -182,7 +182,7 @@ class LawStiffness:
                 imag += self._samples[law].imag
 
     def inertial(self, law: int) -> FloatArray | None:
-        """Inertia term J omega^2 of a law in N m/rad, shape (n_points,), or None for a law without stiffness."""
+        """Inertia term J omega^2 of a law in N m/rad, (n_points,), or None unless it has a stiffness as well."""
         J, _, k = self._columns[law]
         if J is None or (k is None and law not in self._samples):
             return None

@@ -70,7 +70,7 @@ class Assembly:
         return {node: index for index, node in enumerate(self.nodes)}
 
     def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
-        """Coefficients of a row of nodes over the coordinates (n_q,), and over the imposed angles (n_x,)."""
+        """Coefficients over the coordinates (n_q,), and over the imposed angles (n_x,), of a row given over nodes."""
         reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed

@@ -99,7 +99,7 @@ def _values_at_whole_numbers(places: FloatArray, values: FloatArray, times: Floa
 
 
 def _between(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Sampled motion interpolated at fractional sample numbers, (n,); beyond its ends it is reflected about them."""
+    """Sampled motion interpolated at fractional sample numbers, (n,), in its unit; beyond its ends it is reflected."""
     wide = np.pad(values, KERNEL_HALF_LENGTH, mode="reflect", reflect_type="odd")
     result = np.empty(len(places))
     for part in _chunks(len(places)):

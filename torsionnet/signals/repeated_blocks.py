@@ -29,7 +29,8 @@ NOISE_REVERSALS = 0.1
 """Share of sign changes between the steps of a quantised signal above which it holds noise, as smooth motion has
 fewer."""
 KINK_RATIO = 5.0
-"""Second difference at an end of a repeated block, over the largest within it, above which that end is a kink."""
+"""Second difference at an end of a repeated block, over the largest within it, above which that end is a kink, as where
+a buffer was copied in."""
 _BASE, _MIX = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9
 """Odd 64-bit multipliers of the rolling hash of samples (constants of the splitmix64 generator, which mix bits
 well)."""

@@ -46,7 +46,7 @@ class Segments:
 
     @property
     def length(self) -> int:
-        """Number of samples of one window."""
+        """Number of samples in each of the windows over a record."""
         return self.settings.samples(self.rate)
 
     @property

@@ -180,7 +180,7 @@ class SteppedSine(Excitation):
 
     @property
     def starts(self) -> FloatArray:
-        """Times in s at which the frequencies begin, (n_frequencies,)."""
+        """Times in s at which the frequencies of the stepped sine begin, (n_frequencies,)."""
         return np.concatenate([[0.0], np.cumsum(self._durations)[:-1]])
 
     @property

@@ -62,7 +62,7 @@ class ExpandedBlock:
         return self._motion(end, without=end)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a row over the block's coordinates under a unit torque on the top, a program node."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
         total = self.program.leaf(0)
         for name, value in row.items():
             total = total + self.program.leaf(value) * self._motion(name)

@@ -99,7 +99,7 @@ class SplitBlock:
         return self._joined(self.deleted.determinant, self.contracted.determinant)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a row over the block's coordinates under a unit torque on the top, a program node."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
         return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
 
     def carried(self, end: str) -> ProgramNode:

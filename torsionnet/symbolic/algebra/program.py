@@ -89,7 +89,7 @@ class Program:
         return left if b == 1 or a == 0 else self._node(("/", left.index, right.index))
 
     def needed(self, outputs: Iterable[ProgramNode]) -> list[int]:
-        """Indices of the steps on which output nodes depend, in ascending order."""
+        """Indices of the program's steps on which its output nodes depend, in ascending order."""
         wanted = {node.index for node in outputs}
         for index in range(max(wanted, default=-1), -1, -1):
             if index in wanted and self.steps[index][0] in ARITHMETIC:

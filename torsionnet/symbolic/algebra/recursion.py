@@ -45,7 +45,7 @@ class SolvedBlock(Protocol):
         ...
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a row over the block's coordinates under a unit torque on the top, a program node."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
         ...
 
 
