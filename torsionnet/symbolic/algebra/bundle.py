@@ -71,7 +71,7 @@ class Bundle:
         return self._sum([-row[self.block.top] * row[end] for row in self._rows])
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a row over both coordinates under a unit torque on the upper one, a program node."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the upper end, a program node."""
         near, far = row.get(self.block.top, 0), row.get(self._child, 0)
         twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
         total = self.program.leaf(near) * self.hanging.above * self._below()
