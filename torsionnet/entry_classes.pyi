@@ -41,7 +41,7 @@ class Acquisition(_Acquisition):
     ) -> None: ...
 
 class BurstRandom(_BurstRandom):
-    r"""Burst of noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+    r"""Test signal, a burst of noise in a band for a share of each period, then silence in which the drivetrain rests.
 
     Every period has noise of its own. ``amplitude`` is the peak.
 
@@ -139,7 +139,7 @@ class Exciter(_Exciter):
     ) -> None: ...
 
 class LinearChirp(_LinearChirp):
-    r"""A sine whose frequency changes by the same number of Hz every second.
+    r"""Test signal, a sine whose frequency changes by the same number of Hz every second.
 
     f(t) = f_0 + (f_1 - f_0) t / T, and its phase is the integral 2 pi (f_0 t + (f_1 - f_0) t^2 / (2 T)). Equations (1)
     and (2) of Galvagno et al. (2015) print sin(2 pi f(t) t) and f_0 - f_1, which would run the wrong way and twice as
@@ -177,7 +177,7 @@ class ListOfValues(_ListOfValues):
     ) -> None: ...
 
 class LogarithmicSweep(_LogarithmicSweep):
-    r"""A sine whose frequency changes by the same factor every second: f(t) = f_0 (f_1/f_0)^(t/T).
+    r"""Test signal, a sine whose frequency changes by the same factor every second, f(t) = f_0 (f_1/f_0)^(t/T).
 
     It stays longer at low frequencies, where the resonances of drivetrains with soft springs lie close together.
 
@@ -221,7 +221,7 @@ class Lognormal(_Lognormal):
     ) -> None: ...
 
 class Multisine(_Multisine):
-    r"""Multisine with equal amplitudes at all lines of a band, and phases for a low peak at a given power.
+    r"""Test signal, a multisine with equal amplitudes at all lines of a band, and phases for a low peak.
 
     From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
     Schoukens and Renneboog 1988).
@@ -370,7 +370,7 @@ class Samples(_Samples):
     ) -> None: ...
 
 class SteppedSine(_SteppedSine):
-    r"""Stepped sine, each frequency held for whole periods without jumps of the phase.
+    r"""Test signal, a sine that holds each frequency for whole periods, without jumps of the phase.
 
     Attributes
     ----------

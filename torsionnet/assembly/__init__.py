@@ -1,1 +1,1 @@
-"""Assembly of a drivetrain into rows, matrices and sensor functionals, in numbers and in symbols."""
+"""Assembly of a drivetrain into rows, matrices and readings of sensors, in numbers and in symbols."""

@@ -1,4 +1,4 @@
-"""Transfer functions of actions (controllers, fluid couplings): torques that follow a motion, in exact numbers."""
+"""Transfer functions of actions (controllers, fluid couplings), whose torques follow a motion, in exact numbers."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, exact_row
 
 Polynomial: TypeAlias = tuple[Fraction, ...]
-"""Coefficients of a polynomial in s, ascending, the last of them not zero; empty for zero."""
+"""Coefficients of a polynomial in s in ascending powers, the last of them not zero; an empty tuple for zero."""
 
 
 @dataclass(frozen=True)
 class ActionLaw:
-    """A torque kappa(s) gamma_sensed that drives a row, kappa(s) = N(s)/D(s) e^(-s delay).
+    """Law of an action, whose torque N(s)/D(s) e^(-s delay) gamma_sensed in N m drives one row by another's motion.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class ActionLaw:
 
     @property
     def acts_at_rest(self) -> bool:
-        """Whether a constant sensed angle makes a torque."""
+        """Whether a constant angle of the sensed row makes a torque."""
         return self.numerator[0] != 0 or self.denominator[0] == 0
 
     @property
@@ -69,7 +69,7 @@ class ActionLaw:
 
 
 def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
-    """Refuse a calculation that does not allow for the actions (controllers, fluid couplings) of a drivetrain.
+    """Raise an error if a drivetrain has actions (controllers, fluid couplings), which a calculation does not cover.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
 
 
 def polynomial(coefficients: Sequence[Any], s: Any) -> Any:
-    """Value at s of the polynomial with these ascending coefficients, by Horner's rule."""
+    """Value at s of a polynomial with the given coefficients in ascending powers, by Horner's rule."""
     value = 0 * s
     for coefficient in reversed(coefficients):
         value = value * s + coefficient
@@ -90,7 +90,7 @@ def polynomial(coefficients: Sequence[Any], s: Any) -> Any:
 
 
 def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
-    """Laws of all actions with a gain and a sensed motion that are not zero, in the order of the elements."""
+    """Laws of all actions of a drivetrain whose gain and sensed motion are not zero, in the order of the elements."""
     found = []
     for owner, action in kinematics.actions:
         sensed = exact_row(kinematics.reduced(action.sensed))
@@ -103,7 +103,7 @@ def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
 
 
 def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[Polynomial, Polynomial]:
-    """Exact numerator and denominator without trailing zeros and without a common factor s; the denominator monic.
+    """Exact coefficients of numerator and denominator without a common factor s, the denominator with leading 1.
 
     A common factor s is an integral of a rate, which is the angle: no state of its own.
 
@@ -121,7 +121,7 @@ def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[
 
 
 def divide_polynomials(numerator: Polynomial, denominator: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Quotient and remainder of a polynomial divided by a monic denominator.
+    """Quotient and remainder of a polynomial divided by one with leading coefficient 1, as exact coefficients.
 
     >>> divide_polynomials((Fraction(1), Fraction(0), Fraction(2)), (Fraction(3), Fraction(1)))
     ((Fraction(-6, 1), Fraction(2, 1)), (Fraction(19, 1),))

@@ -1,4 +1,4 @@
-"""Model of a drivetrain with its assembly: coordinates, rows and coefficients for the solvers."""
+"""Model of a drivetrain with its assembly, the coordinates, rows and coefficients that solvers use."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 class SharedAssembly:
-    """Latest assembly made by a model or by its changed copies, which share rows with it."""
+    """Holder of the latest assembly made by a model or by its changed copies, which share rows with it."""
 
     latest: Assembly | None = None
 
 
 class AssembledModel(Model):
-    """Model whose coordinates, rows and coefficients are assembled when first used."""
+    """Model of a drivetrain whose coordinates, rows and coefficients are assembled when first used."""
 
     @cached_property
     def assembly(self) -> Assembly:

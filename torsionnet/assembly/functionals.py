@@ -1,4 +1,4 @@
-"""Readings of sensors as linear functionals of the motion and of applied torques.
+"""Readings of sensors as linear expressions of the motion and of applied torques.
 
 Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, and a direct share of applied torques, which
 only the torque through a rigid connection has. Solvers that care about accuracy keep the gap of such a connection as a
@@ -30,7 +30,7 @@ from torsionnet.response import Channel
 
 @dataclass(frozen=True)
 class Term:
-    """Term of a reading, factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
+    """Term of a sensor's reading, factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
 
     ``columns`` is the row over the ``n_coordinates`` coordinates and, after them, imposed angles: the floats of
     ``exact``.
@@ -45,7 +45,7 @@ class Term:
 
     @property
     def row(self) -> FloatArray:
-        """Coefficients of the coordinates in the angle of the term, an array (n_q,): not for large systems."""
+        """Coefficients (n_q,) of the coordinates in the angle of the term, a dense array: not for large systems."""
         row = np.zeros(self.n_coordinates)
         for column, coefficient in self.columns.items():
             if column < self.n_coordinates:
@@ -71,21 +71,21 @@ class Functional:
 
     @property
     def channel(self) -> Channel:
-        """Channel of the reading: its name and unit."""
+        """Channel of the reading, with its name and unit."""
         return Channel(self.name, self.unit)
 
     def direct(self, row: Mapping[str, int]) -> Fraction:
-        """Direct feedthrough from torques applied to the nodes of a row to the reading, without any motion."""
+        """Factor from torques on the nodes of a row to the reading without any motion (direct feedthrough)."""
         return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
 def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
-    """Factor on the motion of a term, s^power or dynamic stiffness of its law, at all points, shape (n_points,)."""
+    """Factor on the angle of a term at all points, s^power or the dynamic stiffness of its law, shape (n_points,)."""
     return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
 
 
 def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fraction]:
-    """Coefficients of 1, s and s^2 in the law of a term; of a term without law, 1 at its power of s and 0 else."""
+    """Coefficients of 1, s and s^2 (SI) in the law of a term; of a term without law, 1 at its power of s and 0 else."""
     if term.law is None:
         return Fraction(term.power == 0), Fraction(term.power == 1), Fraction(term.power == 2)
     law = assembly.laws[term.law]
@@ -93,7 +93,7 @@ def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fra
 
 
 def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Functional:
-    """Reading of a sensor as a linear expression of the motion and of applied torques.
+    """Reading of a sensor of a drivetrain as a linear expression of the motion and of applied torques.
 
     Raises
     ------

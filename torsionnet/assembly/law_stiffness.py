@@ -1,4 +1,4 @@
-"""Dynamic stiffness of every law over frequency, and over variants of the parameters.
+"""Dynamic stiffness of every law in N m/rad over frequency, and over variants of the parameters.
 
 Solvers work on points: one point is one frequency of one variant, all frequencies of the first variant first.
 """
@@ -18,7 +18,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 
 @dataclass(frozen=True, eq=False)
 class LawStiffness:
-    """Dynamic stiffness kappa_i(j omega) = k - J omega^2 + j c omega + sampled(omega) of every law i, over variants.
+    """Dynamic stiffness k - J omega^2 + j c omega + sampled(omega) in N m/rad of every law, by variant and frequency.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class LawStiffness:
         return np.tile(self.omega, len(self.stiffness))
 
     def of(self, law: int) -> ComplexArray:
-        """Dynamic stiffness of one law, shape (n_points,), N m/rad."""
+        """Dynamic stiffness of one law at all points in N m/rad, complex, shape (n_points,)."""
         return np.asarray(self.only([law]).by_law[0])
 
     def only(self, laws: Sequence[int]) -> LawStiffness:
@@ -86,7 +86,7 @@ class LawStiffness:
         return kappa.reshape(self.n_laws, self.n_points)
 
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
-        """Dynamic stiffness at selected points, as frequencies of one variant."""
+        """Dynamic stiffness of all laws in N m/rad at selected points, which become frequencies of one variant."""
         actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
         variants, places = np.divmod(points, self.n_frequencies)
         omega = self.omega[places] if self.omega.ndim == 1 else self.omega[variants, places]
@@ -98,7 +98,7 @@ class LawStiffness:
         return replace(self, omega=omega, actions=actions).with_sampled_stiffness(values)
 
     def variants(self, which: NDArray[np.intp]) -> LawStiffness:
-        """Dynamic stiffness of selected variants, at the same frequencies."""
+        """Dynamic stiffness of all laws in N m/rad for selected variants, at the same frequencies."""
         return replace(
             self,
             inertia=self.inertia[which],
@@ -110,18 +110,18 @@ class LawStiffness:
         )
 
     def with_sampled_stiffness(self, values: ComplexArray) -> LawStiffness:
-        """Dynamic stiffness given by values (n_laws, n_f) in N m/rad for one variant, at the same frequencies."""
+        """Dynamic stiffness of all laws given by values (n_laws, n_f) in N m/rad, for one variant."""
         nothing = np.zeros((1, self.n_laws))
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
     @property
     def is_real(self) -> bool:
-        """Whether no law has damping, so that all dynamic stiffnesses are real."""
+        """Whether no law has damping, so that the dynamic stiffnesses of all laws are real."""
         return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
 
     def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
-        """Dynamic stiffness in N m/rad of sums of laws, one for each of ``sources``: (law, factor), ..."""
+        """Dynamic stiffness in N m/rad of sums of laws, each given in ``sources`` by pairs of law and factor."""
         shape = (len(self.stiffness), len(sources))
         J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         places: dict[int, list[tuple[int, float]]] = {}
@@ -142,7 +142,7 @@ class LawStiffness:
 
     @cached_property
     def _columns(self) -> list[tuple[Any, Any, Any]]:
-        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, None where there is none.
+        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each None where the law has none.
 
         They are numbers for one variant, else (n_variants, 1) arrays.
         """
@@ -164,7 +164,7 @@ class LawStiffness:
         return dict(self.sampled)
 
     def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
-        """Write the dynamic stiffness of a law into arrays (n_variants, n_f): real part, and imaginary part or None."""
+        """Write the dynamic stiffness of a law in N m/rad into arrays (n_variants, n_f), real and imaginary part."""
         J, c, k = self._columns[law]
         if J is None:
             real[...] = 0.0 if k is None else k
@@ -182,14 +182,14 @@ class LawStiffness:
                 imag += self._samples[law].imag
 
     def inertial(self, law: int) -> FloatArray | None:
-        """J omega^2 of a law in N m/rad, shape (n_points,), where the law has a stiffness as well; else None."""
+        """Inertia term J omega^2 of a law in N m/rad, (n_points,), or None unless it has a stiffness as well."""
         J, _, k = self._columns[law]
         if J is None or (k is None and law not in self._samples):
             return None
         return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), self.n_frequencies)).ravel())
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
-        """Yield the dynamic stiffness in blocks of at most ``size`` points: several variants, or frequencies of one."""
+        """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""
         n_f = self.n_frequencies
         together = max(1, size // max(1, n_f))
         for first in range(0, len(self.stiffness), together):
@@ -210,7 +210,7 @@ class LawStiffness:
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness in N m/rad of every law of variants of a drivetrain at omega (rad/s).
+    """Dynamic stiffness in N m/rad of every law of a drivetrain's variants, at omega in rad/s.
 
     ``omega`` is (n_f,), or (n_variants, n_f) where every variant has frequencies of its own.
 

@@ -53,7 +53,7 @@ class Rows:
 
     @classmethod
     def of(cls, dense: FloatArray) -> Rows:
-        """Sparse rows from a dense array (n_rows, n_columns)."""
+        """Sparse rows with the entries of a dense array (n_rows, n_columns) that are not zero."""
         found: list[dict[int, float]] = [{} for _ in dense]
         for i, j in zip(*(part.tolist() for part in np.nonzero(dense)), strict=True):
             found[i][j] = float(dense[i, j])
@@ -70,7 +70,7 @@ class Rows:
 
     @cached_property
     def dense(self) -> FloatArray:
-        """Dense array (n_rows, n_columns) of the rows, read-only."""
+        """Sparse rows written out as an array (n_rows, n_columns), read-only."""
         array = np.zeros((len(self.maps), self.n_columns))
         for index, row in enumerate(self.maps):
             for column, value in row.items():
@@ -80,7 +80,7 @@ class Rows:
 
     @cached_property
     def csr(self) -> Any:
-        """Rows as a scipy.sparse.csr_array (n_rows, n_columns)."""
+        """Sparse rows as a scipy.sparse.csr_array (n_rows, n_columns)."""
         from scipy import sparse
 
         indices = [column for row in self.maps for column in row]
@@ -91,7 +91,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class RowSystem:
-    """Rows and coefficients of every law of a drivetrain, in the kept coordinates q.
+    """Rows of all laws of a drivetrain over the kept coordinates q, with inertia, damping and stiffness of each in SI.
 
     Attributes
     ----------
@@ -121,12 +121,12 @@ class RowSystem:
 
     @property
     def rows(self) -> FloatArray:
-        """Rows of the laws as an array (n_laws, n_q): not for large systems."""
+        """Rows of all laws over the coordinates as a dense array (n_laws, n_q): not for large systems."""
         return self.law_rows.dense
 
     @property
     def sparse_rows(self) -> tuple[dict[int, float], ...]:
-        """Row of each law as a map from coordinate to coefficient."""
+        """Row of each law as a map from the number of a coordinate to its coefficient."""
         return self.law_rows.maps
 
     @property
@@ -140,21 +140,21 @@ class RowSystem:
 
     @cached_property
     def M(self) -> FloatArray:
-        """Inertia matrix (n_q, n_q), kg m^2."""
+        """Inertia matrix of the drivetrain over the kept coordinates, (n_q, n_q), kg m^2."""
         return self._gram(self.inertia)
 
     @cached_property
     def C(self) -> FloatArray:
-        """Viscous damping matrix (n_q, n_q), N m s/rad."""
+        """Viscous damping matrix of the drivetrain over the kept coordinates, (n_q, n_q), N m s/rad."""
         return self._gram(self.damping)
 
     @cached_property
     def K(self) -> FloatArray:
-        """Stiffness matrix (n_q, n_q), N m/rad, without frequency-dependent parts."""
+        """Stiffness matrix of the drivetrain, (n_q, n_q), N m/rad, without frequency-dependent parts."""
         return self._gram(self.stiffness)
 
     def kappa(self, omega: float) -> ComplexArray:
-        """Frequency-dependent complex stiffness of each law at one omega in rad/s, shape (n_laws,)."""
+        """Frequency-dependent complex stiffness of each law in N m/rad at one omega in rad/s, shape (n_laws,)."""
         values = np.zeros(len(self.stiffness), dtype=complex)
         for index, law in self.dynamic:
             values[index] += law.kappa(np.array([omega]))[0]

@@ -1,4 +1,4 @@
-"""Equations of motion in the model's own symbols.
+"""Equations of motion of a drivetrain as sympy matrices in the model's own symbols.
 
 M, C, K come from the same elements and the same elimination as the numbers, with twins of value and symbol. Terms are
 collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` stays as an engineer writes it and
@@ -22,14 +22,15 @@ from torsionnet.model.elements import Action, Law, Row, Values
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
-"""Sympy symbol of the circular frequency in rad/s."""
+"""Sympy symbol of the circular frequency in rad/s, on which tables and delays depend."""
 MOST_TERMS = 1000
-"""Largest number of terms up to which a sum is multiplied out: longer ones are not read term by term."""
+"""Largest number of terms up to which an entry of a matrix is multiplied out, as longer ones are not read term by
+term."""
 
 
 @dataclass(frozen=True, eq=False)
 class SymbolicAction:
-    """A torque N(s)/E(s) e^(-s delay) (sensed q) that drives a row, in symbols; coefficients ascending in s."""
+    """Law of an action in symbols, whose torque N(s)/E(s) e^(-s delay) (sensed q) drives a row; powers of s ascend."""
 
     owner: str
     row: tuple[Any, ...]
@@ -39,7 +40,7 @@ class SymbolicAction:
     delay: Any
 
     def law(self, s: Any) -> Any:
-        """Transfer function torque / sensed angle as a sympy expression of s."""
+        """Transfer function torque / sensed angle of the action in N m/rad, a sympy expression of s."""
         above, below = (
             sum((value * s**power for power, value in enumerate(part)), start=sympy.Integer(0))
             for part in (self.numerator, self.denominator)
@@ -47,7 +48,7 @@ class SymbolicAction:
         return above / below * sympy.exp(-s * self.delay)
 
     def equation(self, coordinates: Sequence[str]) -> str:
-        """Equation of the torque over the motion of the coordinates as text in sympy's notation."""
+        """Equation of the action's torque over the angles of the coordinates, as text in sympy's notation."""
         terms = [_signed(value, f"theta_{name}") for value, name in zip(self.sensed, coordinates, strict=True) if value]
         return f"T_{self.owner} = {self.law(sympy.Symbol('s'))} ({_joined(terms)})"
 
@@ -92,18 +93,18 @@ class SymbolicMatrices:
     actions: tuple[SymbolicAction, ...] = field(default=())
 
     def dynamic_stiffness(self, s: Any) -> sympy.Matrix:
-        """Dynamic stiffness D(s) = M s^2 + C s + K + j H + tables, less the actions, (n_q, n_q)."""
+        """Symbolic dynamic stiffness M s^2 + C s + K + j H + tables, less the actions, (n_q, n_q), N m/rad."""
         passive = self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
         for one in self.actions:
             passive -= one.law(s) * sympy.Matrix(one.row) * sympy.Matrix([one.sensed])
         return passive
 
     def equations(self) -> tuple[str, ...]:
-        """Equations of motion as text, one line per coordinate, with ' for d/dt."""
+        """Equations of motion as text, one string for each coordinate, with ' for d/dt."""
         return tuple(self._equation(row) for row in range(len(self.coordinates)))
 
     def laws(self) -> tuple[str, ...]:
-        """Equations of the torques that follow the motion, in the Laplace domain, one line each."""
+        """Equations of the torques of all actions as text, in the Laplace domain, one string for each action."""
         return tuple(one.equation(self.coordinates) for one in self.actions)
 
     def _equation(self, row: int) -> str:
@@ -132,7 +133,7 @@ def _joined(terms: list[str]) -> str:
 
 
 def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = ()) -> SymbolicMatrices:
-    """Symbolic equations of motion of a drivetrain; see :meth:`torsionnet.Drivetrain.symbolic`.
+    """Matrices of the equations of motion of a drivetrain in symbols; see :meth:`torsionnet.Drivetrain.symbolic`.
 
     Raises
     ------
@@ -176,7 +177,7 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
 
 
 def _numbered(actions: Sequence[tuple[str, Action]]) -> list[str]:
-    """Names of the actions' torques: the element, with a number where an element has several actions."""
+    """Names of the actions' torques, each that of its element, with a number where an element has several actions."""
     owners = [owner for owner, _ in actions]
     return [
         owner if owners.count(owner) == 1 else f"{owner}_{owners[: place + 1].count(owner)}"
@@ -200,7 +201,7 @@ class _Ratios:
         return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
 
     def conditions(self) -> tuple[Any, ...]:
-        """Expressions zero for the parameter values though not as symbols, from constraints that dropped out."""
+        """Expressions that are zero for the parameter values but not as symbols, from constraints that dropped out."""
         found = []
         rows = [{node: twin(value) for node, value in row.items()} for _, row in self.kinematics.constraints]
         for index in self.kinematics.reduction.redundant:
@@ -220,7 +221,7 @@ def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
 
 
 def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
-    """Coefficients of 1, s and s^2 of a law as sympy expressions; hysteresis and tables stand in the first."""
+    """Coefficients of 1, s and s^2 in a law's dynamic stiffness, in symbols; the first holds hysteresis and tables."""
     found = {key: sympy.Integer(0) for key in ("K", "C", "M", "H", "tables")} | _coefficients(owner, law)
     return found["K"] + sympy.I * found["H"] + found["tables"], found["C"], found["M"]
 
@@ -270,7 +271,7 @@ class _Sum:
 
 
 def collect_by_ratio(groups: Mapping[Any, Any]) -> Any:
-    """Sum of ratio * total over the groups, each total expanded by itself."""
+    """Sympy sum of ratio * total over groups of terms, each total multiplied out by itself."""
     if not groups:
         return sympy.Integer(0)
     if list(groups) == [1]:
@@ -279,12 +280,12 @@ def collect_by_ratio(groups: Mapping[Any, Any]) -> Any:
 
 
 def _expanded(total: Any) -> Any:
-    """Sum with its products multiplied out, unless that would take more terms than anyone reads."""
+    """Sympy sum with its products multiplied out, unless that would take more terms than anyone reads."""
     return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
 
 
 def _terms(expression: Any) -> int:
-    """Upper bound of the number of terms of an expression when multiplied out."""
+    """Upper bound of the number of terms of a sympy expression when multiplied out."""
     if expression.is_Add:
         return sum(map(_terms, expression.args))
     if expression.is_Mul:

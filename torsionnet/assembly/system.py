@@ -1,4 +1,4 @@
-"""Assembly of a drivetrain in numbers: theta = T q + S x, and the rows of the laws with their coefficients."""
+"""Assembly of a drivetrain in numbers, theta = T q + S x and the rows of the laws with their coefficients."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solv
 
 @dataclass(frozen=True)
 class Assembly:
-    """Assembled drivetrain in numbers: kinematics, rows and coefficients of all laws, angles of all nodes.
+    """Assembled drivetrain in numbers, with kinematics, rows and coefficients of all laws, and angles of all nodes.
 
     Attributes
     ----------
@@ -52,17 +52,17 @@ class Assembly:
 
     @property
     def T(self) -> FloatArray:
-        """Angles theta = T q of all nodes as an array (n_nodes, n_q): not for large systems."""
+        """Matrix T (n_nodes, n_q) of the node angles theta = T q, a dense array: not for large systems."""
         return self.node_rows.dense
 
     @property
     def S(self) -> FloatArray:
-        """Angles theta = S x of all nodes as an array (n_nodes, n_x)."""
+        """Matrix S (n_nodes, n_x) of the node angles theta = S x that follow the imposed angles x."""
         return self.imposed_node_rows.dense
 
     @property
     def imposed_rows(self) -> FloatArray:
-        """Part of each law's angle gamma that follows the imposed angles, an array (n_laws, n_x)."""
+        """Matrix (n_laws, n_x) of the part of each law's angle gamma that follows the imposed angles."""
         return self.imposed_law_rows.dense
 
     @cached_property
@@ -70,13 +70,13 @@ class Assembly:
         return {node: index for index, node in enumerate(self.nodes)}
 
     def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
-        """Coefficients of a row of nodes over the coordinates (n_q,), and over the imposed angles (n_x,)."""
+        """Coefficients over the coordinates (n_q,), and over the imposed angles (n_x,), of a row given over nodes."""
         reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
 
     def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
-        """Row over column numbers (coordinates, then imposed angles) from a row over their names."""
+        """Coefficients of a row by column number (coordinates, then imposed angles) from those by name."""
         return {self._column[name]: number(coefficient) for name, coefficient in row.items()}
 
     @cached_property
@@ -86,7 +86,7 @@ class Assembly:
 
     @cached_property
     def law_columns(self) -> tuple[dict[int, float], ...]:
-        """Coefficients of every law's angle gamma by column number: coordinates first, then imposed angles."""
+        """Coefficients of every law's angle gamma by column number, of coordinates and then imposed angles."""
         n = self.system.n_coordinates
         pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
         return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)
@@ -97,12 +97,12 @@ class Assembly:
 
     @cached_property
     def laws(self) -> tuple[Law, ...]:
-        """Laws behind the rows of ``system``, with exact coefficients."""
+        """Laws (inertia, damping, stiffness) of the rows of ``system``, in their order, with exact coefficients."""
         return tuple(law for _, law in self.kinematics.laws if law.acts)
 
     @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
-        """Rows of the laws of ``system`` over coordinates and imposed angles as exact rationals."""
+        """Row of each law of ``system`` over coordinates and imposed angles, as exact rationals by name."""
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
 
@@ -113,7 +113,7 @@ def assemble(
     referred_to: tuple[str, ...] = (),
     like: Assembly | None = None,
 ) -> Assembly:
-    """Assemble a drivetrain in one configuration from its exact parameter values.
+    """Assembly of a drivetrain in one configuration, in numbers, from its exact parameter values.
 
     Where ``like``, of another configuration, has the same rows, they and all that was worked out from them are shared.
     """

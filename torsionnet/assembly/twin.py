@@ -1,4 +1,4 @@
-"""Exact number with its symbolic expression: decisions use the value, the symbol records the calculation."""
+"""Exact numbers with their symbolic expressions, of which decisions use the value and formulas the symbol."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.model.elimination import exact
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """Exact rational value with its sympy expression; equal to a number if its value is."""
+    """Twin of an exact rational value and its sympy expression, equal to a number if its value is."""
 
     value: Fraction
     symbol: Any
@@ -65,13 +65,13 @@ class Twin:
 
 
 def rational(number: Any) -> Any:
-    """Sympy's exact rational of a number, never a sympy Float."""
+    """Sympy rational equal to a number, exact, never a sympy Float."""
     value = exact(number)
     return sympy.Rational(value.numerator, value.denominator)
 
 
 def twin(number: Any) -> Twin:
-    """Twin of a plain number, whose symbol is the number itself."""
+    """Twin (an exact value with its symbol) of a plain number, whose symbol is the number itself."""
     return number if isinstance(number, Twin) else _plain(number)
 
 
@@ -86,11 +86,11 @@ def _root(number: Any) -> Twin:
 
 
 TWINS = Algebra(number=twin, sqrt=_root, pi=Twin(exact(float(sympy.pi)), sympy.pi))
-"""Algebra in which expressions of parameters evaluate to twins of value and symbol."""
+"""Algebra in which expressions of parameters evaluate to twins (an exact value with its symbol)."""
 
 
 def twin_parameters(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Twin]:
-    """Twins of all parameters; a derived parameter carries its expression in the basic ones."""
+    """Twins (exact value and symbol) of all parameters by name; a derived one has its expression in the basic ones."""
     twins: dict[str, Twin] = {}
     for name in values:
         expression = definitions[name].value

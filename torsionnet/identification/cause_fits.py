@@ -1,4 +1,4 @@
-"""Fits with one additional unknown each, and the rule which of them explain a misfit."""
+"""Fits of a model with one more unknown each, and the rule which of these unknowns explain a misfit."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquar
 from torsionnet.identification.verdict_words import relative_misfits
 
 LEAST_MISFIT_REDUCTION = 0.8
-"""Share of the misfit, as a sum of squares, that a cause must take away to be named."""
+"""Share of the sum of squared residuals that a freed cause must remove to count as an explanation of the misfit."""
 START_FACTORS, GAIN_SIGNS = (1.0, 0.5, 2.0), (1.0, -1.0)
-"""Multiples of its value in the model from which a value is searched, as a resonance may lie in between, and signs from
-which a gain is searched, as a channel may be reversed."""
+"""Multiples of a value in the model from which it is searched, as a resonance may lie in between, and start values of a
+gain, as a channel may be reversed."""
 EQUALLY_GOOD_RATIO = 1.5
-"""Ratio of the sums of squares left up to which two causes explain a misfit equally well."""
+"""Ratio of the sums of squared residuals left by two causes up to which both explain a misfit equally well."""
 RANGE_END_FACTOR = 1e-3
-"""Factor from the end of the search range within which a value has run to zero or without end."""
+"""Factor from an end of the search range within which a freed value has run to zero or grown without bound."""
 
 Solve = Callable[[FitProblem, FloatArray], LeastSquaresSolution]
-"""Function that finds a local optimum of a problem from a start."""
+"""Function that returns the local optimum of a fit problem found from start values."""
 
 
 @dataclass(frozen=True, eq=False)
 class CauseFit:
-    """Fit with one cause of a misfit freed: the problem, its optimum and the sum of squares left."""
+    """Fit with one cause of a misfit freed, with its problem, the values at its optimum and the sum of squares left."""
 
     cause: Cause
     problem: FitProblem
@@ -39,12 +39,12 @@ class CauseFit:
 
     @property
     def criterion(self) -> float:
-        """Akaike information criterion, the sum of squares left plus 2 for each unknown."""
+        """Akaike information criterion of the fit, the sum of squared residuals left plus 2 for each unknown."""
         return self.sum_of_squares + 2 * len(self.values)
 
     @property
     def misfit(self) -> float:
-        """RMS of model minus test over that of the test with the cause freed, of all measurements."""
+        """RMS of model minus test over RMS of the test, with the cause freed, over all measurements."""
         return overall_misfit(self.problem, self.values)
 
     @property
@@ -58,19 +58,19 @@ class CauseFit:
 
 
 def sum_of_squares(problem: FitProblem, values: FloatArray) -> float:
-    """Sum of the squared weighted residuals at ``values``."""
+    """Sum of the squared weighted residuals of a fit problem at ``values`` of its unknowns."""
     return float(np.sum(problem.residuals(values) ** 2))
 
 
 def overall_misfit(problem: FitProblem, values: FloatArray) -> float:
-    """RMS of model minus test over that of the test, of all measurements."""
+    """RMS of model minus test over RMS of the test, over all measurements of a fit problem, without unit."""
     return float(np.sqrt(np.mean(relative_misfits(problem, values) ** 2)))
 
 
 def fit_causes(
     problem: FitProblem, causes: Sequence[Cause], starts: Sequence[FloatArray], solve: Solve
 ) -> list[CauseFit]:
-    """Best fit with each of the causes from all starts, sorted, the best cause first."""
+    """Best fit with each cause freed, of those from all start values, sorted with the best cause first."""
     best: dict[Cause, CauseFit] = {}
     found = [
         _tried(problem, cause, start, solve, factor)
@@ -90,7 +90,7 @@ def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
 
 
 def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float) -> CauseFit | None:
-    """Fit with a cause from a start, its value multiplied by ``factor`` first; None if it cannot be calculated."""
+    """Fit with one cause freed, whose value starts ``factor`` times its own, or None if it cannot be calculated."""
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
         begin = with_it.start.copy()
@@ -102,7 +102,7 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
 
 
 def explaining_fits(tried: Sequence[CauseFit], whole: float) -> list[CauseFit]:
-    """Fits with a cause that remove most of a misfit and leave about as little as the best of them.
+    """Fits with one cause freed that remove most of a misfit and leave about as little of it as the best of them.
 
     Parameters
     ----------
@@ -128,6 +128,6 @@ def explaining_fits(tried: Sequence[CauseFit], whole: float) -> list[CauseFit]:
 
 
 def _noise(problem: FitProblem) -> float:
-    """Sum of squares expected from stated errors; 0 where a measurement states none."""
+    """Sum of squared weighted residuals to expect from the stated errors of all measurements, 0 if one states none."""
     stated = all(block.measurement.error is not None for block in problem.blocks)
     return problem.effective_count if stated else 0.0

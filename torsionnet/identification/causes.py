@@ -1,4 +1,4 @@
-"""Usual causes of a misfit, each as an additional unknown: delay, gain, kind of damping, a value taken as known."""
+"""Usual causes of a misfit as additional unknowns of a fit (delay, gain, kind of damping, a value taken as known)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, S
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
 FREED_DIMENSIONS = ("inertia", "stiffness", "damping")
-"""Dimensions of element fields that are tried as causes of a misfit, besides gear ratios."""
+"""Dimensions of element fields that are tried as causes of a misfit, besides gear ratios (inertia, stiffness,
+damping)."""
 REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
-"""Field of an element that a cause of this kind replaces: the other kind of damping, or the teeth behind a ratio."""
+"""Field of an element that each kind of cause replaces, the other kind of damping or the teeth behind a ratio."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Cause:
 
     @property
     def is_of_channel(self) -> bool:
-        """Whether the cause is a delay or gain of the measuring channel."""
+        """Whether the cause is a delay or gain of the output's measuring channel."""
         return self.unknown in ("delay", "gain")
 
     @property
@@ -52,7 +53,7 @@ class Cause:
 
 
 def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
-    """Causes of a misfit that can be tried in a fit: those that are not free already."""
+    """Causes of a misfit that can be tried in a fit, those that are not among its unknowns already."""
     free = {extra for block in problem.blocks for extra in block.extra}
     channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
@@ -61,7 +62,7 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
 
 
 def _values(rig: AssembledModel) -> Iterator[Cause]:
-    """Causes of a misfit by a wrong inertia, stiffness, damping or ratio, a parameter or a plain number."""
+    """Causes of a misfit by a wrong inertia, stiffness, damping or ratio, a parameter or plain number of the model."""
     definition, seen = rig.definition, set()
     for element in definition.active:
         for field, (spec, value) in element.scalars().items():
@@ -75,7 +76,7 @@ def _values(rig: AssembledModel) -> Iterator[Cause]:
 
 
 def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
-    """Names of the parameters with plain numbers that an expression depends on."""
+    """Names of the parameters, given as plain numbers, on which an expression depends through others."""
     found: list[str] = []
     for name in sorted(value.names & parameters.keys()):
         inner = parameters[name].value
@@ -84,7 +85,7 @@ def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
 
 
 def _ratios(rig: AssembledModel) -> Iterator[Cause]:
-    """Causes of a misfit by a wrong ratio of a gear whose ratio is given by teeth."""
+    """Causes of a misfit by a wrong ratio of a gear that the model gives by teeth."""
     for element in rig.definition.active:
         if isinstance(element, Gear) and element.teeth is not None:
             yield Cause("ratio", f"{element.name}.ratio", element.name)
@@ -105,12 +106,12 @@ def _loss(element: AnySpring, rig: AssembledModel) -> float:
 
 
 def _damping(element: AnySpring, rig: AssembledModel) -> float:
-    """Viscous damping of a spring and of the dampers in parallel, N m s/rad."""
+    """Viscous damping of a spring and of all dampers in parallel with it, N m s/rad."""
     return sum(_number(given, rig) for given in (element.damping, *(one.damping for one in _beside(element, rig))))
 
 
 def _number(given: Any, rig: AssembledModel) -> float:
-    """Value of an element field in SI; a measure of damping counts as 1."""
+    """Value of an element field in SI, or 1 for a measure of damping, whose size does not matter here."""
     return float(given.evaluate(rig.exact_values)) if isinstance(given, Expression) else 1.0
 
 
@@ -120,7 +121,7 @@ def _beside(element: AnySpring, rig: AssembledModel) -> list[Damper]:
 
 
 def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray, *, instead: bool) -> FitProblem:
-    """Fit problem with causes as additional unknowns, starting at the values given.
+    """Fit problem with causes as additional unknowns, which starts at the values given.
 
     Parameters
     ----------
@@ -166,7 +167,7 @@ def _acts(problem: FitProblem, name: str) -> bool:
 
 
 def _change(cause: Cause, frequency: float, instead: bool) -> Change:
-    """Change of a model by a cause: a spring with the other kind of damping, or a gear with its ratio as a number.
+    """Function that changes a model by a cause, to a spring with other damping or a gear with its ratio as a number.
 
     The new damping has the same loss at ``frequency`` (Hz), or starts at 0 beside the present one.
     """

@@ -1,4 +1,4 @@
-"""Explanations of a misfit, single additional unknowns with which the model would fit, and all values then."""
+"""Explanations of a misfit, each one additional unknown with which the model would fit, and the values it then has."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ from torsionnet.response.recording import Recording
 from torsionnet.signals.resolution import ENOUGH_STEPS, resolution
 
 CAUSES_FITTED_FIRST = 6
-"""Number of causes that are fitted first: those that would reduce the misfit most by a linear estimate."""
+"""Number of causes of a misfit that are fitted first, those that would reduce it most by a linear estimate, to save
+time."""
 LEAST_INDEPENDENT_EFFECT = 1e-6
-"""Share of the effect of a cause that the parameters must be unable to reproduce; below it the cause is ignored."""
+"""Share of a cause's effect on the residuals that the parameters must be unable to reproduce, as less is rounding; a
+cause below it is ignored."""
 
 Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
-"""Function for the standard errors at an optimum, by name of the unknown."""
+"""Function that returns the standard errors (SI) at an optimum of a fit problem by name of the unknown."""
 
 
 def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
-    """Explanations of the misfit, the best first, and others about as good; empty if none removes most of it."""
+    """Explanations of the misfit of a fit, the best first, with others about as good; empty if none removes most."""
     whole = sum_of_squares(problem, values)
     starts = [values, problem.start]  # a wrong model may have led far off
     first = list(dict.fromkeys(cause for start in starts for cause in _promising(problem, start)))
@@ -39,7 +41,7 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
-    """Causes that a linear step predicts to reduce the misfit most, the best first."""
+    """Causes of a misfit that a linear step predicts to reduce it most, the best first."""
     causes = list(possible_causes(problem))
     wide = with_causes(problem, causes, values, instead=False)
     residuals, slopes = _residuals_by_configuration(wide, problem.names)
@@ -58,7 +60,7 @@ def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
 
 
 def _residuals_by_configuration(wide: FitProblem, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-    """Residuals and derivatives where unknowns other than ``names`` have the values of each block's configuration."""
+    """Residuals and derivatives where unknowns other than ``names`` have the values of each test's configuration."""
     parts, slopes = [], []
     for block, place in zip(wide.blocks, wide.unknown_indices, strict=True):
         own = dict(zip(block.response.names, block.response.start.tolist(), strict=True))
@@ -98,7 +100,7 @@ def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Expl
 
 
 def coarse_sensor_remarks(problem: FitProblem) -> tuple[str, ...]:
-    """Remarks on records that are compared at frequencies where the sensor moves by few of its steps."""
+    """Remarks on records compared at frequencies where the sensor moves by few of its steps, one sentence each."""
     found = []
     for block in problem.blocks:
         one = block.measurement

@@ -1,4 +1,4 @@
-"""Result of a fit with values, standard errors, verdicts in words, and how it is made from an optimum."""
+"""Result of a fit with values, standard errors and verdicts in words, and how an optimum is turned into it."""
 
 from __future__ import annotations
 
@@ -24,15 +24,18 @@ from torsionnet.identification.verdict_words import verdicts
 from torsionnet.response.recording import Recording
 
 SINGULAR_RATIO = 1e-9
-"""Singular value of the scaled derivatives over the largest one below which a direction counts as undetermined."""
+"""Singular value of the scaled derivatives, over the largest, below which the data do not determine a combination of
+parameters, as less is rounding."""
 EXTRA_UNITS = {"delay": "s", "gain": ""}
 UNDETERMINED_VARIANCE_RATIO = 1e12
-"""Variance that an undetermined direction is given, over the total variance: large, so that it dominates."""
+"""Variance that an undetermined combination of parameters is given, over the total variance, so large that it dominates
+the correlation."""
 
 RUNAWAY_FACTOR = 1e3
-"""Factor from its start value beyond which a value has run to zero or to infinity."""
+"""Factor from its start value beyond which a fitted value without visible effect has run to zero or to infinity."""
 INVISIBLE_EFFECT = 0.1
-"""Change of the residuals, in standard deviations of all together, below which a value has no visible effect."""
+"""Effect of a whole value on the residuals, in standard deviations of all together, up to which the data do not show
+the value."""
 ENDLESS_ADVICE = {  # advice by dimension for a value that grows without end
     "stiffness": "the data do not show that it gives way; make it rigid",
     "inertia": "the data do not show that it moves; lock its node",
@@ -41,7 +44,7 @@ ENDLESS_ADVICE = {  # advice by dimension for a value that grows without end
 
 
 class Fit(FitResult):
-    """Parameters found from measurements.
+    """Result of a fit of parameters to measurements, with values, standard errors, correlation, verdicts and notes.
 
     Attributes
     ----------
@@ -65,21 +68,21 @@ class Fit(FitResult):
     """
 
     def profile(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Profile-likelihood interval of one value in SI: how far it can move while the others are fitted again.
+        """Profile-likelihood interval (lower, upper) of one value in SI: where chi squared rises by less than allowed.
 
         Unlike :meth:`intervals` it may be asymmetric; an end is infinite, or at a bound, where the data set none.
         """
         return profile_interval(self, name, level)
 
     def to_yaml(self, path: str | None = None) -> str:
-        """Result of the fit as YAML text, also written to ``path``; :func:`load_fit` reads it."""
+        """YAML text with the result of the fit, also written to ``path``; :func:`load_fit` reads it."""
         return dump_fit(self, path)
 
 
 def make_fit(
     model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
 ) -> Fit:
-    """Make a :class:`Fit` from an optimum, standard errors, correlation, comparisons, verdicts and notes.
+    """Result of a fit from an optimum, with standard errors, correlation, comparisons, verdicts and notes.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
     correlation R of the residuals, times the reduced chi squared; errors by the steps of sensors and the bias by noise
@@ -128,7 +131,7 @@ def make_fit(
 
 
 def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
-    """Correlation (n, n) of the estimates; parameters of an undetermined combination are fully correlated."""
+    """Correlation (n, n) of the fitted values; parameters of an undetermined combination are fully correlated."""
     heavy = inverse + UNDETERMINED_VARIANCE_RATIO * max(float(np.trace(inverse)), 1.0) * lost.T @ lost
     size = np.sqrt(np.diag(heavy))
     return np.asarray(heavy / np.outer(size, size))
@@ -169,7 +172,7 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
 
 
 def load_fit(path: str | os.PathLike[str]) -> Fit:
-    """Read a fit that :meth:`Fit.to_yaml` has written; it lacks the data needed for profiles.
+    """Fit read from a file that :meth:`Fit.to_yaml` has written; it lacks the data needed for profiles.
 
     Raises
     ------
@@ -185,7 +188,7 @@ def load_fit(path: str | os.PathLike[str]) -> Fit:
 def _at_limits(
     problem: FitProblem, values: FloatArray, natures: Mapping[str, ParameterQuantity]
 ) -> tuple[FloatArray, dict[str, str]]:
-    """Values with 0 for those that ran to zero, and by name a sentence for each that ran to zero or without end."""
+    """Fitted values (n,) with 0 for those that ran to zero, and a sentence by name for each that ran off."""
     residuals, slopes = problem.residuals_and_jacobian(values)
     spread = np.sqrt(float(residuals @ residuals) / max(len(residuals) - len(values), 1))
     effect = np.linalg.norm(slopes, axis=0) * np.abs(values)

@@ -31,15 +31,15 @@ SAME_ENTRIES = (
     "output", "input", "model_output", "model_input", "excitation", "band", "excluded", "delay", "gain", "reference",
     "settling", "error",
 )  # fmt: skip
-"""Entries of a measurement in a file that a :class:`Measurement` takes as they are."""
+"""Entries of a measurement in a fit file that a :class:`Measurement` takes under the same name."""
 OPTIONS = ("residual", "loss", "starts")
-"""Entries of a fit file that are passed on to :func:`identify` as options."""
+"""Entries of a fit file that are passed on to :func:`identify` as its options of the same name."""
 ReadResponse = Callable[[Path], FrequencyResponse]
 
 
 @dataclass(frozen=True, eq=False)
 class FitPlan:
-    """Contents of a fit file with the arguments of :func:`identify`, and true values where they are known."""
+    """Contents of a fit file as arguments of :func:`identify`, with true values of parameters where they are known."""
 
     model: Drivetrain
     measurements: tuple[Measurement, ...]
@@ -49,7 +49,7 @@ class FitPlan:
 
 
 def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, ranks_alone: bool = False) -> FitPlan:
-    """Read a fit file with its records, and its responses by the function ``read_response``.
+    """Contents of a fit file with its records, and with responses read by the function ``read_response``.
 
     With ``ranks_alone`` it may name no parameters, as :func:`rank_causes` needs none.
 
@@ -77,7 +77,7 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, 
 
 
 class _Reader:
-    """Reader of one fit file that collects faults with their places."""
+    """Reader of one fit file that collects its faults with their places."""
 
     def __init__(self, document: LocatedDocument, file: Path, read_response: ReadResponse) -> None:
         self.read_response = read_response
@@ -144,7 +144,7 @@ class _Reader:
                 self.faults.append(Fault(str(error), path))
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
-        """Welch settings of one record; without a decimation in the file, decimated as far as its band allows."""
+        """Welch settings of one record, by default decimated as far as the band of the measurement allows."""
         if settings is None:
             return default_settings(record, band)
         if self.entries["settings"].decimation is not None:

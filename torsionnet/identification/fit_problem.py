@@ -1,4 +1,4 @@
-"""Least-squares problem of a fit: residuals and derivatives of all measurements over one vector of unknowns."""
+"""Least-squares problem of a fit, residuals and derivatives of all measurements over one vector of unknowns."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ from torsionnet.identification.unknown_parameter import Unknown
 
 CHANNEL_UNKNOWNS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), "")}
 GAIN_BOUNDS_OF_MAGNITUDES = (0.0, np.inf)
-"""Bounds of a gain found from magnitudes, which do not show whether a channel is reversed."""
+"""Lower and upper bound of a channel's gain where only magnitudes are compared, which do not show whether it is
+reversed."""
 
 
 @dataclass(eq=False)
 class FitProblem:
-    """Least-squares problem of a fit: blocks of residuals, one per measurement, over one vector of unknowns.
+    """Least-squares problem of a fit with residuals of all measurements as functions of one vector of unknowns.
 
     Attributes
     ----------
@@ -50,15 +51,15 @@ class FitProblem:
     unknowns: Mapping[str, Unknown] = field(default_factory=dict)
 
     def residuals(self, values: FloatArray) -> FloatArray:
-        """Weighted residuals of all measurements and priors, (n_residuals,)."""
+        """Weighted residuals of all measurements and priors at ``values`` of the unknowns, (n_residuals,)."""
         return self.residuals_and_jacobian(values)[0]
 
     def jacobian(self, values: FloatArray) -> FloatArray:
-        """Derivatives of the weighted residuals by the unknowns, (n_residuals, n)."""
+        """Derivatives of all weighted residuals with respect to the unknowns at ``values``, (n_residuals, n)."""
         return self.residuals_and_jacobian(values)[1]
 
     def residuals_and_jacobian(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weighted residuals (n_residuals,) and their derivatives (n_residuals, n); the last result is cached."""
+        """Weighted residuals (n_residuals,) of the fit and their derivatives by the unknowns (n_residuals, n)."""
         key = values.tobytes()
         if self._known is not None and self._known[0] == key:
             return self._known[1]
@@ -79,7 +80,7 @@ class FitProblem:
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Weigh records by the noise estimated from what the model leaves; equal sensors share it in all tests."""
+        """Weigh the residuals of records by the noise estimated from what the model leaves of their outputs."""
         records = [
             (block, values[place])
             for block, place in zip(self.blocks, self.unknown_indices, strict=True)
@@ -99,7 +100,7 @@ class FitProblem:
         self.clear_cache()
 
     def take_measured_noise(self, values: FloatArray) -> None:
-        """Weigh measurements by their noise as measured, which does not depend on the misfit of the model."""
+        """Weigh all measurements by their noise as measured, which does not depend on the misfit of the model."""
         for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             noise = block.measured_noise(values[place])
             if noise is not None:
@@ -107,7 +108,7 @@ class FitProblem:
         self.clear_cache()
 
     def start_with_reversed_channels(self, start: FloatArray) -> FloatArray:
-        """Start values (n,) with the gain negated where that is nearer to the test (reversed channel)."""
+        """Start values (n,), the gain of a channel negated where the model is then nearer to the test."""
         found = start.copy()
         for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             if "gain" in block.extra and block.form != "magnitude":
@@ -118,7 +119,7 @@ class FitProblem:
 
     @property
     def has_records(self) -> bool:
-        """Whether a measurement is a record of signals (or a response with its record)."""
+        """Whether any measurement is a record of signals (or a response with its record)."""
         return any(isinstance(block, RecordBlock) for block in self.blocks)
 
     @property
@@ -127,11 +128,11 @@ class FitProblem:
         return all(isinstance(block, RecordBlock) and any(block.sources) for block in self.blocks)
 
     def clear_cache(self) -> None:
-        """Drop cached residuals, after the noise of a block has changed."""
+        """Forget the residuals calculated last, as the noise that weights a measurement has changed."""
         self._known = None
 
     def noise_covariance(self, backward: FloatArray) -> FloatArray:
-        """Covariance (n, n) of backward (n, n_residuals) @ residuals by noise; measurements are independent."""
+        """Covariance (n, n), due to noise, of the sums ``backward`` (n, n_residuals) @ residuals."""
         total, start = np.zeros((len(backward), len(backward))), 0
         for block in self.blocks:
             total += block.noise_covariance(backward[:, start : start + block.count])
@@ -139,14 +140,14 @@ class FitProblem:
         return total + backward[:, start:] @ backward[:, start:].T
 
     def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance (n, n) of backward @ residuals by errors that all lines share, as of a sensor's steps."""
+        """Covariance (n, n), due to errors that all lines share, of ``backward`` (n, n_residuals) @ residuals."""
         total = np.zeros((len(backward), len(backward)))
         for block, span, place in zip(self.blocks, self.residual_slices, self.unknown_indices, strict=True):
             total += block.shared_covariance(backward[:, span], values[place])
         return total
 
     def step_shifts(self, backward: FloatArray) -> list[FloatArray]:
-        """Errors (n, positions) of backward @ residuals by the sensor steps of each record, one per rest position."""
+        """Errors (n, n_positions), by the steps of each record's sensor, of the sums ``backward`` @ residuals."""
         return [
             block.step_shifts(backward[:, span])
             for block, span in zip(self.blocks, self.residual_slices, strict=True)
@@ -155,26 +156,26 @@ class FitProblem:
 
     @property
     def residual_slices(self) -> tuple[slice, ...]:
-        """Slice of each block in the vector of residuals."""
+        """Slice of each measurement in the vector of weighted residuals."""
         ends = np.cumsum([0, *(block.count for block in self.blocks)]).tolist()
         return tuple(slice(begin, end) for begin, end in pairwise(ends))
 
     @property
     def effective_count(self) -> float:
-        """Number of independent values that the correlated residuals are worth."""
+        """Number of independent values that the correlated residuals of all measurements are worth."""
         count = sum(block.count for block in self.blocks) + len(self.priors)
         return float(count**2 / (sum(block.squared_correlations for block in self.blocks) + len(self.priors)))
 
     @property
     def lines(self) -> int:
-        """Number of frequency lines of all measurements."""
+        """Number of frequency lines of all measurements together."""
         return sum(len(block.frequencies) for block in self.blocks)
 
 
 def make_problem(
     model: AssembledModel, measurements: Sequence[Measurement], unknowns: Mapping[str, Unknown], form: str
 ) -> FitProblem:
-    """Least-squares problem of measurements and unknowns of a model.
+    """Least-squares problem for the unknowns of a model and the measurements they are fitted to.
 
     Raises
     ------
@@ -194,7 +195,7 @@ def lay_out_problem(
     unknowns: Mapping[str, Unknown],
     known: Mapping[str, float] | None = None,
 ) -> FitProblem:
-    """Fit problem of blocks and unknowns; ``known`` replaces start values, by names of entries of the vector."""
+    """Least-squares problem of residual blocks and unknowns; ``known`` replaces start values by name of the entry."""
     entries: dict[str, tuple[float, tuple[float, float]]] = {}
     priors: dict[str, tuple[float, float]] = {}
     entries_of_blocks: list[list[str]] = []
@@ -240,6 +241,6 @@ def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> 
 
 
 def physical_bounds(model: AssembledModel, name: str, start: float) -> tuple[float, float]:
-    """Physical bounds of a parameter, SI; without any, a value that starts above 0 stays positive."""
+    """Lower and upper physical bound of a parameter in SI; without any, a value that starts above 0 stays positive."""
     lower, upper = parameter_quantity(model, name).bounds
     return (lower, upper) if np.isfinite(lower) or start <= 0 else (0.0, upper)

@@ -1,4 +1,4 @@
-"""Fits as plain data, for JSON."""
+"""Results of fits as plain data, for JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Intervals = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class FittedRow:
-    """Fitted value with its standard error and 95 % intervals, SI; ``true`` is the value of a known plant."""
+    """Fitted value of a parameter with its standard error and 95 % intervals in SI, and the true value if known."""
 
     name: str
     value: float
@@ -32,7 +32,7 @@ class FittedRow:
 
 @dataclass(frozen=True, eq=False)
 class ComparedRow:
-    """Real and imaginary parts of test and fitted model for one measurement, SI, arrays of shape (2, n_f)."""
+    """Real and imaginary parts (2, n_f) of the responses of test and fitted model for one measurement, SI."""
 
     name: str
     unit: str
@@ -44,14 +44,14 @@ class ComparedRow:
 
 @dataclass(frozen=True)
 class RankingRecord:
-    """Ranked causes of a misfit alone, as ``torsionnet fit --rank --json`` prints them where nothing is fitted."""
+    """Ranked causes of a misfit alone, as ``torsionnet fit --rank --json`` prints them where no parameter is fitted."""
 
     ranking: tuple[RankedCause, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class FitRecord:
-    """Fit, as ``torsionnet fit --json`` prints it."""
+    """Result of a fit as plain data, as ``torsionnet fit --json`` prints it."""
 
     title: str
     parameters: tuple[FittedRow, ...]
@@ -67,7 +67,7 @@ class FitRecord:
 
 
 def fit_record(found: FitResult, profiles: Intervals, true: Mapping[str, float], ranking: Ranking | None) -> FitRecord:
-    """Fit as plain data; ``profiles`` are intervals by profile likelihood, ``true`` values of a known plant."""
+    """Result of a fit as plain data for JSON, with the given profile intervals, true values and ranking of causes."""
     intervals = found.intervals()
     parameters = tuple(
         FittedRow(

@@ -19,7 +19,7 @@ from torsionnet.response import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Curves of test and fitted model for one measurement, by the same estimator.
+    """Frequency responses (n,) of test and fitted model for one measurement, by the same estimator, SI.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Compared:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FitResult(NotebookResult):
-    """Values and standard errors of a fit as they are written to a file; fields as in :class:`torsionnet.Fit`."""
+    """Result of a fit as written to a file, with values and standard errors; fields as in :class:`torsionnet.Fit`."""
 
     picture: ClassVar[str] = "fit"
 
@@ -69,7 +69,7 @@ class FitResult(NotebookResult):
     loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Confidence intervals by name in SI, from Student's distribution and that of errors by sensor steps."""
+        """Confidence interval (lower, upper) of each fitted value in SI by name, sensor steps included."""
         from torsionnet.identification.interval_width import interval_half_width
 
         if not 0 < level < 1:
@@ -95,7 +95,7 @@ class FitResult(NotebookResult):
         return self.chi_squared + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)
 
     def table(self, level: float = 0.95, true: Mapping[str, float] | None = None) -> Table:
-        """Table of values with standard errors and intervals, and ``true`` values where they are known."""
+        """Table of fitted values with standard errors and intervals, and ``true`` values where they are known."""
         intervals = self.intervals(level)
         columns = [Column("parameter"), Column("value"), Column("standard error", "", 2)]
         columns += [Column(f"{100 * level:g} % from"), Column("to"), Column("unit")]

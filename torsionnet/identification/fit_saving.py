@@ -25,18 +25,18 @@ from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.writer import block_text
 
 FIT_FORMAT_VERSION = 1
-"""Version of the file format."""
+"""Version of the file format for the result of a fit, as files of any other version are refused."""
 VERSION_KEY = "torsionnet_fit"
-"""Key of the version, the first entry of a file."""
+"""Key of the format version, the first entry of a file with the result of a fit, by which it is recognised."""
 FREEDOM_RANGE = (-10_000, 10**9)
-"""Range of the degrees of freedom; they are negative where there are more parameters than values."""
+"""Smallest and largest degrees of freedom in a file; they are negative where there are more parameters than values."""
 BLOCK_LEVELS = {"parameters": 1, "correlation": 1, "verdicts": 1, "notes": 1, "measurements": 2}
-"""Levels of block style in each section of a file; deeper levels are in flow style."""
+"""Levels of block style in each section of a file with the result of a fit, deeper levels being in flow style."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SavedParameter(Declared):
-    """Value of a parameter in the file of a fit."""
+    """Fitted value of a parameter in the file of a fit, with its standard error and unit."""
 
     kind = article = "parameter"
 
@@ -48,7 +48,7 @@ class SavedParameter(Declared):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SavedCurves(Declared):
-    """Curves of test and fitted model for one measurement in the file of a fit."""
+    """Frequency responses of test and fitted model for one measurement in the file of a fit."""
 
     kind = article = "measurement"
 
@@ -77,7 +77,7 @@ class SavedCurves(Declared):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SavedFit(Declared):
-    """Contents of the file of a fit, without the data and the model."""
+    """Result of a fit as its file holds it, without the measured data and the model."""
 
     kind = "result of a fit"
     article = "the result of a fit"
@@ -104,7 +104,7 @@ class SavedFit(Declared):
 
 
 def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
-    """YAML text of a fit with values, errors, correlation, verdicts and the curves of test and model."""
+    """YAML text of a fit with values, standard errors, correlation, verdicts and responses, for a file."""
     saved = SavedFit(
         title=fit.title,
         parameters={
@@ -142,7 +142,7 @@ def _saved_curves(one: Compared) -> SavedCurves:
 
 
 def read_fit(path: str | os.PathLike[str]) -> FitResult:
-    """Read the result of a fit that :func:`dump_fit` has written.
+    """Result of a fit read from a file that :func:`dump_fit` has written.
 
     Raises
     ------

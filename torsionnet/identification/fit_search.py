@@ -1,4 +1,4 @@
-"""Search for a local optimum of a fit problem, with or without a robust loss."""
+"""Search for a local optimum of a least-squares fit of parameters, with or without a robust loss."""
 
 from __future__ import annotations
 
@@ -14,22 +14,26 @@ from torsionnet.core.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
 
 CONVERGENCE_TOLERANCE = 1e-12
-"""Relative change of cost, values and gradient at which the search ends; near rounding, as derivatives are exact."""
+"""Relative change of cost, values and gradient at which the search of a fit ends, near rounding, as derivatives are
+exact."""
 MOST_EVALUATIONS = 500
-"""Evaluations of the residuals after which a search counts as not converged."""
+"""Number of evaluations of the residuals after which the search of a fit stops and counts as not converged."""
 SEARCH_RANGE_FACTOR = 1e9
-"""Factor about its start value within which a positive value is searched, if its bounds are wider."""
+"""Factor about its start value within which a positive value is searched if its bounds are wider, so that numbers do
+not overflow."""
 LOSS_TUNING = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385}
-"""Standard deviations at which a loss begins to give way: for normal noise it then is 95 % efficient (Huber 1981)."""
+"""Residual in standard deviations at which each robust loss begins to give way, so that it is 95 % efficient for normal
+noise (Huber 1981)."""
 DEVIATION_PER_MEDIAN = 1.4826
-"""Standard deviation of a normal number over the median of its absolute values."""
+"""Standard deviation of normally distributed residuals over the median of their absolute values."""
 SCALE_ROUNDS, SETTLED_SCALE_CHANGE = 30, 1e-4
-"""Most repetitions of a robust fit, and the relative change of its residual scale that ends them."""
+"""Most repetitions of a robust fit, so that it ends, and the relative change of its residual scale at which it has
+settled."""
 
 
 @dataclass(frozen=True)
 class LeastSquaresSolution:
-    """End of a search, values, cost, convergence, and the ``scale`` (standard deviation) that a robust loss used."""
+    """Optimum found by a search of a fit, with values, cost, convergence and the ``scale`` of a robust loss."""
 
     x: FloatArray
     cost: float
@@ -39,7 +43,7 @@ class LeastSquaresSolution:
 
 
 def local_optimum(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSolution:
-    """Local optimum of a fit problem from a start; its cost is infinite if it cannot be calculated.
+    """Local optimum of a fit problem found from start values; its cost is infinite if it cannot be calculated.
 
     A robust loss needs the size of residuals that are not outliers: the median of their absolute values, calculated
     again until it settles.
@@ -59,7 +63,7 @@ def local_optimum(problem: FitProblem, start: FloatArray, loss: str) -> LeastSqu
 
 
 def residual_scale(problem: FitProblem, x: FloatArray) -> float:
-    """Standard deviation of the residuals that are not outliers."""
+    """Standard deviation of the weighted residuals at ``x`` that are not outliers, from their median."""
     return DEVIATION_PER_MEDIAN * float(np.median(np.abs(problem.residuals(x))))
 
 
@@ -91,12 +95,12 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> L
 
 
 def cannot_be_negative(problem: FitProblem) -> NDArray[np.bool_]:
-    """Mask (n,) of the unknowns that cannot be negative; those that start at 0 have no size and are left out."""
+    """Mask (n,) of the unknowns of a fit that start above 0 and cannot be negative."""
     return np.asarray((problem.start > 0) & (problem.lower >= 0))
 
 
 def search_bounds(problem: FitProblem) -> tuple[FloatArray, FloatArray]:
-    """Lower and upper search bounds, each (n,), narrowed so that numbers stay in the range of floating point."""
+    """Lower and upper search bound of each unknown in SI, each (n,), so that numbers stay in floating-point range."""
     positive = cannot_be_negative(problem)
     lower = np.where(positive, np.maximum(problem.lower, problem.start / SEARCH_RANGE_FACTOR), problem.lower)
     upper = np.where(positive, np.minimum(problem.upper, problem.start * SEARCH_RANGE_FACTOR), problem.upper)
@@ -104,14 +108,14 @@ def search_bounds(problem: FitProblem) -> tuple[FloatArray, FloatArray]:
 
 
 def typical_steps(problem: FitProblem, start: FloatArray) -> FloatArray:
-    """Typical step of each unknown (n,), its start value; for a delay a tenth of the shortest period."""
+    """Typical step of each unknown in SI (n,), its start value; for a delay a tenth of the shortest period."""
     top = max(float(block.frequencies[-1]) for block in problem.blocks)
     extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]
     return np.where(np.abs(start) > 0, np.abs(start), np.array(extra))
 
 
 def residual_variance(residuals: FloatArray, parameters: int, loss: str, scale: float) -> float:
-    """Effective variance of a residual under a loss (Huber 1981, Robust Statistics, section 7.6)."""
+    """Effective variance of the weighted residuals under a loss (Huber 1981, Robust Statistics, section 7.6)."""
     free = max(len(residuals) - parameters, 1)
     if loss == "linear" or scale == 0:
         return float(residuals @ residuals) / free
@@ -120,12 +124,12 @@ def residual_variance(residuals: FloatArray, parameters: int, loss: str, scale: 
 
 
 def loss_weights(residuals: FloatArray, loss: str, scale: float) -> FloatArray:
-    """Weight of each residual under a robust loss, from 0 to 1."""
+    """Weight of each residual under a robust loss, from 0 to 1, shape (n_residuals,)."""
     return np.ones(len(residuals)) if loss == "linear" or scale == 0 else _influence(loss, residuals, scale)[0]
 
 
 def _influence(loss: str, residuals: FloatArray, scale: float) -> tuple[FloatArray, FloatArray]:
-    """Weight of residuals, and derivative of weight times residual."""
+    """Weight of each residual under a robust loss, and derivative of weight times residual, each (n_residuals,)."""
     squared = (residuals / (LOSS_TUNING[loss] * scale)) ** 2
     if loss == "huber":
         inside = squared <= 1

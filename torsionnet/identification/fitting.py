@@ -25,11 +25,12 @@ from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 NOISE_ROUNDS = 3
-"""Times that a fit of records estimates its noise again; it hardly changes after the first."""
+"""Times that a fit of records estimates their noise again, as it hardly changes after the first."""
 SETTLED_CHANGE = 1e-3
-"""Relative change of all values below which the noise is not estimated again."""
+"""Relative change of all fitted values below which the noise of records is not estimated again."""
 IDLE_EFFECT = 1e-10
-"""Effect of a parameter over the size of the data below which it does not act on them."""
+"""Effect of a parameter on the response, over the response in standard deviations, below which it is rounding and the
+parameter does not act."""
 
 
 @one_thread()
@@ -43,7 +44,7 @@ def identify(
     starts: int = 1,
     seed: int = 0,
 ) -> Fit:
-    """Find parameters of a drivetrain from one or several measurements.
+    """Fit of parameters of a drivetrain to one or several measurements, with standard errors and test of lack of fit.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ def identify(
 
 
 def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
-    """Result of the fit; if the model does not fit, weighed by measured noise and with explanations of the misfit."""
+    """Result of a fit, weighed by measured noise and with explanations of the misfit if the model does not fit."""
     lack = LackOfFit(misfits(problem, best.x, loss_weights(problem.residuals(best.x), loss, best.scale)))
     if not lack.rejected:
         return make_fit(model, problem, best, loss, lack)
@@ -138,7 +139,7 @@ def _moved(before: FloatArray, after: FloatArray) -> float:
 
 
 def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
-    """Start values, and besides them those with a reversed channel where that is nearer to the test."""
+    """Start values, each (n,), and those with a reversed channel where that is nearer to the test."""
     found = _starts(problem, count, seed)
     return [
         *found,

@@ -16,13 +16,14 @@ from scipy.optimize import brentq
 from torsionnet.assembly.rows import FloatArray
 
 POSITION_COMBINATIONS = 1024
-"""Number of combinations of rest positions of several tests over which errors are averaged."""
+"""Number of combinations of rest positions of several tests, spread evenly, over which errors by sensor steps are
+averaged."""
 NEGLIGIBLE_VARIANCE_SHARE = 1e-3
-"""Share of a value's variance up to which errors by sensor steps count as noise; noise keeps at least this share."""
+"""Share of a value's variance up to which errors by sensor steps count as noise, and which noise keeps at least."""
 
 
 def interval_half_width(level: float, error: float, steps: Sequence[Sequence[float]], freedom: float) -> float:
-    """Half the width of the confidence interval of a value, in the unit of ``error``.
+    """Half the width of the confidence interval of a fitted value, in the unit of ``error``.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
 
 
 def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
-    """Errors of a value by sensor steps, summed over the tests, for POSITION_COMBINATIONS sets of rest positions.
+    """Errors of a value by the sensor steps of all tests, one for each combination of rest positions, shape (1024,).
 
     The sets fill a cube evenly (generalised golden ratio).
     """

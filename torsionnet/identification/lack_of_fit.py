@@ -1,4 +1,4 @@
-"""Test of lack of fit, whether the residuals of a fit are more than noise."""
+"""Test of lack of fit, whether the residuals of a fit are larger than noise or have a pattern over frequency."""
 
 from __future__ import annotations
 
@@ -17,18 +17,20 @@ from torsionnet.identification.residuals.measurement_block import MeasurementBlo
 from torsionnet.identification.residuals.noise import Noise
 
 FALSE_ALARM_PROBABILITY = 1e-3
-"""Probability, for every measurement of a fit, of calling noise a misfit."""
+"""Probability of calling noise a misfit for every measurement of a fit, small because a misfit withholds all
+intervals."""
 PATTERN_COUNT = 5
-"""Number of patterns over frequency that are looked for: cosines of up to four half periods over the lines."""
+"""Number of patterns of residuals over frequency that are looked for, cosines of up to four half periods over the
+lines."""
 ABSORBED_VARIANCE_SHARE = 1e-3
-"""Variance of a pattern over the largest one below which the fitted parameters have absorbed it."""
+"""Variance of a pattern of residuals, over the largest one, below which the fitted parameters have absorbed it."""
 NEGLIGIBLE_MISFIT = 2e-3
-"""RMS of the misfit over that of the response below which it is ignored: sensors are not calibrated so well."""
+"""RMS of the misfit over RMS of the response below which it is ignored, as sensors are not calibrated any better."""
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """Test of one measurement against the fitted model: how large the residuals are beyond noise.
+    """Test of one measurement against the fitted model, with residuals over noise and the probability of noise alone.
 
     Attributes
     ----------
@@ -49,13 +51,13 @@ class Misfit:
 
     @property
     def rejected(self) -> bool:
-        """Whether the model does not fit this measurement."""
+        """Whether the model does not fit this measurement, by probability and size of the misfit."""
         return self.probability < FALSE_ALARM_PROBABILITY and self.size > NEGLIGIBLE_MISFIT
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """Explanation of a misfit, one additional unknown with which the model fits, or fits much better.
+    """Explanation of a misfit by one additional unknown, with its value and those of all parameters then, SI.
 
     Attributes
     ----------
@@ -84,7 +86,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class LackOfFit:
-    """Lack of fit, tests of all measurements, and what would explain the misfit.
+    """Result of the test of lack of fit for all measurements of a fit, with what would explain a misfit.
 
     Attributes
     ----------
@@ -102,7 +104,7 @@ class LackOfFit:
 
     @property
     def rejected(self) -> Annotated[bool, Out(json="rejected")]:
-        """Whether the model does not fit, so that its values have no intervals."""
+        """Whether the model does not fit any one measurement, so that its values have no intervals."""
         return any(one.rejected for one in self.measurements)
 
 
@@ -139,7 +141,7 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
 
 
 def _covariance(block: MeasurementBlock, noise: Noise, values: FloatArray) -> FloatArray:
-    """Covariance (count, count) of a measurement's weighted residuals by its noise and systematic errors."""
+    """Covariance (count, count) of a measurement's weighted residuals by its noise and by systematic errors."""
     size = np.sqrt(np.tile(noise.ratio, block.parts))
     return np.asarray(block.known_correlation * np.outer(size, size) + block.systematic_covariance(values))
 
@@ -163,6 +165,6 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
 
 
 def _waves(count: int, parts: int) -> FloatArray:
-    """Cosines over the lines, in each part of the residuals on its own, (parts * count, parts * PATTERN_COUNT)."""
+    """Cosines over the lines, in each part of the residuals on its own, (parts * n_lines, parts * PATTERN_COUNT)."""
     places = (np.arange(count) + 0.5) / count
     return np.asarray(np.kron(np.eye(parts), np.cos(np.pi * np.outer(places, np.arange(min(PATTERN_COUNT, count))))))

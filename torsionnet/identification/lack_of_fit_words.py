@@ -1,4 +1,4 @@
-"""Sentences on lack of fit, that a model does not fit, what would explain it and what to do."""
+"""Sentences on lack of fit, which say that a model does not fit, what would explain that and what to do."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ ADVICE_BY_CAUSE = {
 }
 INTERVALS_WITHHELD = "Intervals are withheld"
 MOST_EXPLANATIONS_LISTED = 3
-"""Explanations that a sentence lists at most; more would hide the first."""
+"""Number of explanations of a misfit that a sentence lists at most, as more would hide the first."""
 
 
 def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
-    """Sentence on a model that does not fit, with explanation and advice; nothing if the model fits."""
+    """Sentence on a model that does not fit, with explanation and advice; no sentence if the model fits."""
     if lack is None or not lack.rejected:
         return
     wrong = [one for one in lack.measurements if one.rejected]
@@ -50,7 +50,7 @@ def _what(one: Explanation) -> str:
 
 
 def cause_in_words(kind: str, of: str, value: float, before: float | None) -> str:
-    """Description of a cause of a misfit with its value.
+    """Description in words of a cause of a misfit with the value that it would need.
 
     >>> cause_in_words("gain", "n_out", 0.7767, None), cause_in_words("ratio", "stage.ratio", 2.33, 3.0)
     ('a gain of 0.7767 in n_out', 'stage.ratio = 2.33 instead of 3')
@@ -69,7 +69,7 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None) -> st
 
 
 def _values(one: Explanation) -> str:
-    """Text with the values that all parameters but the explaining one would have if the explanation were true."""
+    """Text with the values that all other parameters would have if an explanation of a misfit were true."""
     listed = [
         f"{name} would be {value_with_error(value, one.standard_errors[name])}"
         for name, value in one.values.items()

@@ -16,12 +16,13 @@ from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.response import Column, Table
 
 CLEAR_AICC_DIFFERENCE, SLIGHT_AICC_DIFFERENCE = 10.0, 4.0
-"""Differences of the criterion that leave next to no support, or little, to the worse model (Burnham and Anderson)."""
+"""Differences of the AICc of two models that leave next to no support, or little, to the worse one (Burnham and
+Anderson)."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """Model to choose from, with the parameters of it that are fitted."""
+    """Model to choose from, with the parameters of it that are to be fitted."""
 
     model: Drivetrain
     parameters: Sequence[str] | Mapping[str, Unknown | float | None]
@@ -29,7 +30,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """Result of a choice between models with their fits to the same data, weighed by the same noise.
+    """Result of a choice between models, with a fit of each to the same data, weighed by the same noise.
 
     Attributes
     ----------
@@ -41,23 +42,23 @@ class Choice:
 
     @property
     def best(self) -> str:
-        """Name of the model with the lowest AICc."""
+        """Name of the model with the lowest AICc, the preferred one."""
         return next(iter(self.fits))
 
     @property
     def differences(self) -> dict[str, float]:
-        """AICc of each model above that of the best one."""
+        """AICc of each model minus that of the best one, by name of the model."""
         least = self.fits[self.best].aicc
         return {name: fit.aicc - least for name, fit in self.fits.items()}
 
     @property
     def verdict(self) -> str:
-        """Sentence that names the preferred model and how clearly it is better."""
+        """Sentence that names the preferred model and says how clearly it is better than the others."""
         others = [f"{name} is {rise:.3g} worse in AICc ({_how(rise)})" for name, rise in self.differences.items()][1:]
         return f"{self.best} is preferred: {', '.join(others)}" if others else f"only {self.best} was tried"
 
     def table(self) -> Table:
-        """Table with a row for each model: parameters, AICc above the best, misfit."""
+        """Table with a row for each model, its parameters, AICc above that of the best, and misfit."""
         columns = (Column("model"), Column("parameters"), Column("AICc above best", "", 4), Column("misfit", "", 3))
         rows = []
         for name, fit in self.fits.items():
@@ -72,7 +73,7 @@ def _how(rise: float) -> str:
 
 
 def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement | Sequence[Measurement]) -> Choice:
-    """Fit several models to the same measurements and rank them by Akaike's criterion for few data.
+    """Choice between several models by fits to the same measurements, ranked by Akaike's criterion for few data.
 
     All are weighed by the noise that the most successful one leaves unexplained: a model that explains little cannot
     call the rest noise.
@@ -102,7 +103,7 @@ def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement 
 
 
 def _distance(fit: Fit) -> float:
-    """Sum of squares of model minus test over test."""
+    """Sum of squares of relative differences between model and test, over all lines of a fit."""
     ratios = [
         one.fitted / one.measured if one.has_phase else np.abs(one.fitted / one.measured) for one in fit.comparisons
     ]

@@ -12,11 +12,12 @@ from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import errors_in_form, parts
 
 REPORTED_BIAS = 0.5
-"""Bias in standard errors above which a verdict reports it."""
+"""Bias of a fitted value, in standard errors, above which a verdict reports it, as a smaller one is lost in the
+error."""
 
 
 def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """Mean of the weighted residuals by squared noise (n_residuals,), from the sensor noise that the fit estimated."""
+    """Mean that squared noise gives to the weighted residuals, (n_residuals,), from the sensor noise of the fit."""
     shifts = np.zeros(len(problem.residuals(values)))
     for block, span, place in zip(problem.blocks, problem.residual_slices, problem.unknown_indices, strict=True):
         if isinstance(block, RecordBlock):
@@ -26,7 +27,7 @@ def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """Bias of the fitted values by squared noise, (n,), SI."""
+    """Bias of the fitted values by squared noise of the sensors, in SI, (n,)."""
     shift = noise_shift(problem, values)
     if not shift.any():
         return np.zeros(len(values))
@@ -34,7 +35,7 @@ def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
-    """Bias that squared noise gives the difference of model and test at each line, shape (n_b,)."""
+    """Bias that squared noise gives to model minus test at each line of a record, complex, SI, (n_b,)."""
     windowed, (on_output, on_input) = block.windowed, block.sources
     rows = windowed.rows
     own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]
@@ -48,7 +49,7 @@ def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
 def noise_bias_sentence(
     problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray
 ) -> Iterator[str]:
-    """Sentence on the values that noise biases by more than REPORTED_BIAS standard errors, if there are any."""
+    """Sentence on the fitted values that noise biases by more than half a standard error, if there are any."""
     listed = [
         f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"
         for name, value, change, error in zip(problem.names, values, moved, errors, strict=True)

@@ -1,4 +1,4 @@
-"""Split of the noise of a record between the sensors on output and input."""
+"""Split of the noise of a record between the sensors of output and input."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from scipy.stats import norm
 from torsionnet.assembly.rows import FloatArray
 
 REWEIGHTING_ROUNDS = 5
-"""Repetitions of the weighted least squares, whose weights depend on the result; a few suffice."""
+"""Repetitions of the least squares for noise powers, whose weights depend on their result; a few suffice."""
 COMPATIBLE_STANDARD_ERRORS = 4.0
-"""Standard errors by which two estimates of one noise may differ and still be averaged: noise that comes with the
-excitation shows only in the lines that it drives."""
+"""Standard errors by which two estimates of one noise power may differ and still be averaged, as noise that comes with
+the excitation shows only in the lines that it drives."""
 
 
 def sensor_noise_powers(
@@ -24,7 +24,7 @@ def sensor_noise_powers(
     repeated: float = 1.0,
     seen: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
-    """Noise powers of the output sensor and of the input sensor (through the response) that fit a noise level best.
+    """Noise powers of output sensor and input sensor (as variances) that fit the noise left in all lines best.
 
     One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
     and weights made of that alone would favour lines that happen to agree. Neither is below 0; one that is found within
@@ -57,7 +57,7 @@ def sensor_noise_powers(
 
 
 def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
-    """Mean of values weighted by their standard errors, and its own standard error; None without values.
+    """Mean of values weighted by their standard errors, and its own standard error, or None without values.
 
     >>> weighted_mean([(1.0, 1.0), None, (2.0, 1.0)])
     (1.5, 0.7071067811865476)
@@ -70,7 +70,7 @@ def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, f
 
 
 def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
-    """Powers of the noise sources whose sum, above a known rest, fits a measured level; with standard errors."""
+    """Powers of noise sources whose sum with a known rest fits a measured noise level, and their standard errors."""
     tiny = np.finfo(float).tiny
     found, shares = np.maximum(level, tiny), np.zeros(columns.shape[1])
     for _ in range(REWEIGHTING_ROUNDS):
@@ -84,7 +84,7 @@ def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: 
 def _probable(
     level: FloatArray, columns: FloatArray, found: FloatArray, repeated: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Means of noise powers under a normal distribution cut off at 0, and their standard deviations."""
+    """Means of noise powers under a normal distribution cut off at 0, and their standard deviations, (n_sources,)."""
     rows = columns / found[:, None]
     scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
     inverse = np.linalg.pinv(rows / scale)

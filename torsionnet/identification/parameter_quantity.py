@@ -32,7 +32,7 @@ class ParameterQuantity:
 
 
 def parameter_quantity(model: AssembledModel, name: str) -> ParameterQuantity:
-    """Unit, dimension and physical bounds of a parameter, or of ``element.field``.
+    """Unit, dimension and physical bounds of a parameter of a model, or of ``element.field``.
 
     >>> import torsionnet as tn
     >>> parameter_quantity(tn.load("dmf_rig"), "k_2")

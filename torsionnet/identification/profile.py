@@ -1,4 +1,4 @@
-"""Profile-likelihood intervals, how far one value can move while the others are fitted again."""
+"""Profile-likelihood intervals of fitted values, how far one can move while the others are fitted again."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
     from torsionnet.identification.fit_result import FitResult
 
 STEP_DOUBLINGS = 12
-"""Doublings of the step, from one standard error, after which an end of the interval counts as infinite."""
+"""Number of doublings of the step, from one standard error on, after which an end of an interval counts as infinite."""
 BOUND_GAP = 1e-6
-"""Distance to a bound, over that from the optimum, at which the model is evaluated: at the bound it may be singular."""
+"""Distance to a bound, over that from the optimum, at which the model is evaluated, as it may be singular at the
+bound."""
 
 
 @one_thread()
 def profile_interval(fit: FitResult, name: str, level: float) -> tuple[float, float]:
-    """Profile-likelihood interval of one value, SI: where chi squared rises by less than the level allows."""
+    """Profile-likelihood interval (lower, upper) of one value in SI, where chi squared rises by less than allowed."""
     if fit.problem is None:
         raise UsageError("a fit read from a file has no data to profile; fit again")
     if name not in fit.values:
@@ -70,7 +71,7 @@ class _Profile:
         return sign * np.inf
 
     def rise(self, value: float, guess: FloatArray) -> float:
-        """Chi squared at a value, the others fitted again, minus the limit allowed."""
+        """Chi squared with one parameter held at a value and the others fitted again, minus the limit allowed."""
         others = [i for i in range(len(self.best)) if i != self.index]
         whole = guess.copy()
         whole[self.index] = value

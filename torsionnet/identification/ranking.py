@@ -1,4 +1,4 @@
-"""Ranking of the causes of a misfit: each value freed alone, and the value it would need."""
+"""Ranking of the causes of a misfit, each value of the model freed alone, with the value it would need."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.response import Column, Table
 
 @dataclass(frozen=True)
 class RankedCause:
-    """Cause of a misfit with its rank: one value freed alone, besides the parameters that were free before.
+    """Cause of a misfit with its rank, one value freed besides the parameters that were free before.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class RankedCause:
 
     @property
     def factor(self) -> float | None:
-        """Fitted value over the value in the model; None if the model has none."""
+        """Fitted value over the value in the model, or None if the model has none."""
         if self.kind == "gain":
             return self.value
         return self.value / self.before if self.before else None
@@ -68,7 +68,7 @@ class RankedCause:
 
 @dataclass(frozen=True, repr=False)
 class Ranking(NotebookResult):
-    """Causes of a misfit ranked by what each leaves of it, the best first.
+    """Causes of a misfit ranked by the misfit that each leaves when freed, the best first.
 
     Attributes
     ----------
@@ -82,14 +82,14 @@ class Ranking(NotebookResult):
 
     @property
     def verdict(self) -> str:
-        """Sentence that names the causes that explain the misfit."""
+        """Sentence that names the causes that explain the misfit, or says that no single one does."""
         good = [str(one) for one in self.causes if one.explains]
         if not good:
             return "no single value explains the misfit"
         return f"only {', or '.join(good)} explains the misfit"
 
     def table(self) -> Table:
-        """Table with a row for each cause: value in the model, value needed, misfit left."""
+        """Table with a row for each cause of a misfit, its value in the model, the value needed, the misfit left."""
         columns = (
             Column("freed alone"),
             Column("model has"),
@@ -114,7 +114,7 @@ def rank_causes(
     *,
     residual: str = "complex",
 ) -> Ranking:
-    """Free one value after the other, and rank them by what each leaves of a misfit.
+    """Ranking of the causes of a misfit, each value freed alone, by the misfit that is left.
 
     Tried are a gain and a delay of the outputs' channels, every inertia, stiffness, damping and ratio of the model, and
     the other kind of damping of its springs.

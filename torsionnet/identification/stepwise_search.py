@@ -1,4 +1,4 @@
-"""Search for an optimum that starts with the lowest frequency lines and adds higher ones step by step.
+"""Search for an optimum of a fit that starts with the lowest lines and adds higher ones step by step.
 
 Where a model has many resonances, one that is a little off already misses a high peak, and the misfit has a minimum
 wherever two of the peaks coincide. Low lines depend smoothly on the parameters; fitting them first brings the higher
@@ -19,11 +19,13 @@ from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.verdict_words import relative_misfits
 
 LINE_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
-"""Shares of all lines, counted from the lowest, that are fitted one after the other."""
+"""Shares of all lines, counted from the lowest, that are fitted one after the other, as each brings higher peaks near
+enough."""
 FEWEST_LINES_PER_PARAMETER, MOST_STEP_EVALUATIONS = 3, 50
-"""Fewest lines for each parameter in a step, and most evaluations in each step."""
+"""Fewest lines for each parameter in a step of the search, and most evaluations of the residuals in each step, which
+need not converge."""
 SUSPICIOUS_MISFIT = 0.02
-"""RMS of model minus test over that of the test above which a search may have ended beside the optimum."""
+"""RMS of model minus test over RMS of the test above which a search may have ended beside the best optimum."""
 WARNED_MISFIT, LEAST_IMPROVEMENT = 0.1, 1e-6
 """Relative RMS misfit above which a response of unknown noise is warned of, and least relative improvement of the cost
 by which another optimum is taken."""
@@ -32,7 +34,7 @@ by which another optimum is taken."""
 def stepwise_optimum(
     problem: FitProblem, best: LeastSquaresSolution, start: FloatArray, loss: str
 ) -> LeastSquaresSolution:
-    """Better one of the best optimum so far and that of a search with step-by-step added lines.
+    """Better optimum of the best one so far and that of a search with lines added step by step.
 
     Only for responses; records take far longer, and their lines are wide.
     """
@@ -54,7 +56,7 @@ def stepwise_optimum(
 
 
 def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatArray:
-    """Optimum (n,) of the lowest lines and the priors."""
+    """Values (n,) in SI of the unknowns at the optimum for a share of the lines, the lowest, and for the priors."""
     every = np.sort(np.concatenate([block.frequencies for block in problem.blocks]))
     count = min(max(int(share * len(every)), FEWEST_LINES_PER_PARAMETER * len(start)), len(every))
     inside = [np.tile(block.frequencies <= every[count - 1], block.parts) for block in problem.blocks]

@@ -1,4 +1,4 @@
-"""Unknown parameter of a fit, start value, bounds and prior."""
+"""Unknown parameter of a fit with its start value, bounds and prior."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 
 LARGEST_SIZE = 1e20
-"""Largest size in SI of a start value, bound or prior, and the reciprocal of the smallest: beyond, it is a mistake."""
+"""Largest size in SI of a start value, bound or prior, and the reciprocal of the smallest, beyond which it is a
+mistake."""
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """Unknown parameter of a fit, with start value, bounds and prior.
+    """Unknown parameter of a fit, with its start value, bounds and prior in SI.
 
     Attributes
     ----------
@@ -50,7 +51,7 @@ class Unknown:
 
 
 def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float | None]) -> dict[str, Unknown]:
-    """Unknown parameters by name, from names alone, or from names with a start value or an :class:`Unknown`.
+    """Unknown parameters of a fit by name, from names alone, or names with a start value or an :class:`Unknown`.
 
     >>> read_unknowns({"c_O": 100, "c_B": None})["c_O"].start
     100.0

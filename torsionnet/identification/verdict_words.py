@@ -1,4 +1,4 @@
-"""Verdicts of a fit in words, undetermined or correlated parameters, values at bounds, outlying measurements."""
+"""Verdicts on a fit in words, about undetermined or correlated parameters, values at bounds, odd measurements."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, significant_peaks
 
 INDISTINGUISHABLE_CORRELATION = 0.95
-"""Correlation of two parameters above which they are reported as indistinguishable."""
+"""Correlation of two fitted parameters above which a verdict says that the data cannot distinguish them."""
 VAGUE_RELATIVE_ERROR = 0.3
-"""Relative standard error above which a value is reported as hardly determined."""
+"""Standard error of a fitted value, over the value, above which a verdict says that it is hardly determined."""
 OUTLYING_MISFIT_RATIO = 2.0
-"""Misfit of one measurement over the median of the others above which it is reported as not fitting them."""
+"""Misfit of one measurement over the median of the others above which a verdict says that it does not fit them."""
 AT_BOUND_DISTANCE = 1e-6
-"""Relative distance to a bound within which a value stands at it; the search ends inside the bound by rounding."""
+"""Relative distance to a bound within which a fitted value stands at it, as the search ends inside the bound by
+rounding."""
 NARROW_PEAK_ADVICE = "fit the record itself, which has no such error, or use longer windows"
 
 
@@ -33,7 +34,7 @@ def verdicts(
     moved: FloatArray,
     ended: Collection[str] = (),
 ) -> tuple[str, ...]:
-    """Verdicts of a fit in words; values that ``ended`` at zero or infinity are reported elsewhere."""
+    """Verdicts on a fit in words, one sentence each; values that ``ended`` at zero or infinity are left out."""
     return (
         *_combinations(problem, lost),
         *_alike(problem, errors, correlation),
@@ -51,7 +52,7 @@ def _where(problem: FitProblem) -> str:
 
 
 def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
-    """Sentence for each combination of parameters that the data do not determine."""
+    """Sentence for each combination of parameters that the data of a fit do not determine."""
     for direction in lost:
         members = np.flatnonzero(np.abs(direction) > 1e-3 * np.abs(direction).max())
         names = " and ".join(problem.names[index] for index in members)
@@ -92,7 +93,7 @@ def _bounds(problem: FitProblem, values: FloatArray, ended: Collection[str]) -> 
 
 
 def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
-    """Sentence for each measurement that fits much worse than the others."""
+    """Sentence for each measurement of a fit that the model fits much worse than the others."""
     misfits = relative_misfits(problem, values)
     if len(misfits) < 2:
         return
@@ -107,7 +108,7 @@ def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
 
 
 def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
-    """RMS of model minus test over RMS of the test, of each measurement."""
+    """RMS of model minus test over RMS of the test, for each measurement, shape (n_measurements,)."""
     found = []
     for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
         predicted, measured = block.predicted(values[place])[0], block.measured
@@ -117,7 +118,7 @@ def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
 
 
 def _narrow_peaks(problem: FitProblem, values: FloatArray) -> Iterator[str]:
-    """Sentence for each peak so narrow that the windows of the estimate act like damping."""
+    """Sentence for each peak of a response so narrow that the windows of its estimate act like damping."""
     for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
         if isinstance(block, ResponseBlock) and block.data.coherence is not None:
             yield from _narrow(block, values[place])

@@ -1,4 +1,4 @@
-"""Circle fit: natural frequency and damping ratio of one mode from its circle in the Nyquist plane."""
+"""Circle fit, which finds natural frequency and damping ratio of one mode from its circle in the Nyquist plane."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, li
 from torsionnet.response import Channel, FrequencyResponse
 
 FEWEST_POINTS = 5
-"""Lines on the circle below which it is not fitted: three define a circle, the others show whether they lie on it."""
+"""Fewest lines on a circle to which it is fitted, as three define it and the others show whether they lie on it."""
 LOWEST_PART_OF_PEAK = 0.5
-"""Magnitude, over that of the peak, down to which lines around it are taken.
+"""Magnitude over that of the peak down to which lines around it are fitted, as noise moves a shorter arc and other
+modes a longer one.
 
 A larger value takes a shorter arc, which noise moves more; a smaller one takes more of the neighbouring modes.
 """
 POOR_CIRCLE, WIDE_SPREAD = 0.05, 0.1
-"""Residual over the radius, and spread of damping ratios over their median, above which a warning is given."""
+"""RMS distance of points from the circle over its radius, and spread of damping ratios over their median, above which a
+warning of noise or other modes is given."""
 
 
 @dataclass(frozen=True, eq=False)
 class CircleFit:
-    """Mode identified by a circle fit: natural frequency, damping ratio, modal constant and circle.
+    """Mode identified by a circle fit, with natural frequency (Hz), damping ratio, modal constant and the circle.
 
     Attributes
     ----------
@@ -77,7 +79,7 @@ class CircleFit:
 
     @property
     def pole(self) -> complex:
-        """Pole in rad/s of the equivalent viscous mode."""
+        """Pole in rad/s of the viscous mode with this natural frequency and damping ratio."""
         omega, zeta = 2 * np.pi * self.natural_frequency, self.damping_ratio
         return complex(-zeta * omega + 1j * omega * np.sqrt(max(0.0, 1 - zeta**2)))
 
@@ -91,7 +93,7 @@ def circle_fit(
     damping: Literal["viscous", "hysteretic"] = "viscous",
     band: tuple[float, float] | None = None,
 ) -> CircleFit:
-    """Fit a circle to the lines around one resonance.
+    """Mode identified by a circle through the lines of one transfer function around a resonance.
 
     One viscous mode draws an exact circle in its mobility, a hysteretic one in its receptance; other modes move it as
     long as their share hardly changes over the lines taken. The response is integrated or differentiated as needed,
@@ -141,7 +143,7 @@ def circle_fit(
 def _points(
     response: FrequencyResponse, near: float, damping: str, band: tuple[float, float] | None
 ) -> tuple[FloatArray, ComplexArray, FloatArray, str]:
-    """Frequency in rad/s, mobility or receptance, and weight of each line of the fit, and the unit of the points."""
+    """Frequency in rad/s, mobility or receptance, and weight of each line fitted, each (n,), and the points' unit."""
     lines = lines_of(response, Settings())
     steps = (damping == "viscous") - int(lines.powers[0, 0])
     omega = np.abs(lines.s)
@@ -173,7 +175,7 @@ def _within(omega: FloatArray, band: tuple[float, float]) -> slice:
 
 
 def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
-    """Range of lines around the peak nearest to a frequency: at least half as high, up to the next rise."""
+    """Range of lines around the peak nearest to a frequency that are at least half as high, up to the next rise."""
     from scipy.signal import find_peaks
 
     summits = find_peaks(size, prominence=0.1 * size.max())[0]
@@ -224,7 +226,7 @@ def _fitted(
 
 
 def _circle(points: ComplexArray, weights: FloatArray) -> tuple[complex, float]:
-    """Centre and radius with the least weighted squares of distances, started from the algebraic fit (Kåsa 1976)."""
+    """Centre and radius of the circle by least squares of distances, started from the algebraic fit (Kåsa 1976)."""
     import scipy.optimize
 
     size = float(np.abs(points).max())
@@ -241,13 +243,13 @@ def _circle(points: ComplexArray, weights: FloatArray) -> tuple[complex, float]:
 
 
 def _detuning(omega: FloatArray, resonance: float, damping: str) -> FloatArray:
-    """Distance of each frequency from resonance, which is 2 zeta (or eta) times the tangent of half the angle."""
+    """Distance of each frequency from resonance, without unit, 2 zeta (or eta) times the tangent of half the angle."""
     ratio = omega / resonance
     return np.asarray(ratio - 1 / ratio if damping == "viscous" else ratio**2 - 1)
 
 
 def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float, float]:
-    """Angle and frequency (rad/s) of the resonance by least squares of angles, started where these change fastest."""
+    """Angle (rad) and frequency (rad/s) of the resonance on the circle by least squares of the points' angles."""
     import scipy.optimize
 
     sweep = seen[0] - seen[-1]
@@ -274,7 +276,7 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
 
 
 def _pairs(omega: FloatArray, angle: FloatArray, resonance: float, damping: str) -> FloatArray:
-    """Damping ratios from one point below and one above resonance, (n_below, n_above)."""
+    """Damping ratios from each pair of a point below and one above resonance, (n_below, n_above)."""
     detuning, tangent = _detuning(omega, resonance, damping), np.tan(np.clip(angle / 2, -1.55, 1.55))
     below, above = omega < resonance, omega > resonance
     distance = detuning[above] - detuning[below][:, None]

@@ -11,7 +11,7 @@ from torsionnet.response import FrequencyResponse
 
 
 def mac(first: ArrayLike, second: ArrayLike) -> FloatArray:
-    """Modal assurance criterion ``|a^H b|^2 / (a^H a  b^H b)`` of every pair of shapes.
+    """Modal assurance criterion ``|a^H b|^2 / (a^H a  b^H b)`` of every pair of shapes, (n_first, n_second).
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def mac(first: ArrayLike, second: ArrayLike) -> FloatArray:
 
 
 def msf(first: ArrayLike, second: ArrayLike) -> ComplexArray:
-    """Modal scale factor of each shape with its partner: the factor that brings ``first`` closest to ``second``.
+    """Modal scale factor of each shape, complex, (n_modes,), which brings ``first`` closest to ``second``.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def msf(first: ArrayLike, second: ArrayLike) -> ComplexArray:
 
 
 def mpc(shapes: ArrayLike) -> FloatArray:
-    """Modal phase collinearity of each shape: 1 where all sensors move in phase or against each other.
+    """Modal phase collinearity of each shape, (n_modes,), 1 where all sensors move in phase or against each other.
 
     ``((Sxx - Syy)^2 + 4 Sxy^2) / (Sxx + Syy)^2`` with the sums of squares and products of real and imaginary parts
     (Pappa, Elliott and Schenk 1993). Low values mean much non-proportional damping, a poor fit, or two modes in one.
@@ -88,7 +88,7 @@ def mpc(shapes: ArrayLike) -> FloatArray:
 
 
 def cmif(response: FrequencyResponse) -> FloatArray:
-    """Complex mode indicator function: singular values of the matrix of transfer functions at every frequency.
+    """Complex mode indicator function, singular values of the transfer functions at every frequency, (n_f, n_curves).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Identification of modes from frequency responses: stabilisation diagram, choice of poles, refinement."""
+"""Identification of modes from frequency responses by stabilisation diagram, choice of poles, and refinement."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ from torsionnet.modal.stabilisation import Stabilisation
 from torsionnet.response import FrequencyResponse
 
 CLOSE_MODES = 0.5
-"""Distance of two poles, over the sum of their decay rates, below which modes count as close.
+"""Distance of two poles over the sum of their decay rates below which modes count as close, as residues of close modes
+are split badly between them.
 
 Residues of close modes are split badly between them; a larger value leaves more poles unrefined.
 """
 METHODS = {"rational": "rational fraction", "lscf": "least-squares complex frequency"}
-"""Name of each method in titles of results."""
+"""Name of each identification method in titles of results, by its key in the settings."""
 
 
 @one_thread()
@@ -37,7 +38,7 @@ def identify_modes(
     selection: Selection | None = None,
     refined: bool = True,
 ) -> ModalEstimate:
-    """Natural frequencies, damping ratios and shapes at the sensors from one or several transfer functions.
+    """Modes identified from transfer functions (natural frequencies, damping ratios, shapes at the sensors).
 
     The poles of a transfer function against a *measured* torque are those of the drivetrain cut at the transducer:
     compare them with ``drivetrain.modes(measured_input=...)``, not with ``drivetrain.modes()``.
@@ -92,7 +93,7 @@ def identify_modes(
 def fit_poles(
     response: FrequencyResponse, poles: ArrayLike, settings: Settings | None = None, *, refined: bool = False
 ) -> ModalEstimate:
-    """Modal estimate with given poles in rad/s: shapes and residues are fitted, poles only if ``refined``.
+    """Modes with given poles (rad/s), whose shapes and residues are fitted to a response; poles only if ``refined``.
 
     Examples
     --------

@@ -22,12 +22,13 @@ from torsionnet.response.mode_numbers import MODE_NUMBER, OSCILLATORY, REAL, mod
 IntArray: TypeAlias = NDArray[np.int_]
 
 LARGEST_POLE_DISTANCE = 0.5
-"""Distance of poles, over ``|lambda|`` of the model, above which modes are no pair: the default of ``match``."""
+"""Distance of two poles over ``|lambda|`` of the model above which the modes are no pair, unless ``match`` is told
+another."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Match(NotebookResult):
-    """Pairs of an identified mode and a mode of the model.
+    """Pairs of identified modes and modes of a model, with their poles (rad/s) and the MAC of their shapes.
 
     Attributes
     ----------
@@ -51,20 +52,20 @@ class Match(NotebookResult):
 
     @property
     def frequency_errors(self) -> FloatArray:
-        """Relative errors of the natural frequencies: identified over model, less 1; shape (n_pairs,)."""
+        """Relative errors of the natural frequencies of all pairs, identified over model less 1, (n_pairs,)."""
         found, model = self._partners()
         return np.asarray(natural_frequencies(found) / natural_frequencies(model) - 1)
 
     @property
     def damping_errors(self) -> FloatArray:
-        """Relative errors of the damping ratios: identified over model, less 1; shape (n_pairs,)."""
+        """Relative errors of the damping ratios of all pairs, identified over model less 1, (n_pairs,)."""
         found, model = self._partners()
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(damping_ratios(found) / damping_ratios(model) - 1)
 
     @property
     def model_numbers(self) -> tuple[int | None, ...]:
-        """Mode numbers of the model as in its own tables; None for real poles."""
+        """Number of each mode of the model as in the model's own tables, None for real poles."""
         return mode_numbers([OSCILLATORY if pole.imag > 0 else REAL for pole in self.model_poles])
 
     def _name(self, place: int) -> int | str:
@@ -74,7 +75,7 @@ class Match(NotebookResult):
         return self.identified_poles[self.identified], self.model_poles[self.model]
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each pair, then for each mode without a partner."""
+        """Table with a row for each pair of modes, then for each mode without a partner."""
         columns = (
             Column("identified"),
             Column("model"),
@@ -112,7 +113,7 @@ def match(
     at: Mapping[str, str] | None = None,
     farthest: float = LARGEST_POLE_DISTANCE,
 ) -> Match:
-    """Pair identified modes with those of a model, and compare them.
+    """Pairs of identified modes and the modes of a model nearest to them in pole and shape.
 
     Against a measured torque compare with ``drivetrain.modes(measured_input=...)``: its poles are not those of the
     whole drivetrain.
@@ -164,7 +165,7 @@ def match(
 def _of_model(
     estimate: ModalEstimate, model: Modes | ArrayLike, shapes: ArrayLike | None, at: Mapping[str, str] | None
 ) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray] | None]:
-    """Poles of the model in rad/s, and the shapes of estimate and model at common sensors (None: fewer than two)."""
+    """Poles of the model in rad/s, and shapes of estimate and model at common sensors, None with fewer than two."""
     if isinstance(model, Modes):
         return _of_modes(estimate, model, at)
     if shapes is None:
@@ -197,7 +198,7 @@ def _of_modes(
 
 
 def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
-    """Rows and columns of the most pairs with finite cost, at the lowest total cost."""
+    """Row and column of each pair, as many pairs of finite cost as possible, at the lowest total cost."""
     from scipy.optimize import linear_sum_assignment
 
     allowed = np.isfinite(cost)
@@ -209,7 +210,7 @@ def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
 
 @dataclass(frozen=True)
 class MatchedMode:
-    """Pair of an identified mode and a mode of the model, with the relative errors of the identified one."""
+    """Pair of an identified mode and a mode of the model, with relative errors of frequency and damping ratio."""
 
     identified: int
     model: Annotated[int | None, Out(schema=MODE_NUMBER)]
@@ -219,7 +220,7 @@ class MatchedMode:
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedModesRecord:
-    """Identified modes, as ``torsionnet identify-modes --json`` prints them."""
+    """Identified modes as plain data, as ``torsionnet identify-modes --json`` prints them."""
 
     title: str
     method: str
@@ -229,7 +230,7 @@ class IdentifiedModesRecord:
 
 
 def identified_modes_record(found: ModalEstimate, compared: Match | None) -> IdentifiedModesRecord:
-    """Identified modes as plain data, for JSON, with the modes of a model that they were compared with."""
+    """Identified modes as plain data for JSON, with the modes of a model that they were compared with."""
     pairs = None if compared is None else tuple(
         MatchedMode(i + 1, compared.model_numbers[m], *errors)
         for i, m, *errors in zip(

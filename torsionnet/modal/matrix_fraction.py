@@ -1,4 +1,4 @@
-"""Poles by matrix fraction: one quotient of polynomials fitted to all transfer functions of a test.
+"""Poles by matrix fraction, a quotient of polynomials that is fitted to all transfer functions of a test.
 
 The right matrix fraction ``H = s^p B A^-1 / s^q`` is linear in A and B once multiplied by A. The rows of B
 belong to one output each and are eliminated by QR decompositions; the equations left define A, whose roots are the
@@ -18,17 +18,18 @@ from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 MOST_ROUNDS = 20
-"""Rounds of reweighting at most; a larger value costs time where poles of noise do not converge."""
+"""Largest number of rounds in which a fit is reweighted, as poles of noise may never converge."""
 POLE_CONVERGENCE = 1e-9
-"""Relative change of all poles below which reweighting ends."""
+"""Relative change of all poles below which the reweighting of a fit ends, small against any standard error."""
 SMALLEST_DENOMINATOR = 1e-12
-"""Size of the denominator, over its largest, that weights assume at least: poles on the axis would divide by 0."""
+"""Least size of the denominator over its largest that weights assume, as poles on the imaginary axis would divide by
+0."""
 NYQUIST_MARGIN = 0.999
-"""Frequency of a pole, over the highest of the lines, from which on it is an artefact of the fold at z = -1."""
+"""Frequency of a pole over that of the highest line above which the pole is an artefact of the fold at z = -1."""
 
 
 def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
-    """Yield the stable poles and the participations of the inputs of fits of rising order, from 1.
+    """Yield the stable poles (rad/s) and their participations of the inputs, of fits of order 1, 2, 3 and so on.
 
     Yields
     ------
@@ -43,7 +44,7 @@ def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[
 
 
 def largest_order(lines: Lines, settings: Settings) -> int:
-    """Highest order of a fit that has no more unknowns than equations for each output."""
+    """Highest order at which a fit has no more unknowns than equations for each output."""
     extra = 1 + 2 * settings.has_lower
     inputs = lines.values.shape[2]
     return int(max(0, (2 * len(lines.s) - extra - inputs) // (1 + inputs) - 1))
@@ -58,7 +59,7 @@ def _rational(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[
 
 
 def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexArray, ComplexArray]:
-    """Poles and participations of one order, reweighted by the last denominator (Sanathanan and Koerner 1963)."""
+    """Poles in rad/s scaled by the highest line, and participations, of one order, reweighted by its denominator."""
     s, inputs = lines.s, lines.values.shape[2]
     below = 2 if settings.has_lower else 0
     numerator = max(order - (not settings.has_upper), 0) + below
@@ -82,7 +83,7 @@ def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexAr
 
 
 def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
-    """Coefficients (n + 1, n_in, n_in) of unit length; for several inputs the highest is the unit matrix.
+    """Coefficients of the denominator from its equations, (n + 1, n_in, n_in), of unit length for one input.
 
     Without that, the columns of A could be multiples of each other, and every number a root.
     """
@@ -94,7 +95,7 @@ def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
 
 
 def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
-    """Poles and participations by polynomials in z with the lowest coefficient 1, which makes noise poles unstable.
+    """Yield poles (rad/s) and participations of each order by polynomials in z, which make noise poles unstable.
 
     Guillaume, Verboven et al., A poly-reference implementation of the least-squares complex frequency-domain estimator
     (IMAC 2003); Cauberghe (2004) on the constraint. The lines are reduced to triangles once, for all orders.
@@ -120,7 +121,7 @@ def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[Comp
 
 
 def _outputs(lines: Lines, *, measured: bool = False) -> Iterator[tuple[ComplexArray, FloatArray]]:
-    """Yield, output by output, transfer functions as receptances (n_f, n_in) and weights of the lines (n_f,)."""
+    """Yield, output by output, receptances (n_f, n_in) and the weights of the lines (n_f,)."""
     for o, power in enumerate(lines.powers):
         factor = np.ones((len(lines.s), len(power))) if measured else lines.s[:, None] ** power
         weights = lines.weights[:, o] * np.abs(factor)
@@ -128,7 +129,7 @@ def _outputs(lines: Lines, *, measured: bool = False) -> Iterator[tuple[ComplexA
 
 
 def _equations(numerator: ComplexArray, weight: FloatArray, values: ComplexArray, family: Family) -> FloatArray:
-    """Real equations ``B - H A = 0`` of one output: columns of B, then of A by degree and input."""
+    """Real equations ``B - H A = 0`` of one output, with columns of B, then of A by degree and input."""
     weighted = weight[:, None] * values
     denominator = -(family.values[:, :, None] * weighted[:, None, :]).reshape(len(weight), -1)
     both = np.hstack([numerator, denominator])
@@ -136,7 +137,7 @@ def _equations(numerator: ComplexArray, weight: FloatArray, values: ComplexArray
 
 
 def _eliminated(equations: FloatArray, numerators: int) -> FloatArray:
-    """Equations for the denominator alone, with the numerators eliminated."""
+    """Equations of one output for the denominator alone, its numerators eliminated by a QR decomposition."""
     return _triangle(equations)[numerators:, numerators:]
 
 

@@ -1,4 +1,4 @@
-"""Stabilisation diagrams, with the choice between rational fraction (few modes) and LSCF (many light ones)."""
+"""Stabilisation diagram by the better of two methods, rational fraction (few modes) or LSCF (many light ones)."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from torsionnet.modal.stabilisation import Stabilisation, diagram
 from torsionnet.response import FrequencyResponse
 
 NAMES: Mapping[Method, str] = {"rational": "rational fraction", "lscf": "LSCF"}
-"""Name of each method in the sentence that explains the choice."""
+"""Name of each identification method in the sentence that explains the choice of the method."""
 CLEAR_BIC_DIFFERENCE = 10.0
-"""Difference of BIC above which the worse method has next to no support (Kass and Raftery 1995)."""
+"""Difference of BIC between two methods above which the worse one has next to no support (Kass and Raftery 1995)."""
 
 
 @one_thread()
 def stabilisation(response: FrequencyResponse, settings: Settings | None = None) -> Stabilisation:
-    """Stabilisation diagram of a response: poles of all orders, and which of them stay from order to order.
+    """Stabilisation diagram of a response, with the poles of all orders and which of them stay between orders.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def stabilisation(response: FrequencyResponse, settings: Settings | None = None)
 
 
 def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
-    """Diagram of the method whose modes have the lower BIC; the rational fraction unless the difference is clear."""
+    """Diagram of the method whose modes have the lower BIC, the rational fraction unless the difference is clear."""
     plans: tuple[tuple[Method, Selection, int], ...] = (
         ("rational", "order", min(DEFAULT_HIGHEST_ORDER["rational"], settings.order)),
         ("lscf", "clusters", settings.order),
@@ -80,7 +80,7 @@ def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
 
 
 def _advantage(diagram: Stabilisation, taken: SelectedPoles, other: SelectedPoles) -> float:
-    """BIC of the first poles less that of the second, both with the noise of the better fit."""
+    """BIC of the first choice of poles less that of the second, both with the noise of the better fit."""
     both = (taken, other)
     left = [weighted_residuals(diagram.lines, one.poles, one.participations, diagram.settings) for one in both]
     criterion = BicCriterion(diagram.lines, min(left, key=lambda one: float((abs(one) ** 2).sum())))

@@ -1,4 +1,4 @@
-"""Result of an identification of modes: poles, residues, shapes, standard errors, tables."""
+"""Result of an identification of modes, with poles, residues, shapes, standard errors and tables."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.response.table import result_table
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedMode:
-    """Identified mode with standard errors; shape by sensor, 1 at the sensor that moves most."""
+    """Identified mode with natural frequency (Hz), damping ratio, their standard errors, pole and shape by sensor."""
 
     mode: Annotated[int, Out("mode")]
     kind: Annotated[str, Out("kind", schema=MODE_KIND)]
@@ -48,7 +48,7 @@ IDENTIFIED_COLUMNS = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModalEstimate(NotebookResult):
-    """Modes identified from frequency responses; one entry per conjugate pair or real pole, by ``|lambda|``.
+    """Modes identified from frequency responses, one for each conjugate pair or real pole, sorted by ``|lambda|``.
 
     Attributes
     ----------
@@ -99,27 +99,27 @@ class ModalEstimate(NotebookResult):
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """Natural frequencies ``|lambda| / 2 pi`` in Hz."""
+        """Natural frequencies ``|lambda| / 2 pi`` of the identified modes in Hz, (n_modes,)."""
         return pole_numbers.natural_frequencies(self.poles)
 
     @cached_property
     def damped_frequencies(self) -> FloatArray:
-        """Damped frequencies ``Im lambda / 2 pi`` in Hz; 0 for real poles."""
+        """Damped frequencies ``Im lambda / 2 pi`` of the identified modes in Hz, (n_modes,), 0 for real poles."""
         return np.asarray(self.poles.imag / (2 * np.pi))
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """Damping ratios ``-Re lambda / |lambda|``; 1 for a real pole."""
+        """Damping ratios ``-Re lambda / |lambda|`` of the identified modes, (n_modes,), 1 for a real pole."""
         return pole_numbers.damping_ratios(self.poles)
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kind of each mode, ``"oscillatory"`` or ``"real pole"``, as of :class:`torsionnet.Modes`."""
+        """Kind of each identified mode, ``"oscillatory"`` or ``"real pole"``, as of :class:`torsionnet.Modes`."""
         return pole_numbers.kinds(self.poles)
 
     @cached_property
     def shapes(self) -> ComplexArray:
-        """Mode shapes (n_out, n_modes): angles at the sensors, the largest being 1, and torques in N m for that angle.
+        """Mode shapes (n_out, n_modes), angles at the sensors over the largest, and torques in N m for that angle.
 
         Each is the best shape of rank one in the residues of all inputs.
         """
@@ -133,14 +133,14 @@ class ModalEstimate(NotebookResult):
         return found
 
     def shape_at(self, output: str) -> ComplexArray:
-        """Angles or torques of all modes at one sensor: its row of ``shapes``, (n_modes,)."""
+        """Angle (or torque in N m) of all mode shapes at one sensor, complex, (n_modes,)."""
         names = [channel.name for channel in self.outputs]
         if output not in names:
             raise UsageError(f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}')
         return np.asarray(self.shapes[names.index(output)])
 
     def response(self, frequencies: FloatArray) -> FrequencyResponse:
-        """Transfer functions of the fit at any frequencies in Hz, shape (n_f,)."""
+        """Frequency response of the identified modes and residual terms at frequencies (n_f,) in Hz."""
         f = np.asarray(frequencies, dtype=float)
         expansion = Expansion(self.poles, self.residues, self.lower, self.upper)
         values = expansion.values(2j * np.pi * f, powers_of(self.outputs, self.inputs))
@@ -148,21 +148,21 @@ class ModalEstimate(NotebookResult):
 
     @cached_property
     def synthesised(self) -> FrequencyResponse:
-        """Transfer functions of the fit at its own lines."""
+        """Frequency response of the identified modes and residual terms at the lines they were fitted to."""
         return self.response(self.frequencies)
 
     def only(self, modes: NDArray[np.bool_]) -> ModalEstimate:
-        """Copy with only some modes, given by a mask of shape (n_modes,)."""
+        """Copy of the estimate with only some modes, those where the mask (n_modes,) is true."""
         names = ("poles", "residues", "contributions", "frequency_errors", "damping_errors")
         return replace(self, **{name: getattr(self, name)[modes] for name in names})
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each mode: frequency and damping with standard errors, MPC, contribution."""
+        """Table with a row for each mode, its frequency and damping with standard errors, MPC, and contribution."""
         title = f"{self.title}: modes by {self.method}"
         return result_table(title, self.rows(), IdentifiedMode, IDENTIFIED_COLUMNS, conventions, self.notes)
 
     def rows(self) -> tuple[IdentifiedMode, ...]:
-        """Records of the modes, one for each mode."""
+        """Identified modes as records, one for each mode, in the order of ``|lambda|``."""
         names = [channel.name for channel in self.outputs]
         collinear = mpc(self.shapes)
         return tuple(
@@ -176,7 +176,7 @@ class ModalEstimate(NotebookResult):
         )  # fmt: skip
 
     def shape_table(self) -> Table:
-        """Table with a row for each sensor: magnitude and phase of every mode shape."""
+        """Table with a row for each sensor, magnitude and phase (degrees) of every mode shape there."""
         columns = [Column("sensor")]
         for mode in range(len(self)):
             columns += [Column(f"|shape {mode + 1}|"), Column(f"phase {mode + 1}", "deg")]
@@ -187,11 +187,11 @@ class ModalEstimate(NotebookResult):
         return Table(f"{self.title}: shapes", tuple(columns), tuple(rows), ("1 at the sensor that moves most",))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """The table as CSV text, also written to ``path``."""
+        """Table of the identified modes as CSV text, also written to ``path``."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """The table as JSON text, also written to ``path``."""
+        """Table of the identified modes as JSON text, also written to ``path``."""
         return self.table(conventions).to_json(path)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Peak picking: natural frequency, damping ratio and residue of each mode from its peak and half-power width."""
+"""Peak picking, which reads natural frequency, damping ratio and residue of each mode from its peak."""
 
 from __future__ import annotations
 
@@ -17,21 +17,23 @@ from torsionnet.modal.spectral_lines import FloatArray, Lines, band_notes, lines
 from torsionnet.response import FrequencyResponse
 
 HALF_POWER_DAMPING_LIMIT = 0.10
-"""Damping ratio up to which the half-power width reads it right; above, a warning is given."""
+"""Damping ratio up to which the half-power width gives it right, and above which a warning is given."""
 LARGEST_ASYMMETRY = 1.25
-"""Ratio of the two halves of a half-power width, over that of one mode alone, above which neighbours are assumed.
+"""Ratio of the halves of a half-power width, over that of one mode alone, above which neighbouring modes are assumed,
+as distant ones make less.
 
 A smaller value warns of the slopes of distant modes, too.
 """
 MOST_DAMPED = 0.3826
-"""Damping ratio at which a receptance no longer falls to half power below its peak."""
+"""Damping ratio from which on a receptance no longer falls to half power below its peak, by the formula for one
+mode."""
 SECOND_PEAK_RISE = 1.1
-"""Magnitude, over the lowest on the way down from a peak, from which on there is another peak; less may be noise."""
+"""Magnitude over the lowest on the way down from a peak above which there is a second peak, as less may be noise."""
 
 
 @dataclass(frozen=True)
 class PickedPeak:
-    """Peak of a magnitude curve with its half-power points.
+    """Peak of a magnitude curve, with its frequency and half-power points in Hz.
 
     Attributes
     ----------
@@ -52,7 +54,7 @@ class PickedPeak:
 
     @property
     def damping_ratio(self) -> float:
-        """Damping ratio from the half-power width, or from one half of the width where there is only one."""
+        """Damping ratio from the half-power width of the peak, or from one half of it where only one is there."""
         low, high = self.frequency - self.edges[0], self.edges[1] - self.frequency
         if np.isnan(low) or np.isnan(high):
             return float((high if np.isnan(low) else low) / self.frequency)
@@ -62,7 +64,7 @@ class PickedPeak:
 def peak_picking(
     response: FrequencyResponse, *, band: tuple[float, float] | None = None, prominence: float = 3.0
 ) -> ModalEstimate:
-    """Modes by peak picking: natural frequencies from peaks, damping ratios from their half-power widths.
+    """Modes by peak picking, natural frequencies from peaks and damping ratios from their half-power widths.
 
     Good for light damping and modes far apart; remarks say where a peak is neither. Several transfer functions are
     read from one curve, the root mean square of all of them, each divided by its own.
@@ -117,7 +119,7 @@ def peak_picking(
 
 
 def mean_magnitude(lines: Lines) -> FloatArray:
-    """Mean magnitude (n_f,) of all transfer functions, each divided by its root mean square over the lines."""
+    """RMS over all transfer functions at each line, (n_f,), each divided by its own RMS over the lines."""
     return np.asarray(np.sqrt(np.mean(np.abs(lines.values * lines.balance) ** 2, axis=(1, 2))))
 
 
@@ -136,7 +138,7 @@ def _read(frequencies: FloatArray, curve: FloatArray, line: int) -> PickedPeak:
 
 
 def _edge(frequencies: FloatArray, curve: FloatArray, level: float) -> tuple[float, bool]:
-    """Frequency at which a curve from a peak falls to a level (nan: never), and whether it rises again before."""
+    """Frequency in Hz at which a curve falls from a peak to a level, nan if never, and whether it rises on the way."""
     below = np.flatnonzero(curve < level)
     end = int(below[0]) if len(below) else len(curve) - 1
     lowest = np.minimum.accumulate(curve[: end + 1])
@@ -180,7 +182,7 @@ def _remarks(peak: PickedPeak, frequencies: FloatArray) -> Iterator[str]:
 
 
 def _is_asymmetric(peak: PickedPeak) -> bool:
-    """Whether the halves of the half-power width are more unequal than those of a single mode."""
+    """Whether the halves of a peak's half-power width are more unequal than those of a single mode."""
     from scipy.optimize import brentq
 
     width = (peak.edges[1] - peak.edges[0]) / peak.frequency
@@ -197,7 +199,7 @@ def _is_asymmetric(peak: PickedPeak) -> bool:
 
 
 def _halves(zeta: float) -> tuple[float, float]:
-    """Distances of the half-power points of a receptance from its peak, over the peak's frequency."""
+    """Distances of the half-power points of a receptance from its peak, over the peak's frequency (below, above)."""
     top, half = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
     return 1 - math.sqrt(max(1 - half / top, 0)), math.sqrt(1 + half / top) - 1
 

@@ -1,4 +1,4 @@
-"""Polynomial bases, powers of z and orthogonal polynomials of s, and roots of matrix polynomials in them.
+"""Polynomial bases (powers of z, orthogonal polynomials of s), and roots of matrix polynomials in them.
 
 Powers of z are on the unit circle; the polynomials in s are orthogonal over the lines of a measurement (Forsythe's, as
 in Richardson and Formenti, IMAC 1982). On the imaginary axis these are even or odd, so that
@@ -19,7 +19,7 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Basis of polynomials of degree 0 to n, with their values at the lines.
+    """Basis of polynomials of degree 0 to n, with the value of each at every line, (n_f, n + 1).
 
     Attributes
     ----------
@@ -35,12 +35,12 @@ class Family:
 
 
 def powers(z: ComplexArray, degree: int) -> Family:
-    """Basis of the powers 1, z, z^2, ... up to a degree."""
+    """Basis of the powers 1, z, z^2, ... up to a degree, with their values at the lines z."""
     return Family(z[:, None] ** np.arange(degree + 1), np.ones(degree), np.zeros(degree))
 
 
 def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
-    """Basis of orthonormal polynomials of an imaginary s under the given weights.
+    """Basis of polynomials orthonormal over the lines s = j omega under the given weights, up to a degree.
 
     >>> s = 1j * np.linspace(1, 2, 50)
     >>> values = orthogonal(s, np.ones(50), 3).values
@@ -62,7 +62,7 @@ def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
 
 
 def roots(coefficients: FloatArray, family: Family) -> tuple[ComplexArray, ComplexArray]:
-    """Roots of a matrix polynomial ``sum A_k p_k``, where it is singular, and its row vectors there.
+    """Roots (n m,) of a matrix polynomial ``sum A_k p_k``, where it is singular, and row vectors u with u A = 0.
 
     Parameters
     ----------

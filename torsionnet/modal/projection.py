@@ -10,12 +10,12 @@ from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 LARGEST_LOGARITHM = 30.0
-"""Logarithm of a coefficient, for lines up to 1 rad/s, beyond which a fit no longer depends on it."""
+"""Logarithm of a denominator coefficient, for lines scaled to 1 rad/s, beyond which a fit no longer depends on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """Least-squares problem in the logarithms of the coefficients of the denominator, so that poles stay stable.
+    """Least-squares problem for the logarithms of the denominator's coefficients, which keep the poles stable.
 
     Attributes
     ----------
@@ -31,23 +31,23 @@ class Projection:
 
     @property
     def unknowns(self) -> int:
-        """Number of unknowns: coefficients, residues and residual terms."""
+        """Number of unknowns of the fit, denominator coefficients, residues and residual terms together."""
         pairs = self.lines.values.shape[1] * self.lines.values.shape[2]
         ends = self.settings.has_lower + self.settings.has_upper
         return int(sum(self.sizes) * (1 + pairs) + ends * pairs)
 
     def residuals(self, logarithms: FloatArray) -> FloatArray:
-        """Weighted residuals, transfer function by transfer function: all real parts, then all imaginary parts."""
+        """Weighted residuals, one transfer function after the other, (n_equations,), real before imaginary parts."""
         return np.concatenate([residual for _, residual, _ in self._pairs(logarithms)])
 
     def complex_residuals(self, logarithms: FloatArray) -> ComplexArray:
-        """Weighted residuals as complex numbers, shape (n_f, n_out, n_in)."""
+        """Weighted residuals of all transfer functions as complex numbers, (n_f, n_out, n_in)."""
         _, outputs, inputs = self.lines.values.shape
         parts = self.residuals(logarithms).reshape(outputs, inputs, 2, -1)
         return np.asarray((parts[:, :, 0] + 1j * parts[:, :, 1]).transpose(2, 0, 1))
 
     def jacobian(self, logarithms: FloatArray) -> FloatArray:
-        """Jacobian of :meth:`residuals` in Kaufman's form, (n_equations, n_coefficients)."""
+        """Derivatives of the residuals by the logarithms (Kaufman's form), (n_equations, n_coefficients)."""
         moved = self._column_derivatives(coefficients_of(logarithms))
         blocks = []
         for factor, _, (basis, solution) in self._pairs(logarithms):
@@ -57,7 +57,7 @@ class Projection:
         return np.vstack(blocks)
 
     def _pairs(self, logarithms: FloatArray) -> list[tuple[ComplexArray, FloatArray, tuple[FloatArray, FloatArray]]]:
-        """Factor, residuals, and (orthonormal basis, residues) of each transfer function."""
+        """Weight times s^p at the lines, residuals, and orthonormal basis with residues, by transfer function."""
         lines = self.lines
         columns = self._columns(coefficients_of(logarithms))
         found = []
@@ -74,7 +74,7 @@ class Projection:
         return found
 
     def _columns(self, coefficients: FloatArray) -> ComplexArray:
-        """Columns (n_f, n) of the fit: 1 / q and s / q of each factor q, then the residual terms."""
+        """Columns (n_f, n) of the linear fit, 1/q and s/q of each factor q, then the residual terms."""
         s = self.lines.s
         columns = []
         for own, value in self._values(coefficients):
@@ -84,7 +84,7 @@ class Projection:
         return np.stack(columns, axis=1)
 
     def _values(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
-        """Slice of the coefficients of each factor of the denominator, and its value at the lines."""
+        """Slice of the coefficients of each factor of the denominator, and the factor's value at the lines (n_f,)."""
         s, place, found = self.lines.s, 0, []
         for size in self.sizes:
             own = slice(place, place + size)
@@ -93,7 +93,7 @@ class Projection:
         return found
 
     def _column_derivatives(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
-        """Derivatives of the columns with respect to the logarithm of each coefficient, and slices of the columns."""
+        """Slice and derivatives of the fit's columns (n_f, n), by the logarithm of each coefficient."""
         s, found = self.lines.s, []
         for own, value in self._values(coefficients):
             size = own.stop - own.start
@@ -104,5 +104,5 @@ class Projection:
 
 
 def coefficients_of(logarithms: FloatArray) -> FloatArray:
-    """Coefficients from their logarithms, limited because a pole that the lines do not define may grow for ever."""
+    """Coefficients of the denominator from their logarithms, limited because an undefined pole may grow for ever."""
     return np.asarray(np.exp(np.clip(logarithms, -LARGEST_LOGARITHM, LARGEST_LOGARITHM)))

@@ -1,4 +1,4 @@
-"""Refinement of poles: least weighted squares of the transfer functions themselves, with standard errors.
+"""Refinement of poles by least weighted squares of the transfer functions themselves, with standard errors.
 
 The linear fits minimise squares of an equation, which noise biases. Here the squares of ``H - model`` are minimised
 over the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An
@@ -16,16 +16,18 @@ from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 SMALLEST_VALUE = 1e-12
-"""Coefficient, and residual over the response, that is assumed at least: their logarithm and inverse are needed."""
+"""Least coefficient, and least residual over the response, that is assumed, as their logarithm and inverse are
+needed."""
 LARGEST_CORRELATION = 0.95
-"""Largest correlation of residuals at neighbouring lines that is assumed: at 1 standard errors would be infinite."""
+"""Largest correlation of residuals at neighbouring lines that is assumed, as at 1 standard errors would be infinite."""
 ROUNDS = 2
-"""Fits, the second with weights from the residuals of the first; more change the weights little."""
+"""Number of fits in a refinement, the second with weights from the residuals of the first, as more change them
+little."""
 
 
 @dataclass(frozen=True, eq=False)
 class RefinedPoles:
-    """Refined poles, sorted by magnitude, with standard errors.
+    """Refined poles in rad/s, sorted by magnitude, with standard errors of natural frequency and damping ratio.
 
     Attributes
     ----------
@@ -43,7 +45,7 @@ class RefinedPoles:
 
 
 def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPoles:
-    """Refined poles and standard errors from stable start poles in rad/s, with weights from the residuals."""
+    """Refined poles (rad/s) and standard errors from stable start poles, with weights from the residuals."""
     import scipy.optimize
 
     scale = float(np.abs(lines.s).max())
@@ -72,7 +74,7 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPole
 
 
 def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
-    """Degrees of the factors of the denominator with given poles, and their coefficients in a row.
+    """Degrees of the denominator's factors for given poles, and the coefficients of all factors in a row.
 
     Coefficients are (b, c) of s^2 + b s + c for a conjugate pair or two real poles, (a,) of s + a for a last real pole.
     """
@@ -103,14 +105,14 @@ def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexA
 
 
 def _reweighted(lines: Lines, left: ComplexArray) -> Lines:
-    """Copy of the lines with weights that give the residuals of each transfer function a mean square of 1."""
+    """Copy of the lines with weights that give each transfer function's residuals a mean square of 1."""
     size = np.sqrt(np.mean(np.abs(left) ** 2, axis=0))
     floor = SMALLEST_VALUE * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
     return replace(lines, weights=lines.weights / np.maximum(size, floor))
 
 
 def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> FloatArray:
-    """Covariance of the logarithms, enlarged where residuals of neighbouring lines correlate, as after a window."""
+    """Covariance of the coefficients' logarithms, enlarged where residuals of neighbouring lines correlate."""
     slopes = problem.jacobian(point)
     normal = slopes.T @ slopes
     along = np.sum(left[1:] * left[:-1].conj()).real / max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).tiny)
@@ -121,7 +123,7 @@ def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> F
 
 
 def _errors(poles: ComplexArray, slopes: ComplexArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Standard errors of ``|lambda|`` in rad/s and of the damping ratio ``-Re lambda / |lambda|``."""
+    """Standard errors of ``|lambda|`` and of the damping ratio of each pole, each (n,), from the covariance."""
     size = np.abs(poles)[:, None]
     along = (poles.conj()[:, None] * slopes).real / size
     damping = -slopes.real / size + poles.real[:, None] * along / size**2

@@ -1,4 +1,4 @@
-"""Warnings about identified modes: outside the band, uncertain, computational, too narrow, badly fitted."""
+"""Warnings about identified modes that are outside the band, uncertain, computational, too narrow or badly fitted."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ if TYPE_CHECKING:
     from torsionnet.modal.modal_estimate import ModalEstimate
 
 FEWEST_PEAK_LINES = 3
-"""Lines within a half-power bandwidth below which a window may have widened the peak, so that a warning is given."""
+"""Number of lines within a half-power bandwidth below which a warning is given, as a window may have widened the
+peak."""
 FAR_OUTSIDE_BAND = 2.0
 """Ratio of a natural frequency to an end of the band beyond which a pole stands for residual terms, not for a mode."""
 LARGEST_MISFIT = 0.1
-"""Residual of a fit, over the response, above which a warning is given."""
+"""RMS residual of a fit of modes over RMS of the response above which a warning is given, as modes may be missing."""
 LARGEST_ERROR = 0.1
-"""Standard error, over its value, above which a frequency or damping ratio is called uncertain."""
+"""Standard error over its value above which a warning calls a natural frequency or damping ratio uncertain."""
 FEWEST_ORDERS = 2
-"""Orders of the diagram at which a pole is seen; fewer may be a computational pole."""
+"""Fewest orders of a stabilisation diagram at which a pole must be found, as fewer may be a computational pole."""
 
 
 def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[str, ...]:
-    """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit."""
+    """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit of a fit."""
     found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *_narrow(estimate)]
     worst = float(np.max(estimate.misfit))
     if worst > LARGEST_MISFIT:
@@ -34,7 +35,7 @@ def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0
 
 
 def line_spacing(frequencies: FloatArray, near: float) -> float:
-    """Spacing in Hz of the lines around a frequency."""
+    """Spacing in Hz of the two lines of a response around a frequency in Hz."""
     if len(frequencies) < 2:
         return float("nan")
     place = int(np.clip(np.searchsorted(frequencies, near), 1, len(frequencies) - 1))

@@ -1,4 +1,4 @@
-"""Residues of given poles: least squares in the frequency domain (LSFD)."""
+"""Residues of given poles by least squares in the frequency domain (LSFD)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
-    """Modal expansion ``H = s^p (sum R / (s - lambda) + conjugate + lower / s^2 + upper)``.
+    """Modal expansion ``H = s^p (sum R / (s - lambda) + conjugate + lower / s^2 + upper)`` of transfer functions.
 
     A real pole has one term and a real R.
 
@@ -31,7 +31,7 @@ class Expansion:
     upper: FloatArray
 
     def values(self, s: ComplexArray, powers: NDArray[np.int_]) -> ComplexArray:
-        """Transfer functions at s, (n_f, n_out, n_in); ``powers`` (n_out, n_in) as in :class:`Lines`."""
+        """Transfer functions of the expansion at s in rad/s, complex, SI, (n_f, n_out, n_in)."""
         each = s[:, None, None]
         total = sum((self.term(mode, s) for mode in range(len(self.poles))), start=np.zeros(1)) + self.upper
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -39,14 +39,14 @@ class Expansion:
             return np.asarray(total * each**powers + rest)
 
     def term(self, mode: int, s: ComplexArray) -> ComplexArray:
-        """Contribution of one mode, in the form of a receptance, (n_f, n_out, n_in)."""
+        """Contribution of one mode to the transfer functions, in the form of receptances, (n_f, n_out, n_in)."""
         first, second = terms(self.poles[mode], s)
         residue = self.residues[mode]
         return np.asarray(first[:, None, None] * residue.real + second[:, None, None] * residue.imag)
 
 
 def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """Factors (n_f,) of the real and of the imaginary part of a residue; the latter is 0 for a real pole."""
+    """Factors at s (n_f,) of the real and of the imaginary part of a pole's residue, the latter 0 for a real pole."""
     one = 1 / (s - pole)
     if pole.imag == 0:
         return one, np.zeros_like(one)
@@ -55,7 +55,7 @@ def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
 
 
 def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexArray | None = None) -> Expansion:
-    """Modal expansion with given poles: residues and residual terms by least squares.
+    """Modal expansion with given poles (rad/s), whose residues and residual terms are fitted by least squares.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexA
 def _solve(
     lines: Lines, output: int, inputs: list[int], poles: ComplexArray, rows: ComplexArray, settings: Settings
 ) -> tuple[ComplexArray, FloatArray]:
-    """Shape (n,) of the modes at one output, and its residual terms (2, n_in)."""
+    """Shape (n,) of all modes at one output, complex, and residual terms below and above the band (2, n_in)."""
     blocks = [
         _columns(lines, output, i, poles, rows[:, place], settings, place, len(inputs))
         for place, i in enumerate(inputs)
@@ -114,7 +114,7 @@ def _columns(
     place: int,
     inputs: int,
 ) -> ComplexArray:
-    """Columns (n_f, n) of the fit of one transfer function: real and imaginary parts of the shape, residual terms."""
+    """Columns (n_f, n) of the fit of one transfer function, real and imaginary parts of shapes, then residual terms."""
     s = lines.s
     pairs = [terms(pole, s) for pole in poles]
     real = [row.real * a + row.imag * b for row, (a, b) in zip(rows, pairs, strict=True)]

@@ -1,4 +1,4 @@
-"""Choice of the poles of a stabilisation diagram that are modes: by order, by clusters, or by hand."""
+"""Choice of the poles of a stabilisation diagram that are modes, by order, by clusters, or by hand."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, 
 
 @dataclass(frozen=True, eq=False)
 class SelectedPoles:
-    """Poles chosen from a stabilisation diagram.
+    """Poles (rad/s) chosen from a stabilisation diagram as modes, with the participations of the inputs.
 
     Attributes
     ----------
@@ -39,14 +39,15 @@ class SelectedPoles:
 
 
 Place: TypeAlias = tuple[int, int]
-"""Index of an order, and index of a pole in that order."""
+"""Place of a pole in a stabilisation diagram, index of an order and index of the pole in that order."""
 
 FARTHEST_PICK = 0.2
-"""Distance of a pole from a frequency picked by hand, over that frequency, above which the pick is refused."""
+"""Distance of the nearest pole from a frequency picked by hand, over that frequency, above which the pick is refused as
+a mistake."""
 
 
 def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
-    """See :func:`torsionnet.modal.identify_modes`."""
+    """Poles of a stabilisation diagram chosen as modes by a selection; see :func:`torsionnet.modal.identify_modes`."""
     if selection == "clusters":
         places = clusters(diagram)
         rule = f"stable over at least {diagram.settings.criteria.enough(len(diagram.orders))} orders in a row"
@@ -73,7 +74,7 @@ def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
 
 
 def clusters(diagram: Stabilisation) -> list[Place]:
-    """Places of one pole for each chain of poles that stay stable over enough orders within the band.
+    """Places, in a stabilisation diagram, of one pole for each chain of poles that stay stable over enough orders.
 
     A chain leads from each pole to its partner at the order before, the longest chains first; the pole nearest to its
     median represents it. A chain with frequency and damping of another is a separate mode only if some order has poles
@@ -133,7 +134,7 @@ def _chains(diagram: Stabilisation) -> Iterator[list[Place]]:
 
 
 def _is_same(diagram: Stabilisation, first: Place, second: Place) -> bool:
-    """Whether two poles agree in frequency and damping."""
+    """Whether two poles of a stabilisation diagram agree in frequency and damping ratio."""
     criteria = diagram.settings.criteria
     a, b = _pole(diagram, first), _pole(diagram, second)
     return bool(
@@ -170,7 +171,7 @@ def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iter
 
 
 def _collected(diagram: Stabilisation, places: list[Place], rule: str, *, automatic: bool) -> SelectedPoles:
-    """Poles at the given places; of an automatic choice only poles that lower the criterion (BIC)."""
+    """Poles at the given places of a diagram, of an automatic choice only those that lower the criterion (BIC)."""
     places = sorted(places, key=lambda place: abs(diagram.orders[place[0]].poles[place[1]]))
     poles = np.array([diagram.orders[index].poles[pole] for index, pole in places])
     rows = np.array([diagram.orders[index].participations[pole] for index, pole in places])

@@ -1,4 +1,4 @@
-"""Settings of a fit of modes to frequency responses: method, order, band, residual terms, weights, criteria."""
+"""Settings of a fit of modes to frequency responses (method, order, band, residual terms, weights, criteria)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Residuals: TypeAlias = Literal["both", "lower", "upper", "none"]
 Weights: TypeAlias = Literal["uniform", "relative", "coherence"]
 
 DEFAULT_HIGHEST_ORDER = {"auto": 40, "rational": 10, "lscf": 40}
-"""Highest order of the polynomials by method; two orders are one oscillatory mode."""
+"""Highest order of the polynomials for each method, of which an oscillatory mode takes two."""
 
 
 @dataclass(frozen=True)
 class Criteria:
-    """Criteria by which a pole at one order counts as the same at the next.
+    """Criteria by which a pole at one order of a stabilisation diagram counts as the same at the next.
 
     Attributes
     ----------
@@ -44,13 +44,13 @@ class Criteria:
             raise UsageError(f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}")
 
     def enough(self, orders: int) -> int:
-        """Number of orders in a row that make a cluster, in a diagram of ``orders`` orders."""
+        """Number of orders in a row over which a pole must stay to be a mode, in a diagram of ``orders`` orders."""
         return max(4, orders // 10) if self.least_orders is None else self.least_orders
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Method and options of a fit of modes.
+    """Method and options of a fit of modes to frequency responses (order, band, residual terms, weights).
 
     Attributes
     ----------
@@ -99,15 +99,15 @@ class Settings:
 
     @property
     def order(self) -> int:
-        """Highest order of the polynomials."""
+        """Highest order of the polynomials in a fit of modes, as set or the default of the method."""
         return DEFAULT_HIGHEST_ORDER[self.method] if self.highest_order is None else self.highest_order
 
     @property
     def has_lower(self) -> bool:
-        """Whether a residual term stands for modes below the band."""
+        """Whether the fit has a residual term that stands for modes below the band."""
         return self.residuals in ("both", "lower")
 
     @property
     def has_upper(self) -> bool:
-        """Whether a residual term stands for modes above the band."""
+        """Whether the fit has a residual term that stands for modes above the band."""
         return self.residuals in ("both", "upper")

@@ -1,4 +1,4 @@
-"""Lines of a frequency response for a fit of modes: s, values, weights, and powers of s to receptances."""
+"""Lines of a frequency response for a fit of modes, with values, weights, and powers of s to receptances."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
 ORDERS = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
-"""Power of s by which each unit of motion differs from an angle."""
+"""Power of s by which each unit of motion (rad, rad/s, rad/s^2) differs from an angle."""
 FEWEST_LINES = 4
-"""Lines below which modes are not fitted: one mode with residual terms has as many complex unknowns."""
+"""Fewest lines to which modes are fitted, as one mode with residual terms has as many complex unknowns."""
 HIGHEST_COHERENCE = 1 - 1e-6
-"""Coherence that is assumed at most: at 1 the weight of a line would be infinite."""
+"""Highest coherence that is assumed for weights, as at 1 the weight of a line would be infinite."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Lines of all transfer functions of a test, with weights, as a fit of modes takes them.
+    """Values and weights (n_f, n_out, n_in) of the lines of all transfer functions, as a fit of modes takes them.
 
     Attributes
     ----------
@@ -46,13 +46,13 @@ class Lines:
 
     @property
     def balance(self) -> FloatArray:
-        """Inverse root mean square of each transfer function, (n_out, n_in), which makes quantities comparable."""
+        """Inverse RMS of each transfer function over its lines, (n_out, n_in), which makes quantities comparable."""
         size = np.sqrt(np.mean(np.abs(self.values) ** 2, axis=0))
         return np.asarray(1 / np.where(size > 0, size, 1.0))
 
 
 def power(output: Channel, input: Channel) -> int:
-    """Power of s between a receptance and a transfer function with these channels.
+    """Power of s by which a transfer function between these two channels differs from a receptance.
 
     Angles over torques, angles over angles and torque ratios have that form themselves; velocities and accelerations
     have s and s^2 in front. A torque over an angle grows like an acceleration.
@@ -69,12 +69,12 @@ def power(output: Channel, input: Channel) -> int:
 
 
 def powers_of(outputs: Sequence[Channel], inputs: Sequence[Channel]) -> NDArray[np.int_]:
-    """Powers of s between receptances and transfer functions, (n_out, n_in); see :func:`power`."""
+    """Power of s by which each transfer function differs from a receptance, (n_out, n_in); see :func:`power`."""
     return np.array([[power(output, into) for into in inputs] for output in outputs], dtype=int)
 
 
 def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
-    """Lines of a response that a fit uses: in the band, above 0 Hz, finite, with weights.
+    """Lines of a response that a fit of modes uses, in the band, above 0 Hz, finite, with weights.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
 
 
 def band_notes(response: FrequencyResponse, band: tuple[float, float] | None) -> tuple[str, ...]:
-    """Note that a test is usable only up to some frequency, where no band is given; else nothing."""
+    """Note that a test is usable only up to some frequency (Hz), where no band is given; otherwise no note."""
     limit = response.usable_up_to
     if band is not None or limit is None or limit >= response.frequencies[-1]:
         return ()

@@ -1,4 +1,4 @@
-"""Stabilisation diagram: poles of fits of rising order, of which modes stay and poles of noise wander."""
+"""Stabilisation diagram, the poles of fits of rising order, of which modes stay and poles of noise wander."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.response import SI, Column, Conventions, FrequencyResponse, Tabl
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """Stable poles of one order of the fit.
+    """Stable poles (rad/s) of one order of a fit, with shapes and their partners at the order before.
 
     Attributes
     ----------
@@ -50,13 +50,13 @@ class Order:
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether each pole has frequency, damping and shape of its partner at the order before, (n,)."""
+        """Whether each pole keeps frequency, damping and shape of its partner at the order before, mask (n,)."""
         return np.asarray(self.frequency & self.damping & self.shape)
 
 
 @dataclass(frozen=True, eq=False)
 class Stabilisation:
-    """Stabilisation diagram: stable poles of every order of a fit.
+    """Stabilisation diagram of a response, with the stable poles of a fit at every order.
 
     Attributes
     ----------
@@ -75,11 +75,11 @@ class Stabilisation:
     choice: str = ""
 
     def at(self, order: int) -> Order:
-        """Poles of one order, counted from 1."""
+        """Stable poles of one order of the diagram, orders counted from 1."""
         return self.orders[order - 1]
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each pole of each order, and what is stable since the order before."""
+        """Table with a row for each pole of each order, and what of it is the same as at the order before."""
         columns = (
             Column("order"),
             Column("natural frequency |lambda|/2pi", conventions.frequency),
@@ -107,7 +107,7 @@ class Stabilisation:
 
 
 def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
-    """Stabilisation diagram by the method of the settings; see :func:`torsionnet.modal.stabilisation`."""
+    """Stabilisation diagram of a response by the method of the settings; see :func:`torsionnet.modal.stabilisation`."""
     lines = lines_of(response, settings)
     orders: list[Order] = []
     highest = min(settings.order, largest_order(lines, settings))
@@ -143,7 +143,7 @@ def _shapes(residues: ComplexArray) -> ComplexArray:
 def _same(
     poles: ComplexArray, shapes: ComplexArray, before: Order | None, criteria: Criteria
 ) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]]:
-    """Partner of each pole at the order before, and whether frequency, damping and shape agree.
+    """Index of each pole's partner at the order before, and masks (n,) where frequency, damping and shape agree.
 
     Partners are the pairs of poles with the least sum of distances. Modes of one pole have any combination of their
     shapes: the shape is compared with all those of poles that are the same in frequency and damping.
@@ -170,7 +170,7 @@ def _same(
 
 
 def _within(shape: ComplexArray, others: ComplexArray) -> float:
-    """MAC of a shape with the most similar combination of other shapes."""
+    """MAC, 0 to 1, of a shape with the most similar linear combination of other shapes."""
     length = float(np.linalg.norm(shape))
     if not length or not others.any():
         return 0.0

@@ -1,4 +1,4 @@
-"""Warnings about an estimated response, unreliable peaks, and the frequency where a sensor stops resolving motion."""
+"""Warnings about unreliable peaks of an estimated response, and the frequency up to which a sensor resolves motion."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray
 
 LEAST_BINS = 3
-"""Bins of the estimate that the half-power bandwidth of a peak must span; a narrower peak is widened by the window."""
+"""Number of bins that the half-power bandwidth of a peak must span, as the window widens a narrower peak."""
 LEAST_COHERENCE = 0.8
-"""Coherence at a peak below which it is warned of, and below which test and model are not compared."""
+"""Coherence at a peak below which a warning is given, and of a line below which test and model are not compared, as
+noise is too large."""
 COHERENT_SHARE = 0.5
-"""Share of an output's power due to the inputs below which the output is taken for noise."""
+"""Share of an output's power due to the inputs below which the output is taken for noise, being less than half."""
 PEAK_PROMINENCE = 3.0
-"""Height in dB by which a peak stands out from its surroundings."""
+"""Height in dB by which a peak must stand out from its surroundings to be examined, more than noise makes."""
 PEAK_RANGE = 20.0
-"""Range in dB below the highest peak in which peaks are examined."""
+"""Range in dB below the highest peak in which peaks are examined, as lower ones matter little."""
 MOST_LISTED_PEAKS = 5
-"""Peaks that a warning lists at most."""
+"""Number of peaks that a warning lists at most, so that it stays short."""
 
 
 def significant_peaks(magnitude: FloatArray) -> list[int]:
-    """Indices of the peaks that stand out by 3 dB and are at most 20 dB below the highest."""
+    """Indices of the peaks of a magnitude that stand out by 3 dB and are at most 20 dB below the highest."""
     from scipy.signal import find_peaks
 
     if not magnitude.size:
@@ -58,7 +59,7 @@ def above_noise_up_to(response: FrequencyResponse, output: int) -> float:
 
 
 def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: int) -> float:
-    """Width of a peak in Hz where it has fallen by 3 dB; NaN if it does not fall so far on both sides.
+    """Width in Hz of a peak where its magnitude has fallen by 3 dB; NaN if it does not fall so far on both sides.
 
     >>> frequencies = np.linspace(9, 11, 2001)
     >>> magnitude = 1 / abs(1 - (frequencies / 10) ** 2 + 2j * 0.01 * frequencies / 10)
@@ -78,7 +79,7 @@ def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: i
 
 
 def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
-    """Warnings about the peaks of an estimate whose bins are ``bin_width`` Hz wide.
+    """Warnings about the peaks of a response estimated with bins that are ``bin_width`` Hz wide, one sentence each.
 
     A peak narrower than three bins is widened by the window, which reads as too much damping. With several
     inputs, ordinary coherence is low for reasons other than noise: set ``judge_coherence`` to False. Peaks above the

@@ -1,4 +1,4 @@
-"""Agreement of test and model in a few numbers: peaks, largest and RMS differences, FRAC."""
+"""Agreement of the responses of test and model in a few numbers (peaks, largest and RMS differences, FRAC)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.signals.comparison import difference, frac
 
 
 def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
-    """Table of highest peaks, differences and FRAC of test and model, at lines of good coherence."""
+    """Table of highest peaks, differences (dB, degrees) and FRAC of test and model, at lines of good coherence."""
     limit = test.usable_up_to if test.usable_up_to is not None else float(test.frequencies[-1])
     good = test.frequencies <= limit
     if test.coherence is not None:

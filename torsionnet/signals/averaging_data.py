@@ -1,4 +1,4 @@
-"""Averaging data of an estimate from its spectra and records: segments, sweep, sensor steps and signals."""
+"""Data on how an estimated response was averaged (segments, sweep, sensor steps, record)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from torsionnet.signals.resolution import step_of, sweep_amplitudes
 from torsionnet.signals.spectral_matrix import CrossSpectra
 
 MOST_KEPT_VALUES = 2**22
-"""Most values of a record that is kept with its estimate; beyond, a fit smooths as if the input were stationary."""
+"""Largest number of values of a record that is kept with its estimate, as more would take too much memory."""
 
 SWEPT_SEGMENTS = 0.5
-"""Share of segments with a sine as input above which the input is swept; noise may look like one in a few."""
+"""Share of segments with a sine as input above which the input counts as swept, as noise may look like a sine in a
+few."""
 
 
 def averaging_data(estimator: str, spectra: CrossSpectra) -> Estimation:
-    """Averaging data of an estimate from its spectra: window, segment length, overlap, averages."""
+    """Data on the averaging of an estimate from its spectra (window, segment length, overlap, averages)."""
     used, rate = spectra.settings, spectra.sampling_rate
     length = used.samples(rate)
     overlap = 1 - used.step(rate) / length
@@ -28,7 +29,7 @@ def averaging_data(estimator: str, spectra: CrossSpectra) -> Estimation:
 def with_record(
     estimation: Estimation, outputs: tuple[str, ...], driven: str, fine: Recording, coarse: Recording
 ) -> Estimation:
-    """Averaging data with the sweep, the sensor steps and the record, before and after decimation (fine, coarse)."""
+    """Data on averaging with sweep, sensor steps and record added, from the record before and after decimation."""
     seconds, output = estimation.seconds, outputs[0]
     sweep = sweep_amplitudes(fine, output, driven, seconds)[0]
     segments = fine.duration / seconds

@@ -23,22 +23,24 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.sample_counts import check_count
 
 KERNEL_HALF_LENGTH = 40
-"""Pulses on either side from which a value between pulses is interpolated."""
+"""Number of pulses on either side from which a value between encoder pulses is interpolated, as the error falls
+exponentially with it."""
 KERNEL_VARIANCE = KERNEL_HALF_LENGTH / (np.pi * (1 - 5 / 6))
-"""Square of the width of the Gaussian: orders up to 5/6 of half the pulses are kept, their images are not."""
+"""Variance of the kernel's Gaussian in squared encoder steps, so that orders up to 5/6 of half the pulses are kept and
+their images are not."""
 POINTS_PER_TURN = 8
-"""Points per turn of the mean rotation; it contains orders up to half of that."""
+"""Number of points per turn of the mean rotation, which therefore holds orders up to half as many."""
 SPLINE_DEGREE = 7
-"""Degree of the splines of the mean rotation: smooth enough that nothing is left for high orders by its knots."""
+"""Degree of the splines of the mean rotation, so smooth that their knots leave nothing in high orders."""
 CONVERGED_STEPS, LEAST_REDUCTION = 1e-10, 0.97
-"""Steps of the encoder below which the iteration has converged, and the factor by which each iteration must reduce
-the error; otherwise it would not converge."""
+"""Error in encoder steps below which the interpolation has converged, and the factor by which each iteration must
+reduce it, as otherwise it would never converge."""
 VALUES_PER_CHUNK = 2**15
-"""Values that are interpolated together, which limits the memory."""
+"""Number of values that are interpolated together, which limits the memory."""
 
 
 class Rotation:
-    """Rotation over time in steps of the encoder, interpolated through all its pulses.
+    """Rotation of a shaft over time in encoder steps, interpolated through all pulses of the encoder.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ class Rotation:
         self.deviation: FloatArray = _values_at_whole_numbers(places, whole - places, stamps)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """Encoder steps since the first pulse at some times, (n,), between the first and the last pulse."""
+        """Rotation in encoder steps since the first pulse at times in s between first and last pulse, shape (n,)."""
         places = np.asarray(self.mean_rotation(times), dtype=float)
         return places + _between(self.deviation, places)
 
@@ -79,7 +81,7 @@ def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # no
 
 
 def _values_at_whole_numbers(places: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
-    """Values of a motion at whole numbers, by iteration from its values at positions next to them."""
+    """Values (n,) of a motion at whole encoder steps, by iteration from its values at positions next to them."""
     found, before = values.copy(), np.inf
     while True:
         left = values - _between(found, places)
@@ -97,7 +99,7 @@ def _values_at_whole_numbers(places: FloatArray, values: FloatArray, times: Floa
 
 
 def _between(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Sampled motion at fractional sample numbers, interpolated; beyond its ends it is reflected about them."""
+    """Sampled motion interpolated at fractional sample numbers, (n,), in its unit; beyond its ends it is reflected."""
     wide = np.pad(values, KERNEL_HALF_LENGTH, mode="reflect", reflect_type="odd")
     result = np.empty(len(places))
     for part in _chunks(len(places)):

@@ -1,4 +1,4 @@
-"""Integration and differentiation between angle, velocity and acceleration, in the frequency domain."""
+"""Integration and differentiation of signals between angle, velocity and acceleration, in the frequency domain."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from torsionnet.signals.record_blocks import check_processable
 
 Ends: TypeAlias = Literal["mirror", "periodic"]
 MOTION_QUANTITIES = ("angle", "velocity", "acceleration")
-"""Quantities of motion, each the time derivative of the one before."""
+"""Names of the quantities of motion, each the time derivative of the one before, as integration needs their order."""
 
 
 def convert(
     recording: Recording, name: str, quantity: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
 ) -> Recording:
-    """Recording with one signal of motion converted to another quantity by integration or differentiation.
+    """Recording with one signal of motion integrated or differentiated to another quantity, in SI.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ def convert(
 def integrate(
     recording: Recording, name: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
 ) -> Recording:
-    """Recording with an acceleration integrated to a velocity, or a velocity to an angle."""
+    """Recording with one acceleration integrated to a velocity, or one velocity to an angle, in SI."""
     return convert(recording, name, _neighbour(recording[name], -1), ends=ends, lowest=lowest, new_name=new_name)
 
 
 def differentiate(recording: Recording, name: str, *, ends: Ends = "mirror", new_name: str = "") -> Recording:
-    """Recording with an angle differentiated to a velocity, or a velocity to an acceleration."""
+    """Recording with one angle differentiated to a velocity, or one velocity to an acceleration, in SI."""
     return convert(recording, name, _neighbour(recording[name], 1), ends=ends, new_name=new_name)
 
 
@@ -101,7 +101,7 @@ def _check_ends(ends: str) -> None:
 
 
 def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: float) -> FloatArray:
-    """Derivative of a signal for sign 1, integral without mean for sign -1."""
+    """Time derivative of a signal (n,) for sign 1, or its time integral without mean for sign -1, in SI."""
     if ends == "periodic":
         return _spectrally(values, sign, rate, lowest)
     slope = (values[-1] - values[0]) / (len(values) - 1)

@@ -1,4 +1,4 @@
-"""Difference between two frequency responses in dB and degrees, and their assurance criterion (FRAC)."""
+"""Difference of two frequency responses in dB and degrees, and their assurance criterion (FRAC)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.response.recording import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """Difference of two frequency responses in dB and degrees.
+    """Difference of two frequency responses in dB and degrees, each (n_f, n_out, n_in).
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Difference:
 
 
 def difference(first: FrequencyResponse, second: FrequencyResponse) -> Difference:
-    """Difference of two frequency responses in dB and in degrees at every frequency.
+    """Difference of two frequency responses in dB and degrees, each (n_f, n_out, n_in), at every frequency.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def difference(first: FrequencyResponse, second: FrequencyResponse) -> Differenc
 
 
 def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
-    """Frequency response assurance criterion (FRAC) of each output and input, (n_out, n_in).
+    """Frequency response assurance criterion (FRAC) of two responses, 0 to 1, (n_out, n_in).
 
     1 where the two are proportional over frequency, 0 where they are orthogonal. A constant factor does not lower it:
     look at the difference in dB too.

@@ -1,4 +1,4 @@
-"""Decimation of recordings by an anti-alias filter, then every n-th sample."""
+"""Decimation of recordings, by an anti-alias filter from which every n-th sample is taken."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order, stacked
 
 FILTER_HALF_LENGTH = 10
-"""Half length of the anti-alias filter in samples after decimation; a longer one has a steeper edge."""
+"""Half length of the anti-alias filter in samples after decimation, as a longer one has a steeper edge but reaches
+further into the ends."""
 VALID_SHARE = 0.8
-"""Share of the new half rate up to which the result is valid: aliases below it come from the filter's stop band."""
+"""Share of half the new sampling rate up to which a decimated signal is valid, as aliases below it come from the
+filter's stop band."""
 UNDECIMATED_RATE, LEAST_DECIMATED_RATE = 1000.0, 200.0
-"""Sampling rate in Hz up to which records are not decimated, and the least rate after decimation of faster ones."""
+"""Sampling rate in Hz up to which records are not decimated, and the least rate in Hz of faster ones after decimation,
+that of the source paper."""
 
 
 def decimate(recording: Recording, factor: int) -> Recording:
-    """Recording decimated by a whole factor behind a linear-phase anti-alias filter without delay.
+    """Recording with every n-th sample behind a linear-phase anti-alias filter without delay.
 
     The filter is a windowed sinc (Hamming) of ``20 factor + 1`` taps, 6 dB down at the new half rate. Beyond its
     ends the record is reflected about its end points, so a mean or a slope makes no step there. The notes say up to
@@ -40,7 +43,7 @@ def decimate(recording: Recording, factor: int) -> Recording:
 
 
 def decimated(recordings: Recordings, factor: int) -> Iterator[Recording]:
-    """Blocks of recordings decimated one by one in bounded memory; adjoining blocks give one seamless result."""
+    """Yield the blocks of recordings decimated by a whole factor, in bounded memory, without seams between them."""
     if factor < 1 or int(factor) != factor:
         raise UsageError(f"the decimation factor must be a whole number from 1, got {factor}")
     if factor == 1:
@@ -56,7 +59,7 @@ def decimated(recordings: Recordings, factor: int) -> Iterator[Recording]:
 
 
 def usable_up_to(sampling_rate: float, factor: int) -> float:
-    """Highest frequency in Hz at which a signal decimated from ``sampling_rate`` is valid.
+    """Highest frequency in Hz at which a signal decimated from ``sampling_rate`` (Hz) is valid.
 
     >>> usable_up_to(10e3, 50)
     80.0
@@ -78,14 +81,14 @@ def factor_for(sampling_rate: float, highest: float = 0.0) -> int:
 
 
 def anti_alias_taps(factor: int) -> FloatArray:
-    """Coefficients of the anti-alias filter, at the rate before decimation."""
+    """Coefficients of the anti-alias filter at the sampling rate before decimation, (20 factor + 1,)."""
     from scipy.signal import firwin
 
     return np.asarray(firwin(2 * FILTER_HALF_LENGTH * factor + 1, 1 / factor, window="hamming"), dtype=np.float64)
 
 
 class _Stream:
-    """Decimation filter with its state between the blocks of one test."""
+    """Decimation filter of one test that keeps its state between blocks."""
 
     def __init__(self, first: Recording, factor: int) -> None:
         self.first, self.factor, self.half = first, factor, FILTER_HALF_LENGTH * factor

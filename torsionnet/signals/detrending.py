@@ -1,4 +1,4 @@
-"""Removal of a mean or a straight line from signals."""
+"""Removal of the mean or of a straight line from signals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Trend: TypeAlias = Literal["none", "mean", "linear"]
 
 
 def detrend(recording: Recording, trend: Trend = "mean", names: Iterable[str] | None = None) -> Recording:
-    """Recording with the mean, or the straight line of least squares, removed from signals.
+    """Recording with the mean, or the straight line of least squares, removed from its signals.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def detrend(recording: Recording, trend: Trend = "mean", names: Iterable[str] | 
 
 
 def without_trend(values: FloatArray, trend: Trend) -> FloatArray:
-    """Values with their trend along the last axis removed."""
+    """Values with their mean or straight line along the last axis removed, same shape and unit."""
     if check_trend(trend) == "none":
         return values
     centred = values - values.mean(axis=-1, keepdims=True)
@@ -54,7 +54,7 @@ def without_trend(values: FloatArray, trend: Trend) -> FloatArray:
 
 
 def check_trend(trend: Trend) -> Trend:
-    """Return a trend if it is a known one, else refuse it."""
+    """Name of a trend unchanged if it is known (none, mean, linear), else an error is raised."""
     known = get_args(Trend)
     if trend not in known:
         raise UsageError(f'no trend is named "{trend}"{did_you_mean(trend, known)}; there is {", ".join(known)}')

@@ -1,4 +1,4 @@
-"""Removal of double pulses of an encoder, as by a bouncing contact or a disturbance."""
+"""Removal of double pulses of an encoder, caused by a bouncing contact or a disturbance."""
 
 from __future__ import annotations
 
@@ -8,18 +8,21 @@ from numpy.typing import NDArray
 from torsionnet.response.recording import FloatArray
 
 MEDIAN_INTERVALS = 5
-"""Intervals in a median that gives the usual interval where lost pulses are counted."""
+"""Number of intervals whose median is the usual interval where lost pulses are counted, few so that it follows the
+speed."""
 WIDE_MEDIAN_INTERVALS = 9
-"""Intervals in a median that gives the usual interval where double pulses, which spoil two each, are searched."""
+"""Number of intervals whose median is the usual interval where double pulses are searched, more since each spoils two
+intervals."""
 SHORT_INTERVAL_SHARE, SAME_INTERVAL_RATIO = 0.6, 1.25
-"""Interval over the usual one below which a pulse may be double, and the factor within which the joined interval is
-usual again."""
+"""Interval over the usual one below which a pulse may be double, and factor within which the interval joined without it
+is usual again."""
 CLEAR_MISFIT_DIFFERENCE = 0.1
-"""Difference of the logarithmic misfit by which the less usual explanation must be better."""
+"""Difference of the logarithm of an interval over the usual one by which the rarer kind of double pulse must fit
+better."""
 
 
 def indices_without_double(times: FloatArray) -> NDArray[np.intp]:
-    """Indices of the pulses that remain without double ones."""
+    """Indices of an encoder's pulses that remain when double ones are left out."""
     intervals = np.diff(times)
     if len(intervals) < MEDIAN_INTERVALS:
         return np.arange(len(times))
@@ -34,7 +37,7 @@ def indices_without_double(times: FloatArray) -> NDArray[np.intp]:
 
 
 def _false(times: FloatArray, place: int, level: float) -> tuple[int, int]:
-    """Range of the superfluous pulses at a short interval; empty where no choice gives regular intervals.
+    """Range (first, last) of the superfluous pulses at a short interval, empty where no choice gives even intervals.
 
     Either those after this pulse up to the next good one, as by a bouncing contact, or this pulse and those after it:
     whichever leaves the more regular intervals.
@@ -50,7 +53,7 @@ def _false(times: FloatArray, place: int, level: float) -> tuple[int, int]:
 
 
 def _next(times: FloatArray, place: int, level: float) -> tuple[int, float]:
-    """Index of the pulse nearest to one usual interval later, and the logarithmic misfit of its interval."""
+    """Index of the pulse nearest to one usual interval later, and the logarithm of its interval over the usual."""
     due = times[place] + level
     near = int(np.searchsorted(times, due))
     found = min((one for one in (near - 1, near) if place < one < len(times)), key=lambda one: abs(times[one] - due))
@@ -62,7 +65,7 @@ def _misfit(interval: float, level: float) -> float:
 
 
 def running_median(values: FloatArray, count: int) -> FloatArray:
-    """Running median over ``count`` values, (n,)."""
+    """Median of the ``count`` values around each value, (n,), in their unit."""
     count = min(count, (len(values) - 1) // 2 * 2 + 1)
     wide = np.pad(values, count // 2, mode="reflect")
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(wide, count), axis=-1))

@@ -26,9 +26,11 @@ from torsionnet.signals.welch import Welch
 Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs", "Hr"]
 Names: TypeAlias = str | Sequence[str]
 INSEPARABLE_EIGENVALUE = 0.01
-"""Smallest eigenvalue of the normalised input spectra below which the effects of inputs cannot be separated."""
+"""Smallest eigenvalue of the normalised input spectra below which the effects of several inputs cannot be separated, 0
+being proportional inputs."""
 LEAST_DRIVEN = 0.2
-"""Least share of an input's power that a signal must explain to be a reference for it."""
+"""Least share of an input's power that a signal must explain to be a reference for it, as otherwise noise drives the
+estimate."""
 
 
 def estimate(
@@ -41,7 +43,7 @@ def estimate(
     reference: Names = (),
     band: tuple[float, float] | None = None,
 ) -> FrequencyResponse:
-    """Estimate transfer functions with coherence from a recording or averaged spectra.
+    """Frequency response with coherence estimated from a recording or from averaged spectra.
 
     Parameters
     ----------
@@ -124,7 +126,7 @@ def _listed(names: Names) -> tuple[str, ...]:
 def _spectra(
     measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: ResolutionWatch | None
 ) -> tuple[CrossSpectra, tuple[Recording, Recording] | None]:
-    """Averaged spectra, and for a record in memory its signals before and after decimation."""
+    """Averaged cross spectra, and for a record in memory its signals before and after decimation."""
     wanted, used = dict.fromkeys(names), settings or Welch()
     if isinstance(measured, Recording):
         fine = measured.select(wanted)

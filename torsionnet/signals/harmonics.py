@@ -1,4 +1,4 @@
-"""Harmonics of a sweep, amplitude and phase of multiples of its frequency along the sweep."""
+"""Harmonics of a signal in a sweep, amplitude and phase of multiples of the sweep's frequency along it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.signals.record_blocks import check_processable
 
 @dataclass(frozen=True, eq=False)
 class Harmonics:
-    """Harmonics of a signal at multiples of the sweep's frequency: amplitude and phase along the sweep.
+    """Amplitude and phase of a signal at multiples of the sweep's frequency, along the sweep, each (n, n_orders).
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Harmonics:
 
     @property
     def distortion(self) -> FloatArray:
-        """Amplitudes over that of the first order listed, (n, n_orders)."""
+        """Amplitude of each order over that of the first order listed, without unit, (n, n_orders)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(self.amplitude / self.amplitude[:, :1])
 
@@ -53,7 +53,7 @@ def sweep_harmonics(
     periods: float = 6,
     points: int = 200,
 ) -> Harmonics:
-    """Fit the harmonics of a sweep together, by weighted least squares over a few periods around each point.
+    """Harmonics of a signal along a sweep, fitted together by weighted least squares over a few periods each.
 
     Fitting them together, with a mean and a slope, keeps a strong order from leaking into a weak one.
 
@@ -96,7 +96,7 @@ def sweep_harmonics(
 
 
 def sweep_cycles(frequency: FloatArray, sampling_rate: float) -> FloatArray:
-    """Cycles since the first sample of a signal whose frequency is known at every sample."""
+    """Number of cycles since the first sample at every sample, (n,), from the frequency in Hz at every sample."""
     steps = 0.5 * (frequency[1:] + frequency[:-1]) / sampling_rate
     return np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -121,7 +121,7 @@ def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
 def _fit(
     values: FloatArray, cycles: FloatArray, centre: int, orders: Sequence[float], periods: float
 ) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
-    """Complex amplitude c of every order, as in ``Im(c exp(j order phase))``."""
+    """Complex amplitude c of every order, as in ``Im(c exp(j order phase))``, in the signal's unit, (n_orders,)."""
     begin, end = np.searchsorted(cycles, cycles[centre] + np.array([-0.5, 0.5]) * periods)
     place = (cycles[begin:end] - cycles[centre]) / periods
     weight = np.cos(np.pi * place)

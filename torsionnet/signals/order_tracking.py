@@ -1,4 +1,4 @@
-"""Order maps by order tracking, amplitudes at multiples of the rotation over speed."""
+"""Order maps of signals, amplitudes at multiples of the rotation over time and speed, by order tracking."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from torsionnet.signals.harmonics import sweep_cycles
 from torsionnet.signals.record_blocks import check_processable
 
 MOST_ANGLE_SAMPLES = 20_000_000
-"""Most samples at equal steps of angle; more would take too much memory."""
+"""Largest number of samples at equal steps of angle, as more would take too much memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class OrderMap:
-    """Order map of a signal, amplitude over order and time, with the speed at each time.
+    """Amplitude (n_o, n_t) of a signal over order and time, with the mean speed at each time.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class OrderMap:
     unit: str
 
     def along(self, order: float) -> FloatArray:
-        """Amplitude of the line nearest to one order at each time, (n_t,)."""
+        """Peak amplitude of the line nearest to one order at each time, (n_t,), in the signal's unit."""
         return np.asarray(self.amplitude[np.abs(self.orders - order).argmin()])
 
 
@@ -54,7 +54,7 @@ def order_map(
     revolutions: int = 8,
     overlap: float = 0.75,
 ) -> OrderMap:
-    """Order map of a signal, resampled at equal steps of angle, from spectra over whole revolutions.
+    """Order map of a signal from spectra over whole revolutions, the signal resampled at equal steps of angle.
 
     The steps are as fine as the time samples at the lowest speed, so that nothing aliases; windows are Hann's.
 

@@ -1,4 +1,4 @@
-"""Times of pulses from a recorded channel with the output of an encoder."""
+"""Times of pulses from a recorded channel that holds the output of an encoder."""
 
 from __future__ import annotations
 
@@ -8,20 +8,21 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray
 
 LOW_PERCENTILE, HIGH_PERCENTILE = 1.0, 99.0
-"""Percentiles of the values that are taken as the two levels of the signal."""
+"""Percentiles of a channel's values that are taken as the two levels of its pulses, so that single spikes do not
+count."""
 HYSTERESIS = 0.2
-"""Share of the pulse height by which the signal must pass the middle on either side, so that noise makes no pulse."""
+"""Share of the pulse height by which a signal must pass the middle on either side, so that noise makes no pulse."""
 LEAST_SAMPLES_PER_PULSE = 4.0
-"""Least samples from pulse to pulse; with fewer, the times of rises are not reliable."""
+"""Least number of samples from one pulse to the next, as with fewer the times of rises are not reliable."""
 
 
 def holds_pulse_times(values: FloatArray) -> bool:
-    """Whether a channel holds the times of pulses rather than their shape: its values only increase."""
+    """Whether a channel holds the times of pulses, which only increase, rather than the shape of pulses."""
     return len(values) > 2 and bool(np.all(np.diff(values) > 0))
 
 
 def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
-    """Times in s at which a signal rises through the middle between its two levels, linear between samples.
+    """Times in s (n_pulses,) at which a signal rises through the middle between its two levels.
 
     Noise of less than a fifth of the height makes no pulse.
 

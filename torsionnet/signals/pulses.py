@@ -1,4 +1,4 @@
-"""Repair of encoder pulses, where lost ones are counted, double ones left out, others refused."""
+"""Repair of encoder pulses, in which lost ones are counted, double ones left out, and others refused."""
 
 from __future__ import annotations
 
@@ -13,32 +13,33 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
 
 MOST_INTERVAL_RATIO = 1.5
-"""Largest ratio of neighbouring intervals that a change of speed may explain."""
+"""Largest ratio of neighbouring pulse intervals that a change of speed may explain, less than a lost or double pulse
+makes."""
 SIDE_INTERVALS, UNCLEAR_COUNT = 3, 0.2
-"""Intervals on either side from which the pulses lost in a gap are counted, and the largest distance of the count from
-a whole number."""
+"""Number of intervals on either side from which the pulses lost in a gap are counted, and the largest distance of that
+count from a whole number."""
 FEWEST_GAPS, REGULAR_SHARE = 4, 0.8
-"""Fewest gaps of a wheel with missing teeth, and the least share of them at equal distances."""
+"""Fewest gaps by which a wheel with missing teeth is recognised, and the least share of gaps at equal distances."""
 MOST_LISTED_PULSES = 3
-"""Pulses that a remark lists at most."""
+"""Number of pulses that a remark on repairs lists at most, so that it stays short."""
 
 
 @dataclass(frozen=True, eq=False)
 class MissingPulses:
-    """Missing pulses of an encoder: ``counts`` pulses lost after each pulse ``after``, counted from 0."""
+    """Missing pulses of an encoder, ``counts`` of them after each pulse ``after`` (pulses counted from 0)."""
 
     after: NDArray[np.intp]
     counts: NDArray[np.intp]
 
     @property
     def total(self) -> int:
-        """Number of missing pulses."""
+        """Number of missing pulses of the encoder over all gaps."""
         return int(self.counts.sum())
 
 
 @dataclass(frozen=True, eq=False)
 class Pulses:
-    """Repaired pulses of an encoder, times and numbers of those kept, and what was missing or left out.
+    """Repaired pulses of an encoder, with times (s) and numbers of those kept and what was missing or left out.
 
     Attributes
     ----------
@@ -65,7 +66,7 @@ class Pulses:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Remarks on repairs, with time and number of the pulses."""
+        """Remarks on repairs of encoder pulses, with time in s and number of the pulses, as sentences."""
         found = []
         if len(self.spurious):
             where = comma_list(
@@ -84,7 +85,7 @@ class Pulses:
 
     @property
     def irregular(self) -> MissingPulses:
-        """Missing pulses without those of the missing teeth of the wheel."""
+        """Missing pulses of the encoder without those of missing teeth of its wheel."""
         if not self.period:
             return self.missing
         phase = self.numbers[self.missing.after] % self.period
@@ -94,7 +95,7 @@ class Pulses:
 
 
 def missing_pulses(times: ArrayLike) -> MissingPulses:
-    """Find lost pulses of an encoder from intervals that are whole multiples of those around them.
+    """Lost pulses of an encoder, found by intervals that are whole multiples of those around them.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
 
 
 def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Pulses:
-    """Repair encoder pulses by leaving out double ones and counting missing ones in the numbers of the others.
+    """Pulses of an encoder with double ones left out and missing ones counted in the numbers of the others.
 
     Both show in the ratio of neighbouring intervals: a double pulse splits one in two, a lost one joins two. Gaps that
     return once per turn are missing teeth of the wheel.
@@ -157,7 +158,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
 
 
 def check_pulses(times: ArrayLike) -> FloatArray:
-    """Times of pulses as an array; refused unless there are two or more that increase."""
+    """Times of pulses in s as an array (n,), refused unless there are two or more and they increase."""
     stamps = np.asarray(times, dtype=float)
     if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):
         raise UsageError("an angle needs at least two pulses, at finite times that increase")
@@ -166,7 +167,7 @@ def check_pulses(times: ArrayLike) -> FloatArray:
 
 @np.errstate(over="ignore", invalid="ignore")  # intervals near 0
 def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
-    """Refuse intervals that neither lost nor double pulses nor a change of speed explain."""
+    """Raise an error for intervals that neither lost nor double pulses nor a change of speed explain."""
     intervals = np.diff(times)
     each = intervals / steps
     if len(each) <= MEDIAN_INTERVALS:
@@ -194,7 +195,7 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
 
 
 def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
-    """Distance in pulses of gaps that return regularly; 0 if they do not."""
+    """Number of encoder steps between gaps that return regularly, or 0 if they do not."""
     if len(numbers) < FEWEST_GAPS:
         return 0
     distances, counts = np.unique(np.diff(numbers), return_counts=True)

@@ -1,4 +1,4 @@
-"""Recordings in blocks, parts of a long record, or repeated tests."""
+"""Recordings in blocks, which are parts of a long record or repeated tests."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Recordings: TypeAlias = Recording | Iterable[Recording]
 
 
 def blocks_in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
-    """Blocks in order, each with a flag whether it begins where the one before ended.
+    """Yield the blocks of recordings in order, each with a flag whether it begins where the one before ended.
 
     A block that does not is a separate test: nothing is averaged or filtered across the gap.
 
@@ -36,12 +36,12 @@ def blocks_in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
 
 
 def stacked(recording: Recording) -> FloatArray:
-    """Values of all signals, shape (n_signals, n)."""
+    """Values of all signals of a recording as one array, shape (n_signals, n), each in its unit."""
     return np.array([signal.values for signal in recording], dtype=np.float64)
 
 
 def check_processable(block: Recording) -> None:
-    """Refuse a recording with time stamps, or with values that are not finite."""
+    """Raise an error for a recording with non-uniform time stamps, or with values that are not finite."""
     if block.times is not None:
         raise UsageError("sampling is not uniform: the recording has time stamps; resample it first")
     for signal in block:

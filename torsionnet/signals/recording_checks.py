@@ -1,4 +1,4 @@
-"""Checks of a recording for faults with gaps, clipping, spikes, standstill, repetition, encoder errors."""
+"""Checks of a recording for faults (gaps, clipping, spikes, standstill, repetition, encoder errors)."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from torsionnet.signals.timing import gaps, jitter
 from torsionnet.signals.value_faults import Stretches, encoder_leaps, flat_tops, true_stretches, wrap_jumps
 
 MOST_LISTED = 3
-"""Places that a fault lists at most."""
+"""Number of places that the message on a fault of a recording lists at most, so that it stays short."""
 MOST_JITTER = 0.01
-"""Standard deviation of the sampling intervals over their mean above which sampling is not uniform."""
+"""Standard deviation of the sampling intervals over their mean above which sampling counts as not uniform."""
 FEWEST_WINDOWS = 4
-"""Number of windows below which a record is warned of as too short for averages."""
+"""Number of windows in a record below which a warning is given, as averages over so few have large random errors."""
 
 
 def check_recording(
     recording: Recording, window: float = 2.0, ranges: Mapping[str, float] | None = None
 ) -> tuple[Fault, ...]:
-    """Faults that make a recording unfit, or questionable, for estimating frequency responses.
+    """Faults of a recording that make it unfit, or questionable, for estimating frequency responses.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
 
 
 def _counts_steps(signal: Signal) -> bool:
-    """Whether every sample of an angle is one encoder step further, so that time stamps are pulses."""
+    """Whether every sample of an angle is one encoder step further, so that the time stamps are pulses."""
     if signal.quantity != "angle" or len(signal.values) < 3:
         return False
     steps = np.diff(signal.values)
@@ -163,7 +163,7 @@ def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterat
 
 
 def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
-    """Faults by spikes, stretches that stand still, and repeated blocks."""
+    """Yield the faults of a signal by spikes, stretches that stand still, and repeated blocks."""
     step = step_of(signal.values)
     found = spikes(signal.values, step)
     if len(found):

@@ -1,4 +1,4 @@
-"""Search for blocks of samples that repeat earlier ones exactly, such as a buffer recorded twice."""
+"""Search of a signal for blocks of samples that repeat earlier ones exactly, such as a buffer recorded twice."""
 
 from __future__ import annotations
 
@@ -12,33 +12,37 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.standstill import is_rough
 
 LEAST_TIME, LEAST_SAMPLES = 0.15, 24
-"""Least length of a repeated block in s and in samples; shorter ones may be chance."""
+"""Least length of a repeated block in s and in samples, as shorter ones may recur by chance."""
 FEWEST_CHANGES, FEWEST_LEVELS = 20, 5
-"""Fewest changes and different values in a repeated block; fewer recur by chance."""
+"""Fewest changes and fewest different values in a repeated block, as fewer recur by chance."""
 SURPLUS_BITS = 20.0
-"""Bits of information that a block needs beyond those for the positions of two blocks in the record; more means that
-fewer chance repetitions are reported."""
+"""Bits of information that a repeated block must hold beyond those of two positions in the record, so that chance makes
+one in about a million."""
 MOST_REPEATED_SHARE = 0.2
-"""Largest share of a record that may be repeated blocks; more is a periodic signal, or a test that was run twice."""
+"""Largest share of a record that may be repeated blocks, as more is a periodic signal or a test that was run twice."""
 MOST_PERIODS = 3
-"""Periods of its own lag above which a block is a periodic signal."""
+"""Length of a repeated block over its distance to the original above which it is a periodic signal, not a copy."""
 MOST_EQUAL_NEIGHBOURS = 0.5
-"""Largest share of samples beside a block that recur at its lag; more recur in a nearly periodic signal."""
+"""Largest share of samples beside a repeated block that recur at the same distance, as more do in a nearly periodic
+signal."""
 NOISE_REVERSALS = 0.1
-"""Share of sign changes between the steps of a quantised signal above which it holds noise; smooth motion has fewer."""
+"""Share of sign changes between the steps of a quantised signal above which it holds noise, as smooth motion has
+fewer."""
 KINK_RATIO = 5.0
-"""Second difference at a seam over the largest in the block above which the seam is a kink."""
+"""Second difference at an end of a repeated block, over the largest within it, above which that end is a kink, as where
+a buffer was copied in."""
 _BASE, _MIX = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9
-"""Odd 64-bit multipliers of a rolling hash (constants of the splitmix64 generator)."""
+"""Odd 64-bit multipliers of the rolling hash of samples (constants of the splitmix64 generator, which mix bits
+well)."""
 _TABLE_BITS = 20
-"""Bits of the hash that index the table for quick rejection; 2^20 entries fit in the cache."""
+"""Number of bits of a hash that index the table for quick rejection, whose 2^20 entries fit in the cache."""
 
 WholeArray = NDArray[np.uint64]
 
 
 @dataclass(frozen=True)
 class RepeatedBlock:
-    """Repeated block: ``count`` samples that begin at index ``first`` and equal those at ``source``."""
+    """Block of ``count`` samples that begins at index ``first`` and equals those from index ``source`` on."""
 
     source: int
     first: int
@@ -46,7 +50,7 @@ class RepeatedBlock:
 
 
 def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0) -> list[RepeatedBlock]:
-    """Blocks of 0.15 s or longer that are exact copies of earlier ones, in order of time.
+    """Blocks of a signal of 0.15 s or longer that are exact copies of earlier ones, in order of time.
 
     Periodic signals, signals at rest, and computed signals without noise that are smooth at both ends of the copy have
     none.
@@ -87,7 +91,7 @@ def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0)
 
 
 def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
-    """Longest pairs of equal stretches that contain a window starting at a multiple of its width."""
+    """Yield the longest pairs of equal stretches that contain a window starting at a multiple of its width."""
     changes = np.concatenate([[0], np.cumsum(values[1:] != values[:-1])])
     moves = changes[width - 1 :] - changes[: len(changes) - width + 1] >= FEWEST_CHANGES // 2
     prints = _fingerprints(values, width)
@@ -117,7 +121,7 @@ def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
 
 
 def _fingerprints(values: FloatArray, width: int) -> WholeArray:
-    """Hash of every window of ``width`` samples, equal for equal windows."""
+    """Hash of every window of ``width`` samples, equal for equal windows, (n - width + 1,)."""
     bits = values.view(np.uint64)
     mixed = (bits ^ (bits >> np.uint64(29))) * np.uint64(_MIX)
     mixed ^= mixed >> np.uint64(32)
@@ -129,14 +133,14 @@ def _fingerprints(values: FloatArray, width: int) -> WholeArray:
 
 
 def _powers(base: int, count: int) -> WholeArray:
-    """Powers 0 to count - 1 of a base modulo 2^64."""
+    """Powers 0 to count - 1 of a base modulo 2^64, shape (count,)."""
     factors = np.full(count, base, dtype=np.uint64)
     factors[0] = 1
     return np.cumprod(factors, dtype=np.uint64)
 
 
 def _equal(one: FloatArray, other: FloatArray) -> int:
-    """Number of equal samples from the beginning of two arrays."""
+    """Number of equal samples at the beginning of two arrays, up to the first that differs."""
     most, begin, size = min(len(one), len(other)), 0, 256
     while begin < most:
         unlike = np.flatnonzero(one[begin : min(begin + size, most)] != other[begin : min(begin + size, most)])
@@ -147,7 +151,7 @@ def _equal(one: FloatArray, other: FloatArray) -> int:
 
 
 def _tells_enough(values: FloatArray, block: RepeatedBlock) -> bool:
-    """Whether a block holds so much information that it can hardly recur by chance."""
+    """Whether a repeated block holds so much information that it can hardly recur by chance."""
     stretch = values[block.first : block.first + block.count]
     steps = np.diff(stretch)
     if np.count_nonzero(steps) < FEWEST_CHANGES or len(np.unique(stretch)) < FEWEST_LEVELS:
@@ -158,7 +162,7 @@ def _tells_enough(values: FloatArray, block: RepeatedBlock) -> bool:
 
 
 def _is_single(values: FloatArray, block: RepeatedBlock, width: int) -> bool:
-    """Whether a block is a single copy, with neither itself nor its surroundings periodic."""
+    """Whether a repeated block is a single copy, with neither itself nor its surroundings periodic."""
     lag, end = block.first - block.source, block.first + block.count
     if block.count > MOST_PERIODS * lag:
         return False
@@ -173,7 +177,7 @@ def _is_single(values: FloatArray, block: RepeatedBlock, width: int) -> bool:
 
 
 def _is_measured(values: FloatArray, block: RepeatedBlock, step: float) -> bool:
-    """Whether a block is measured, by noise in it (which never recurs) or a kink at an end.
+    """Whether a repeated block was measured, seen by noise in it (which never recurs) or a kink at an end.
 
     A block that directly follows its source is smooth at its end in any case, and at its start if it is a period.
     """

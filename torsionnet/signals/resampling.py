@@ -1,4 +1,4 @@
-"""Resampling of recordings with non-uniform time stamps to a uniform rate."""
+"""Resampling of recordings with non-uniform time stamps to a uniform sampling rate."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from torsionnet.signals.sample_counts import even_times
 from torsionnet.signals.timing import gaps
 
 LEAST_RATE_SHARE = 0.99
-"""Share of the mean sampling rate that a new rate may be lower by rounding; a lower one needs an anti-alias filter."""
+"""Least new rate as a share of a recording's mean rate, below 1 only by rounding, as a lower one needs an anti-alias
+filter."""
 
 
 def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: bool = False) -> Recording:
-    """Recording resampled to a uniform rate by cubic splines through its samples.
+    """Recording resampled to a uniform rate (Hz) by cubic splines through its samples.
 
     Parameters
     ----------

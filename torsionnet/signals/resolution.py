@@ -1,4 +1,4 @@
-"""Resolution of a sensor with steps in a sweep: frequencies up to which it resolves the motion."""
+"""Resolution of a sensor with steps in a sweep, given by the frequencies up to which it resolves the motion."""
 
 from __future__ import annotations
 
@@ -13,20 +13,23 @@ from torsionnet.signals.advice import resolution_limit
 from torsionnet.signals.decimation import VALID_SHARE
 
 ENOUGH_STEPS, LOST_STEPS = 4.0, 0.5
-"""Steps per amplitude from which the quantisation error is a few percent, and below which motion may go unseen."""
+"""Amplitude in sensor steps from which the quantisation error is a few percent, and below which motion may go
+unseen."""
 WHOLE_STEP_TOLERANCE = 0.01
-"""Largest distance of a change from a whole number of steps in a quantised signal."""
+"""Largest distance of a change from a whole number of steps, in steps, up to which a signal counts as quantised."""
 MOST_STEPS = 1e12
-"""Largest change of a quantised signal in steps: no converter has so many, so such a signal is not quantised."""
+"""Largest change of a quantised signal in steps, more than any converter has, so that rounding is not taken for
+steps."""
 FEWEST_STEPS = 3
-"""Fewest changes of a signal, and fewest segments of a sweep, from which steps and limits are determined."""
+"""Fewest changes of a signal from which its step is found, and fewest segments of a sweep from which frequency limits
+are."""
 SINE_POWER_SHARE = 0.5
-"""Share of the input's power in one line and its neighbours above which the input is a sine."""
+"""Share of the input's power in one line and its neighbours above which the input counts as a sine."""
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """Resolution of a sensor in a sweep: its step, and the frequencies up to which it resolves the motion.
+    """Resolution of a sensor in a sweep, with its step and the frequencies (Hz) up to which it resolves the motion.
 
     Attributes
     ----------
@@ -43,7 +46,7 @@ class Resolution:
 
 
 def step_of(values: FloatArray) -> float:
-    """Step of a quantised signal, in its unit; 0 if the signal is not quantised.
+    """Step of a quantised signal in the signal's unit, or 0 if the signal is not quantised.
 
     >>> step_of(np.array([0.0, 0.5, 0.5, 1.5, 1.0, 0.5]))
     0.5
@@ -67,7 +70,7 @@ def step_of(values: FloatArray) -> float:
 def sweep_amplitudes(
     recording: Recording, output: str, input: str, seconds: float = 2.0
 ) -> tuple[FloatArray, FloatArray]:
-    """Frequency of the input in Hz and peak amplitude of the output, for each segment of a sweep.
+    """Frequency of the input in Hz and peak amplitude of the output in each segment of a sweep, each (n_segments,).
 
     Segments in which the input is not a sine are left out.
     """
@@ -88,7 +91,7 @@ def sweep_amplitudes(
 
 
 def resolution(recording: Recording, output: str, input: str, seconds: float = 2.0) -> Resolution | None:
-    """Resolution of the output's sensor in a sweep; None if it has no steps, or the input is not swept.
+    """Resolution of an output's sensor in a sweep, or None if it has no steps or the input is not swept.
 
     Examples
     --------
@@ -110,7 +113,7 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
 def with_resolution_limit(
     response: FrequencyResponse, watch: ResolutionWatch, decimation: int, highest: float = float("inf")
 ) -> FrequencyResponse:
-    """Response with the highest usable frequency, and a note for every sensor that limits it.
+    """Frequency response with its highest usable frequency (Hz), and a note for every sensor that limits it.
 
     Limits above the highest frequency of interest (Hz) are not noted.
     """
@@ -147,7 +150,7 @@ class ResolutionWatch:
         self.sweep: dict[str, list[tuple[FloatArray, FloatArray]]] = {output: [] for output in self.outputs}
 
     def collecting(self, blocks: Iterable[Recording]) -> Iterator[Recording]:
-        """Blocks unchanged, after their steps and sweep amplitudes are collected."""
+        """Yield blocks of a record unchanged, after collecting their sensor steps and sweep amplitudes."""
         for block in blocks:
             for output in self.outputs:
                 values = block[output].values
@@ -157,7 +160,7 @@ class ResolutionWatch:
             yield block
 
     def resolution_of(self, output: str) -> Resolution | None:
-        """Resolution of an output's sensor from the blocks collected; None without steps or a sweep."""
+        """Resolution of an output's sensor from the blocks collected, or None without steps or a sweep."""
         steps = self.steps[output]
         if not steps or not all(steps):
             return None

@@ -8,11 +8,12 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray
 
 ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE = 10_000_000, 100
-"""Numbers that may be made from any record, and the multiple of its own numbers that may be made from a longer one."""
+"""Number of values that may be made from any record, and multiple of its own number for longer ones, beyond which the
+unit of the times must be wrong."""
 
 
 def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
-    """Refuse to make far more numbers from a record than the ``given`` ones.
+    """Raise an error if far more values would be made from a record than the ``given`` ones.
 
     Parameters
     ----------

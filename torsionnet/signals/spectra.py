@@ -1,4 +1,4 @@
-"""Spectra and cross spectra of recordings by Welch's method, in bounded memory."""
+"""Auto and cross spectra of recordings by Welch's method, in bounded memory."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch, effective_averages
 
 VALUES_PER_BATCH = 1_000_000
-"""Values of segments that are transformed together, which limits the memory."""
+"""Number of values in segments that are Fourier transformed together, which limits the memory."""
 
 
 def cross_spectra(
     recordings: Recordings, settings: Welch | None = None, names: Iterable[str] | None = None
 ) -> CrossSpectra:
-    """Average the cross-spectral matrix over the segments of one or more recordings.
+    """Auto and cross spectral densities averaged over the segments of one or more recordings, (n_f, n, n).
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def _selected(recordings: Recordings, names: Iterable[str] | None) -> Iterator[R
 
 
 class _Total:
-    """Sum of cross spectra over segments, with the samples left for the next block."""
+    """Sum of the cross spectra of segments so far, with the samples left over for the next block."""
 
     def __init__(self, settings: Welch) -> None:
         self.settings = settings
@@ -88,7 +88,7 @@ class _Total:
             self._add_segments(values)
 
     def _begin(self, block: Recording) -> None:
-        """Make window and sums, once there are samples for a segment."""
+        """Create window and sums for the first block that is long enough for a segment."""
         self.weights = self.settings.weights(block.sampling_rate)
         self.step = self.settings.step(block.sampling_rate)
         count, size = len(self.weights) // 2 + 1, len(block.signals)

@@ -1,4 +1,4 @@
-"""Matrix of averaged auto and cross spectral densities of signals."""
+"""Matrix of averaged auto and cross spectral densities of signals over frequency."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class CrossSpectra:
-    """Averaged one-sided auto and cross spectral densities of signals, a matrix over frequency.
+    """Averaged one-sided auto and cross spectral densities of signals, a complex matrix (n_f, n, n) over frequency.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class CrossSpectra:
     notes: tuple[str, ...] = ()
 
     def indices(self, names: Iterable[str]) -> list[int]:
-        """Indices of the named signals in the matrix."""
+        """Indices of the named signals in rows and columns of the matrix of spectral densities."""
         known = [channel.name for channel in self.channels]
         wanted = list(names)
         for name in wanted:
@@ -58,6 +58,6 @@ class CrossSpectra:
         return [known.index(name) for name in wanted]
 
     def between(self, first: Iterable[str], second: Iterable[str]) -> ComplexArray:
-        """Cross spectral densities between two groups of signals, (n_f, n_first, n_second)."""
+        """Cross spectral densities of two groups of signals, SI units per Hz, (n_f, n_first, n_second), complex."""
         rows, columns = self.indices(first), self.indices(second)
         return self.matrix[np.ix_(range(len(self.frequencies)), rows, columns)]

@@ -1,4 +1,4 @@
-"""Spectrograms of signals, their amplitude over frequency and time."""
+"""Spectrograms of signals, which give their amplitude over frequency and time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from torsionnet.signals.welch import Welch
 
 @dataclass(frozen=True, eq=False)
 class SpectrogramRecord:
-    """Spectrogram of one channel, as ``torsionnet spectrogram --json`` prints it; amplitude (n_f, n_t)."""
+    """Spectrogram of one channel as ``torsionnet spectrogram --json`` prints it, with amplitudes (n_f, n_t)."""
 
     name: Annotated[str, Out(json="channel")]
     unit: str
@@ -31,7 +31,7 @@ class SpectrogramRecord:
 
 @dataclass(frozen=True, eq=False)
 class Spectrogram:
-    """Spectrogram of a signal, amplitude over frequency and time.
+    """Amplitude (n_f, n_t) of a signal over frequency and time, in the signal's unit.
 
     Attributes
     ----------
@@ -54,17 +54,17 @@ class Spectrogram:
     notes: tuple[str, ...] = ()
 
     def decibels(self, reference: float = 1.0) -> FloatArray:
-        """Amplitude in dB over a reference, (n_f, n_t)."""
+        """Amplitude in dB over a reference amplitude in the signal's unit, (n_f, n_t)."""
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.amplitude / reference))
 
     def record(self) -> SpectrogramRecord:
-        """Spectrogram as plain data, for JSON."""
+        """Spectrogram of the channel as plain data, for JSON output."""
         return SpectrogramRecord(self.name, self.unit, self.notes, self.times, self.frequencies, self.amplitude)
 
     @property
     def ridge(self) -> FloatArray:
-        """Frequency of the strongest line at each time, (n_t,), Hz."""
+        """Frequency in Hz of the strongest line at each time, (n_t,)."""
         return np.asarray(self.frequencies[self.amplitude.argmax(axis=0)])
 
 

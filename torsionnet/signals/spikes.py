@@ -1,4 +1,4 @@
-"""Search for spikes, single samples far from both their neighbours."""
+"""Search of a signal for spikes, which are single samples far from both their neighbours."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ from numpy.typing import NDArray
 from torsionnet.response.recording import FloatArray
 
 NEIGHBOUR_SAMPLES = 50
-"""Samples on either side with which the changes and second differences of a sample are compared."""
+"""Number of samples on either side with whose changes and second differences those of a possible spike are compared."""
 LEAST_SHARPNESS, LEAST_SIZE, SKIPPED_SPIKES = 8.0, 2.0, 3
-"""Least second difference and least change of a spike over those around it, and the number of other spikes around that
-are left out of the comparison."""
+"""Least second difference and least change of a spike over those around it, more than noise reaches, and number of
+other spikes around that are left out of the comparison."""
 EXAMINED_SHARPNESS = 4.0
-"""Second difference over the mean around it above which a sample is examined closely."""
+"""Second difference of a sample over the mean around it above which it is examined closely, a quick test that saves
+time."""
 LEAST_STEPS = 3.0
-"""Least second difference of a spike in steps of the sensor."""
+"""Least second difference of a spike in steps of the sensor, as rounding to steps makes smaller ones."""
 MOST_ASYMMETRY = 2.0
-"""Largest ratio of rise and fall of a spike; a larger one is an edge."""
+"""Largest ratio of the rise and the fall of a spike, as a larger one is an edge of the signal."""
 SAMPLES_PER_BATCH = 2000
-"""Samples that are examined together, which limits the memory."""
+"""Number of possible spikes that are examined together, which limits the memory."""
 
 
 def spikes(values: FloatArray, step: float = 0.0) -> NDArray[np.intp]:
-    """Indices of spikes in a signal, whose sensor has steps of size ``step`` (0: none).
+    """Indices of the samples of a signal that are spikes, for a sensor with steps of size ``step`` or 0.
 
     A spike rises and falls by about the same, and has a far larger second difference than the hundred samples around.
     Noise has not, whatever its distribution, nor has the end of a burst.
@@ -60,7 +61,7 @@ def spikes(values: FloatArray, step: float = 0.0) -> NDArray[np.intp]:
 
 
 def _level(values: FloatArray, places: NDArray[np.intp]) -> FloatArray:
-    """Largest value around each index, without those of SKIPPED_SPIKES spikes, which disturb three samples each."""
+    """Largest value around each index, (n,), without those of SKIPPED_SPIKES other spikes (three samples each)."""
     around = np.concatenate([np.arange(-NEIGHBOUR_SAMPLES, -1), np.arange(2, NEIGHBOUR_SAMPLES + 1)])
     near = places[:, None] + around
     others = np.where((near >= 0) & (near < len(values)), values[np.clip(near, 0, len(values) - 1)], 0.0)

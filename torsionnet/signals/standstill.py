@@ -1,4 +1,4 @@
-"""Search for frozen stretches, in which a moving signal stands still."""
+"""Search of a moving signal for frozen stretches, in which it stands still."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.value_faults import Stretches
 
 LEAST_SAMPLES, LEAST_TIME = 20, 0.05
-"""Least length of a frozen stretch in samples and in s."""
+"""Least length of a frozen stretch in samples and in s, as shorter ones occur at turning points."""
 LEAST_TIME_SLOW_SAMPLING, FEWEST_SAMPLES = 0.15, 8
-"""Length in s from which a stretch counts at low sampling rates too, and its fewest samples there."""
+"""Length in s from which a frozen stretch counts at low sampling rates too, and its fewest samples there."""
 LEAST_LENGTH_RATIO, RUNS_AROUND = 10.0, 20
-"""Least length of a frozen stretch over the runs of equal values around it, and the number of runs on either side: a
-quantised peak is less than seven times as long."""
+"""Least length of a frozen stretch over the runs of equal values around it, as a quantised peak is less than seven
+times as long, and the number of runs on either side."""
 SKIPPED_RUNS = 2
-"""Number of runs around that may be frozen stretches as well, and are left out of the comparison."""
+"""Number of runs around a frozen stretch that may be frozen as well, and are left out of the comparison."""
 LEAST_RANGE_STEPS = 5.0
-"""Least range of the signal around the stretch in steps of the sensor."""
+"""Least range of the signal around a frozen stretch in steps of the sensor, as slower motion may stay within a step."""
 JUMP_RATIO = 5.0
-"""Jump at the end of a stretch over the largest change around it above which samples were lost."""
+"""Jump at the end of a frozen stretch over the largest change around it above which samples were lost."""
 ROUGHNESS_RATIO, ROUND_OFF_SHARE = 0.3, 1e-9
-"""Ratio of differences to those of one order less above which a signal holds noise or steps, and the size relative to
-the range below which they are round-off."""
+"""Ratio of differences to those of one order less above which a signal holds noise or steps, and size of differences
+over the signal's range below which they are round-off."""
 
 
 def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0) -> Stretches:
-    """First and last indices of frozen stretches.
+    """First and last sample index of each stretch in which a moving signal stands still.
 
     Stretches of a signal at rest do not count (at the ends of the record, at 0, at its first value or at a value it
     returns to), nor those of a smooth signal that stops and continues without a jump, such as a set-point, nor those of
@@ -71,7 +71,7 @@ def _moves(sides: tuple[FloatArray, FloatArray], step: float) -> bool:
 
 
 def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
-    """Whether a signal holds noise or steps, by its second and third differences."""
+    """Whether a signal holds noise or steps, by the size of its second and third differences."""
     least = ROUND_OFF_SHARE * max(float(np.ptp(side)) for side in sides)
     changes, turns, thirds = (sum(float(np.abs(np.diff(side, n)).sum()) for side in sides) for n in (1, 2, 3))
     count = sum(len(side) for side in sides)

@@ -1,4 +1,4 @@
-"""Gaps and jitter of time stamps."""
+"""Gaps and jitter of the time stamps of a recording."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from torsionnet.response.recording import FloatArray
 
 GAP_RATIO = 1.9
-"""Interval over the usual one above which it is a gap: at 2 one sample is missing."""
+"""Interval of time stamps over the usual one above which it is a gap, just below 2, where one sample is missing."""
 
 
 def gaps(times: FloatArray) -> NDArray[np.intp]:
-    """Indices of the last sample before every gap in time stamps.
+    """Indices of the last sample before every gap in time stamps, (n_gaps,).
 
     >>> gaps(np.array([0.0, 1.0, 2.0, 5.0, 6.0]))
     array([2])
@@ -22,7 +22,7 @@ def gaps(times: FloatArray) -> NDArray[np.intp]:
 
 
 def jitter(times: FloatArray) -> float:
-    """Standard deviation of the sampling intervals over their mean, gaps left out.
+    """Standard deviation of the sampling intervals over their mean, without unit, gaps left out.
 
     >>> round(jitter(np.array([0.0, 0.9, 2.0, 2.9, 4.0])), 9)
     0.1

@@ -1,4 +1,4 @@
-"""Transfer functions (H1, H2, Hs, Hr) and coherences from arrays of spectral densities.
+"""Transfer functions (H1, H2, Hs, Hr) and coherences from arrays of auto and cross spectral densities.
 
 All follow scipy's convention ``S_ab = mean(conj(A) B)``. With ``y = H x`` that gives ``S_xy = S_xx H^T`` and
 ``S_yy = S_yx H^T``, hence ``H1 = S_xy / S_xx`` and ``H2 = S_yy / S_yx``. ``S_yy / S_xy`` has the phase of the opposite
@@ -16,14 +16,14 @@ ComplexArray = NDArray[np.complex128]
 
 
 def h1(s_xx: ComplexArray, s_xy: ComplexArray) -> ComplexArray:
-    """Estimator H1, (n_f, n_out, n_in), least squares on the outputs, unbiased if only the outputs are noisy."""
+    """Transfer functions by H1, (n_f, n_out, n_in), least squares on the outputs, unbiased if only these are noisy."""
     if s_xx.shape[1] == 1:
         return _quotient(s_xy.transpose(0, 2, 1), s_xx)
     return _complex((np.linalg.pinv(s_xx, hermitian=True) @ s_xy).transpose(0, 2, 1))
 
 
 def h2(s_yy: ComplexArray, s_yx: ComplexArray) -> ComplexArray:
-    """Estimator H2, (n_f, n_out, n_in), least squares on the inputs, unbiased if only these are noisy.
+    """Transfer functions by H2, (n_f, n_out, n_in), least squares on the inputs, unbiased if only these are noisy.
 
     It needs as many outputs as inputs, or more.
     """
@@ -33,7 +33,7 @@ def h2(s_yy: ComplexArray, s_yx: ComplexArray) -> ComplexArray:
 
 
 def hr(s_rx: ComplexArray, s_ry: ComplexArray) -> ComplexArray:
-    """Estimator Hr, (n_f, n_out, n_in), from references without the noise of inputs and outputs, hence unbiased.
+    """Transfer functions by Hr, (n_f, n_out, n_in), from references without the noise of inputs and outputs.
 
     It needs as many references as inputs, or more: ``S_ry = S_rx H^T``, by least squares. The method of instrumental
     variables; see Schoukens, Godfrey and Schoukens (2018), IEEE Control Systems 38(4), on noisy inputs.
@@ -51,7 +51,7 @@ def unexplained_spectra(H: ComplexArray, s_xx: ComplexArray, s_xy: ComplexArray,
 
 
 def hs(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray, noise_ratio: float | FloatArray) -> ComplexArray:
-    """Estimator Hs, (n_f, n_out, n_in), total least squares for each output.
+    """Transfer functions by Hs, (n_f, n_out, n_in), total least squares for each output, noise on both sides.
 
     ``noise_ratio`` is the spectral density of the output's noise over that of each input's noise, a number or
     (n_f, n_out): towards infinity the result becomes H1, towards zero H2.
@@ -96,7 +96,7 @@ def multiple_coherence(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArra
 
 
 def independence(s_xx: ComplexArray) -> FloatArray:
-    """Smallest eigenvalue of the normalised spectra of the inputs, (n_f,): 1 uncorrelated, 0 inseparable."""
+    """Smallest eigenvalue of the normalised input spectra, (n_f,), from 1 (uncorrelated) to 0 (inseparable)."""
     sizes = np.sqrt(np.einsum("fii->fi", s_xx).real)
     scaled = np.divide(s_xx, sizes[:, :, None] * sizes[:, None, :], out=np.zeros_like(s_xx), where=s_xx != 0)
     return np.asarray(np.linalg.eigvalsh(scaled)[:, 0])

@@ -20,7 +20,7 @@ Names = str | Sequence[str]
 
 @dataclass(frozen=True)
 class Step:
-    """Step of a stepped sine with its frequency in Hz, and start and end in s."""
+    """Step of a stepped sine, with its frequency in Hz and its start and end in s."""
 
     frequency: float
     start: float
@@ -58,7 +58,7 @@ def stepped_sine(
 def full_record(
     recording: Recording, output: Names, input: str, detrend: Trend = "mean", floor: float = 1e-3
 ) -> FrequencyResponse:
-    """Frequency response as spectrum of the output over that of the input, of a whole record without averaging.
+    """Frequency response of a whole record without averaging, the output's spectrum over the input's.
 
     Valid if the record holds whole periods of a periodic test, or begins and ends at rest. It has the finest
     possible resolution, and noise is not reduced.
@@ -89,7 +89,7 @@ def _checked(recording: Recording, names: Sequence[str]) -> Recording:
 
 
 def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
-    """Complex amplitude of every signal in a step, by least squares, (n_signals,)."""
+    """Complex amplitude of every signal in one step of a stepped sine, by least squares, (n_signals,)."""
     rate, begin = recording.sampling_rate, step.start + settling
     last = min(round((step.end - recording.start) * rate), len(recording))
     periods = int((last / rate - (begin - recording.start)) * step.frequency + 1e-9)

@@ -1,4 +1,4 @@
-"""Random errors of estimated frequency responses."""
+"""Random errors of estimated frequency responses, from coherence and number of averages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.signals.transfer_matrices import hr, unexplained_spectra
 
 @dataclass(frozen=True, eq=False)
 class RandomError:
-    """Random error of an estimated frequency response, as standard deviations (n_f, n_out, n_in).
+    """Random error of a frequency response, as standard deviations of magnitude and phase (n_f, n_out, n_in).
 
     Attributes
     ----------
@@ -30,13 +30,13 @@ class RandomError:
     phase: FloatArray
 
     def band(self, response: FrequencyResponse, deviations: float = 1.96) -> tuple[FloatArray, FloatArray]:
-        """Confidence limits, lower and upper, of the magnitude; 1.96 deviations hold 95 % of normal errors."""
+        """Lower and upper confidence limit of a response's magnitude, each (n_f, n_out, n_in), in its unit."""
         half_width = deviations * self.magnitude
         return np.maximum(1 - half_width, 0) * response.magnitude, (1 + half_width) * response.magnitude
 
 
 def random_error(coherence: FloatArray, averages: float) -> RandomError:
-    """Random error of one input's H1 from its coherence and the effective number of averages.
+    """Random error of H1 with one input, from its coherence and the effective number of averages.
 
     Magnitude: ``sqrt((1 - g) / (2 n g))`` with coherence ``g``; the phase has the same error in radians, at most that
     of a uniformly distributed phase (104 degrees). In a sweep most segments hold noise alone at a given frequency; the
@@ -56,7 +56,7 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
 def random_errors(
     spectra: CrossSpectra, response: FrequencyResponse, reference: str | Sequence[str] = ()
 ) -> RandomError:
-    """Random error of every transfer function of an estimate, from its spectra.
+    """Random error of every transfer function of an estimated response, from the spectra behind it.
 
     The noise of an output is the part that all inputs together do not explain; its effect on the path of an input is
     larger the less this input varies independently. For one input this is :func:`random_error`. Against a reference

@@ -1,4 +1,4 @@
-"""Faults in the values of one channel: clipped peaks, wrap-around and leaps of encoders."""
+"""Faults in the values of one channel (clipped peaks, wrap-around and leaps of encoders)."""
 
 from __future__ import annotations
 
@@ -10,19 +10,20 @@ from torsionnet.signals.resolution import MOST_STEPS
 
 Stretches = list[tuple[int, int]]
 CLIPPED_RUN_RATIO = 5.0
-"""Length of a flat top over the runs of equal values next to it above which it is clipped: a quantised peak stays 4.8
-times as long on its last step as on the one before."""
+"""Length of a flat top over the runs of equal values next to it above which it is clipped, as a quantised peak stays
+4.8 times as long on its last step as on the one before."""
 SAME_JUMP_DIFFERENCE = 0.05
-"""Relative difference up to which jumps have the same size, as those of an encoder that wraps around."""
+"""Relative difference up to which jumps of an angle have the same size, as those of an encoder that wraps around do."""
 LEAP_STEPS = 3
-"""Encoder steps by which a leap exceeds the steps around it: two may be rounding at a peak of the speed."""
+"""Number of encoder steps by which a leap of an angle exceeds the steps around it, as two may be rounding at a peak of
+the speed."""
 SWITCH_SHARE = 0.9
-"""Share of samples at its limits above which a signal is a switch: a sine clipped at a tenth of its height is there
+"""Share of samples at its limits above which a signal is a switch, as a sine clipped at a tenth of its height is there
 94 % of the time, at half of it 67 %."""
 
 
 def true_stretches(where: NDArray[np.bool_]) -> Stretches:
-    """First and last index of every run of True in a mask.
+    """First and last index of every run of True values in a mask.
 
     >>> true_stretches(np.array([False, True, True, False, True]))
     [(1, 2), (4, 4)]
@@ -32,7 +33,7 @@ def true_stretches(where: NDArray[np.bool_]) -> Stretches:
 
 
 def flat_tops(values: FloatArray) -> Stretches:
-    """Stretches that are clipped, runs at the largest or smallest value too long for a smooth or a quantised peak.
+    """First and last index of clipped stretches, runs at a signal's largest or smallest value too long for a peak.
 
     Runs at the ends of the record do not count, nor a signal that is at its limits most of the time, like a switch.
     """
@@ -72,7 +73,7 @@ def wrap_jumps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
 
 
 def encoder_leaps(values: FloatArray) -> NDArray[np.intp]:
-    """Indices of the samples at which a quantised angle leaps by three steps more than around."""
+    """Indices of the samples at which a quantised angle leaps by three encoder steps more than around it."""
     steps = np.diff(values)
     moved = np.abs(steps[steps != 0])
     if len(moved) < 10:

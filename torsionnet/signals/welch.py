@@ -11,17 +11,17 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.detrending import Trend, check_trend
 
 WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop", "bartlett")
-"""Names of common windows; scipy has more."""
+"""Names of common windows for Welch's method, offered where a name is unknown to scipy."""
 
 MOST_SAMPLES = 2.0**62
-"""Most samples of a segment, more than any record has, but still exact as an integer."""
+"""Largest number of samples in a segment, more than any record has, but still exact as an integer."""
 SHORTEST_SEGMENT, LONGEST_SEGMENT = 1e-6, 1e6
-"""Shortest and longest segment in seconds; others are a mistake in the unit."""
+"""Shortest and longest segment in s, as any other length is a mistake in the unit."""
 
 
 @dataclass(frozen=True)
 class Welch:
-    """Settings of Welch's method with window, segments, overlap, detrending, decimation, estimator.
+    """Settings of Welch's method (window, segment length, overlap, detrending, decimation, estimator).
 
     Attributes
     ----------
@@ -65,12 +65,12 @@ class Welch:
         return count
 
     def step(self, sampling_rate: float) -> int:
-        """Samples from the start of a segment to that of the next."""
+        """Number of samples from the start of a segment to the start of the next."""
         length = self.samples(sampling_rate)
         return max(1, length - round(self.overlap * length))
 
     def weights(self, sampling_rate: float) -> FloatArray:
-        """Values of the window over one segment, (n,)."""
+        """Values of the window over one segment, (n,), without unit."""
         from scipy.signal import get_window
 
         try:
@@ -85,7 +85,7 @@ class Welch:
 
 
 PAPER = Welch(window="hamming", seconds=2.0, overlap=0.8, decimation=50, estimator="H2")
-"""Settings of the source paper with records of 10 kHz decimated to 200 Hz, Hamming 2 s, 80 % overlap, H2."""
+"""Welch settings of the source paper, records of 10 kHz decimated to 200 Hz, Hamming 2 s, 80 % overlap, H2."""
 
 
 def effective_averages(weights: FloatArray, step: int, count: int) -> float:

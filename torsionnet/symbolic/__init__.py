@@ -1,1 +1,1 @@
-"""Symbolic transfer functions of drivetrains: one straight-line program per function, evaluated in many algebras."""
+"""Symbolic transfer functions of drivetrains, each recorded as one straight-line program for many algebras."""

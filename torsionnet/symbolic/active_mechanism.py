@@ -1,4 +1,4 @@
-"""Symbolic mechanisms with actions: torques that follow the motion are unknowns beside the coordinates.
+"""Symbolic drivetrains with actions, whose torques follow the motion and are unknowns beside the coordinates.
 
 The torques T of the actions with laws N/E e^(-s tau), and those of rigid connections that are read, are unknowns beside
 the coordinates,
@@ -32,7 +32,7 @@ Entries: TypeAlias = dict[int, ProgramNode]
 
 @dataclass(eq=False)
 class ActiveMechanism(Mechanism):
-    """Symbolic mechanism whose numerators and determinant include the actions of the drivetrain."""
+    """Symbolic drivetrain whose numerators and determinant include the torques of its actions as unknowns."""
 
     def determinant(self, load: SymbolRow) -> ProgramNode:
         del load
@@ -62,7 +62,7 @@ class ActiveMechanism(Mechanism):
 
     @cached_property
     def _acting(self) -> dict[int, int]:
-        """Row and column of each action by the action's number."""
+        """Number of row and column in the equations for each action's torque, by the action's number."""
         acting = [number for number, (_, one) in enumerate(self.kinematics.actions) if self._acts(one)]
         return {number: len(self._column) + place for place, number in enumerate(acting)}
 
@@ -71,7 +71,7 @@ class ActiveMechanism(Mechanism):
 
     @cached_property
     def _rigid(self) -> dict[int, int]:
-        """Row and column of each rigid constraint whose torque is read, by the constraint's number."""
+        """Number of row and column in the equations for each rigid connection's torque that is read."""
         return {number: len(self._column) + len(self._acting) + place for place, number in enumerate(self.loose)}
 
     def _read(self, part: SymbolicPart) -> dict[int, Any]:
@@ -108,7 +108,7 @@ class ActiveMechanism(Mechanism):
         rows[place][place] = self._in_s(below)
 
     def _in_s(self, coefficients: Sequence[Any]) -> ProgramNode:
-        """Polynomial in s with these ascending coefficients as a program node; three coefficients make one leaf."""
+        """Polynomial in s with coefficients in ascending powers, as a node of the program."""
         first = [*coefficients[:3], ZERO, ZERO, ZERO][:3]
         found = self.program.leaf(Stiffness(*first)) if any(first[1:]) else self.program.leaf(first[0])
         if len(coefficients) > len(first):
@@ -123,7 +123,7 @@ def mechanism(
     loose: tuple[int, ...] = (),
     program: Program | None = None,
 ) -> Mechanism:
-    """Symbolic mechanism of a drivetrain, with or without actions."""
+    """Symbolic drivetrain, of the kind that suits whether it has actions, from which transfer functions are made."""
     kind = ActiveMechanism if drivetrain.assembly.system.actions else Mechanism
     return kind(drivetrain, referred_to, loose, program or Program())
 
@@ -133,7 +133,7 @@ def _add(entries: Entries, column: int, value: ProgramNode) -> None:
 
 
 def _lowest(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-    """Numerator and denominator coefficients as symbols, without a common factor s and without trailing zeros."""
+    """Coefficients of numerator and denominator as symbols, without a common factor s and without trailing zeros."""
     above, below = ([twin(value).symbol for value in part] for part in (numerator, denominator))
     for part in (above, below):
         while part and part[-1] == 0:

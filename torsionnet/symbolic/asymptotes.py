@@ -1,4 +1,4 @@
-"""Static gain and leading terms of a symbolic transfer function at very low and very high frequency."""
+"""Static gain of a symbolic transfer function, and its leading terms at very low and very high frequency."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def static_gain(function: SymbolicFraction) -> Any:
-    """Limit of a symbolic transfer function for s -> 0: an expression, zero or infinity."""
+    """Limit of a symbolic transfer function for s -> 0, an expression, zero or infinity."""
     above, below = lowest_terms_in_s(function, Program().leaf, surely_zero)
     if above is None or above[0] > below[0]:
         return sympy.Integer(0)
@@ -46,7 +46,7 @@ def high_frequency(function: SymbolicFraction) -> Any:
 
 
 def _quotient(above: Any, below: Any) -> Any:
-    """Quotient of two program nodes as an expression, without common factors."""
+    """Quotient of two program nodes as a sympy expression, without common factors."""
     program = (above if isinstance(above, ProgramNode) else below).program
     numerator, denominator = program.reduced(above, below)
     above, below = (to_expression(node) for node in (numerator, denominator))

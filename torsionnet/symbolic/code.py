@@ -1,4 +1,4 @@
-"""Python source text of symbolic transfer functions as numpy functions; the text is written, never executed."""
+"""Python source text of symbolic transfer functions as numpy functions, which is written but never executed."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-"""Pattern of names allowed in generated Python code: letters, digits and underscores."""
+"""Pattern of names allowed in generated Python code (letters, digits, underscores), so that no name can be code."""
 MOST_MULTIPLIED_COORDINATES = 25
-"""Coordinates (roughly) from which the code uses the continued fraction: longer products may overflow floats."""
+"""Number of coordinates (roughly) above which generated code uses the continued fraction, as longer products may
+overflow floats."""
 
 
 def python_code(function: SymbolicFraction, name: str) -> str:
-    """Python source text of a transfer function as a numpy function; see :meth:`TransferFunction.python_code`.
+    """Python source text of a numpy function that evaluates a transfer function at frequencies in Hz.
 
     Own names of the function begin with an underscore, parameters never do.
 
@@ -63,7 +64,7 @@ def _table(function: SymbolicFraction) -> WhereTable:
 
 
 def checked_identifier(name: str) -> str:
-    """Name unchanged if it is a plain Python identifier, safe in source text; refused otherwise.
+    """Name unchanged if it is a plain Python identifier, safe in source text, else an error is raised.
 
     >>> checked_identifier("k_1")
     'k_1'
@@ -74,7 +75,7 @@ def checked_identifier(name: str) -> str:
 
 
 def _plain(names: dict[Any, str]) -> dict[Any, str]:
-    """Python names without the dots of names in parts; no name is used twice."""
+    """Python name of each symbol, without the dots of names in parts, none of them twice."""
     found: dict[Any, str] = {}
     for owner, name in sorted(names.items(), key=lambda pair: ("." in pair[1], pair[1])):
         wish = name.replace(".", "_")
@@ -97,7 +98,7 @@ def _symbols(table: WhereTable) -> set[Any]:
 
 
 def _delaying(function: SymbolicFraction) -> set[Any]:
-    """Parameters that appear in delays, as sympy symbols."""
+    """Parameters that appear in the delays of a transfer function, as sympy symbols."""
     times = (delay.time for delay in delays_of(function.used_tables).values())
     return {symbol for time in times for symbol in time.free_symbols}
 
@@ -151,7 +152,7 @@ def _leaf(payload: Any, names: dict[Any, str]) -> str:
 
 
 def _written(expression: Any, names: dict[Any, str]) -> str:
-    """Python text of a small expression under a root."""
+    """Python text of a small sympy expression under a root."""
     if isinstance(expression, sympy.Add | sympy.Mul):
         sign = " + " if isinstance(expression, sympy.Add) else " * "
         return f"({sign.join(_written(part, names) for part in expression.args)})"

@@ -1,4 +1,4 @@
-"""Continued fraction of a transfer function as a sympy expression or in another algebra."""
+"""Continued fraction of a transfer function on a tree, as a sympy expression or in another algebra."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.symbolic.tree_fraction import NoContinuedFractionError, response
 
 
 def continued_fraction(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
-    """Continued fraction of a request with elements from ``leaf``; None if the drivetrain is no tree."""
+    """Continued fraction of a transfer function in the algebra of ``leaf``, or None if the drivetrain is no tree."""
 
     def element(payload: Any) -> Any:
         if isinstance(payload, str):  # s itself
@@ -38,7 +38,7 @@ def continued_fraction(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> An
 
 
 def continued_fraction_expression(asked: SymbolicRequest) -> Any:
-    """Continued fraction of a request as a sympy expression; None if the drivetrain is no tree."""
+    """Continued fraction of a transfer function as a sympy expression, or None if the drivetrain is no tree."""
     return continued_fraction(asked, _expression)
 
 

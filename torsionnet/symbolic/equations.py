@@ -1,4 +1,4 @@
-"""LaTeX of the equations of motion: one matrix equation, or one equation per coordinate."""
+"""LaTeX of the equations of motion, as one matrix equation or as one equation per coordinate."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from torsionnet.assembly.symbolic import SymbolicMatrices
 
 PARTS = ("M", "C", "K", "H", "q", "B", "u")
-"""Names of the parts of the equations that can be requested."""
+"""Names of the parts of the equations of motion that can be requested as LaTeX (matrices, coordinates, inputs)."""
 DOTS = {"M": r"\ddot", "C": r"\dot", "K": ""}
-"""LaTeX accent of the time derivative that each matrix multiplies."""
+"""LaTeX accent of the time derivative of the angles that each matrix of the equations of motion multiplies."""
 
 
 def to_latex(system: SymbolicMatrices, part: str = "") -> str:
-    """LaTeX of the equations of motion or of one part of them.
+    """LaTeX of the equations of motion of a drivetrain, or of one part of them (such as ``M``).
 
     See :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.to_latex`.
 
@@ -50,19 +50,19 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
 
 
 def complex_stiffness(system: SymbolicMatrices) -> Any:
-    """Complex stiffness matrix besides K: j times hysteretic damping, plus tables."""
+    """Symbolic matrix of the stiffness besides K, j times hysteretic damping plus tables, (n_q, n_q), N m/rad."""
     import sympy
 
     return sympy.I * system.H + system.tables
 
 
 def matrix_latex(rows: list[list[Any]]) -> str:
-    """LaTeX of rows of expressions as a matrix in square brackets."""
+    """LaTeX of a matrix in square brackets from rows of sympy expressions."""
     return bracketed_matrix([[latex(cell) for cell in row] for row in rows])
 
 
 def column_latex(entries: list[str]) -> str:
-    """LaTeX of entries as a column vector in square brackets."""
+    """LaTeX of a column vector in square brackets from entries that are LaTeX already."""
     return bracketed_matrix([[entry] for entry in entries])
 
 
@@ -77,18 +77,18 @@ def bracketed_matrix(rows: list[list[str]]) -> str:
 
 
 def angle_derivatives(coordinates: tuple[str, ...], dots: str) -> str:
-    """LaTeX of the column of coordinate angles with a time derivative, such as ``\\ddot``."""
+    """LaTeX column of the coordinates' angles, each under the accent of a time derivative, such as ``\\ddot``."""
     return column_latex([angle_derivative(name, dots) for name in coordinates])
 
 
 def angle_derivative(node: str, dots: str) -> str:
-    """LaTeX of the angle of a node with a time derivative, such as ``\\ddot``."""
+    """LaTeX of a node's angle under the accent of a time derivative, such as ``\\ddot``."""
     base, index = angle_latex(node).split("_", 1)
     return f"{dots}{{{base}}}_{index}" if dots else f"{base}_{index}"
 
 
 def equation_terms(system: SymbolicMatrices, row: int) -> list[str]:
-    r"""LaTeX terms of one equation of motion, split before every sign: the first term, then ``+ ...``, ``= ...``.
+    r"""LaTeX terms of one equation of motion, split before every sign so that lines may break there.
 
     >>> import torsionnet as tn
     >>> equation_terms(tn.load("dmf_rig").symbolic(), 0)[-1]

@@ -1,4 +1,4 @@
-"""Fully expanded numerator and denominator of a symbolic transfer function."""
+"""Symbolic transfer function with numerator and denominator fully multiplied out."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
 from torsionnet.symbolic.formula_text import for_display
 
 MOST_PRINTED = 100
-"""Largest number of terms of an expanded quotient that is printed as text; longer ones print their length only."""
+"""Largest number of terms of an expanded transfer function printed as text, as of longer ones the number of terms says
+more."""
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Expanded:
-    """Numerator and denominator multiplied out; kept as integer maps, since sympy expressions take much longer to make.
+    """Numerator and denominator of a transfer function multiplied out, kept as maps of integers to save time.
 
     Attributes
     ----------
@@ -36,7 +37,7 @@ class Expanded:
 
     @property
     def terms(self) -> int:
-        """Number of terms in numerator and denominator together."""
+        """Number of terms in numerator and denominator of the expanded transfer function together."""
         return sum(sum(map(bool, part.terms.values())) for part in (self.numerator, self.denominator))
 
     def __repr__(self) -> str:
@@ -47,7 +48,7 @@ class Expanded:
 
     @cached_property
     def expression(self) -> Any:
-        """Expanded quotient as a sympy expression."""
+        """Expanded transfer function, a quotient of sums, as a sympy expression."""
         depth = max(self.numerator.depth, self.denominator.depth)
         above, below = (
             self.algebra.expression(part.at_depth(depth), part.scale**depth)
@@ -62,12 +63,12 @@ class Expanded:
 
 
 def predicted_terms(function: SymbolicFraction) -> int:
-    """Upper bound of the number of expanded terms; exact where every parameter appears once."""
+    """Upper bound of the number of terms of a transfer function's numerator and denominator, multiplied out."""
     return int(sum(function.steps.run(TermCounts(), [function.numerator, function.denominator])))
 
 
 def expanded(function: SymbolicFraction, cap: int) -> Expanded:
-    """Fully expanded transfer function, refused beyond ``cap`` terms; see :meth:`TransferFunction.expanded`."""
+    """Transfer function multiplied out, refused beyond ``cap`` terms; see :meth:`TransferFunction.expanded`."""
     predicted = predicted_terms(function)
     if predicted > cap:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Text and LaTeX of expressions for display: powers of s in order, long numbers rounded. Values stay as they are."""
+"""Text and LaTeX of expressions for display, with powers of s in order and long numbers rounded."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import sympy
 from torsionnet.symbolic.symbol_names import symbol_names
 
 LONG_RATIONAL_DIGITS = 12
-"""Digits of a rational number above which it is displayed as a decimal."""
+"""Number of digits of a rational number above which it is displayed as a decimal, being hard to read."""
 DISPLAY_DIGITS = 8
-"""Significant digits of a displayed decimal."""
+"""Number of significant digits of a displayed decimal, more than parameters are known to."""
 
 
 def for_display(expression: Any) -> Any:
-    """Expression for display: long rationals as decimals, even powers of sums without a leading minus."""
+    """Sympy expression for display, long rationals as decimals, even powers of sums without a leading minus."""
     long = {
         number: sympy.Float(number, DISPLAY_DIGITS)
         for number in expression.atoms(sympy.Rational)
@@ -34,7 +34,7 @@ def _begins_with_minus(power: Any) -> bool:
 
 
 def polynomial_text(names: Iterable[Any]) -> str:
-    """Text ``b_0 + b_1*s + ...`` of a polynomial in ascending powers; zeros are left out."""
+    """Text ``b_0 + b_1*s + ...`` of a polynomial in ascending powers of s from the names of its coefficients."""
     terms = [_term(name, power) for power, name in enumerate(names) if name != 0]
     return " + ".join(terms) or "0"
 
@@ -44,7 +44,7 @@ def _term(name: Any, power: int) -> str:
 
 
 def polynomial_latex(names: Iterable[Any]) -> str:
-    """LaTeX of a polynomial in s in ascending powers; zeros are left out."""
+    """LaTeX of a polynomial in ascending powers of s from the names of its coefficients."""
     terms = [
         sympy.latex(name) + ("" if not power else " s" if power == 1 else f" s^{{{power}}}")
         for power, name in enumerate(names)
@@ -54,17 +54,17 @@ def polynomial_latex(names: Iterable[Any]) -> str:
 
 
 def where_text(result: Any, table: Mapping[Any, Any]) -> str:
-    """Text of a result, and the definition of each name in it on a line of its own."""
+    """Text of a result, followed by the definition of each name in it on a line of its own."""
     return "\n".join([str(result), *(f"  {name} = {for_display(value)}" for name, value in table.items())])
 
 
 def latex(expression: Any) -> str:
-    """LaTeX of an expression, with names as they are printed (indices of several letters upright)."""
+    """LaTeX of a sympy expression, with indices of several letters upright."""
     names = symbol_names(expression.free_symbols)
     return str(sympy.latex(for_display(expression), symbol_names=names, imaginary_unit="rj"))
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:
-    """LaTeX of a result and the definitions of its names, as an aligned block."""
+    """LaTeX of a result and the definitions of the names in it, as an aligned block."""
     lines = [f"& {result}", *(f"& {latex(name)} = {latex(value)}" for name, value in table.items())]
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

@@ -1,4 +1,4 @@
-"""Symbolic transfer functions of drivetrains with imposed angles.
+"""Symbolic transfer functions of drivetrains with imposed angles, by way of drivetrains without these.
 
 What an imposed angle does to a reading is what any torque there does to it, over the angle that torque makes: y/phi is
 a transfer function against a measured angle. Whatever hangs on the driven node alone drops out of the ratio. Imposed
@@ -20,7 +20,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 
 @dataclass(frozen=True)
 class ImposedRequest:
-    """Transfer request restated without imposed angles: drivetrain, input and excitation.
+    """Request for a transfer function restated without imposed angles, with drivetrain, input and excitation.
 
     ``channel`` is the input as the user knows it, where that is an imposed angle.
     """
@@ -47,7 +47,7 @@ def hold_imposed_angles(drivetrain: AssembledModel, driven: Input | None = None)
 
 
 def _holder(channel: Input, known: Mapping[str, Element]) -> Element:
-    """Element that holds an imposed angle at zero: a clamp, or between two nodes a rigid coupling."""
+    """Element that holds an imposed angle at zero, a clamp, or between two nodes a rigid coupling."""
     name = _unused(f"rest_{'_'.join(channel.nodes)}", known)
     if channel.against is None:
         return Lock(name, node=channel.of)
@@ -63,7 +63,7 @@ def _unused(name: str, elements: Mapping[str, Element]) -> str:
 def without_imposed_angles(
     drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None
 ) -> ImposedRequest:
-    """Transfer request restated without imposed angles, as a measured angle under a torque.
+    """Request for a transfer function restated without imposed angles, as a measured angle under a torque.
 
     Raises
     ------
@@ -84,6 +84,6 @@ def without_imposed_angles(
 
 
 def require_one_channel_each(output: object, input: object) -> None:
-    """Refuse several outputs or inputs where a symbolic transfer function has one of each."""
+    """Raise an error for several outputs or inputs where a symbolic transfer function has one of each."""
     if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
         raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

@@ -1,4 +1,4 @@
-"""Length limits of formulas: refusal of forms of a transfer function too long to be written."""
+"""Limits for the length of formulas, beyond which a form of a transfer function is refused."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 MOST_WRITTEN = 20_000
-"""Elements and numbers in the coefficients of a formula; more fill pages, and take minutes."""
+"""Largest number of elements and numbers in the coefficients of a formula, as more fill pages and take minutes."""
 
 
 def require_readable(function: SymbolicFraction) -> None:
-    """Refuse a polynomial or normalised form whose nested coefficients would fill pages."""
+    """Raise an error if the coefficients of a transfer function's polynomial form would fill pages."""
     outputs = [function.numerator, function.denominator]
     if sum(function.steps.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
         return
@@ -29,7 +29,7 @@ def require_readable(function: SymbolicFraction) -> None:
 
 
 def require_short(function: SymbolicFraction, most: int) -> None:
-    """Refuse a nested form longer than ``most`` leaves; continued fractions are never too long."""
+    """Raise an error if the nested form of a transfer function is longer than ``most`` elements and numbers."""
     leaves = function.nested_leaves if function.continued_fraction is None else 0
     if leaves > most:
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Normalised form: gain and factors 1 + s/omega_n, and 1 + 2 zeta s/omega_n + s^2/omega_n^2."""
+"""Normalised form of a transfer function, gain and factors 1 + s/omega_n, 1 + 2 zeta s/omega_n + s^2/omega_n^2."""
 
 from __future__ import annotations
 
@@ -19,16 +19,15 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 MOST_TERMS = 30
-"""Largest number of terms of a polynomial that is searched for further factors; searching longer ones takes too
-long."""
+"""Largest number of terms of a polynomial that is searched for further factors, as longer ones take too long."""
 
 MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
-"""Largest numbers of operations and symbols of a polynomial that sympy factors: larger ones may take hours."""
+"""Largest numbers of operations and of symbols of a polynomial that sympy factors, as larger ones may take hours."""
 
 
 @dataclass(frozen=True)
 class Factor:
-    """Polynomial factor in s with constant term 1, raised to a power.
+    """Factor of a normalised transfer function, a polynomial in s with constant term 1, raised to a power.
 
     Attributes
     ----------
@@ -46,14 +45,14 @@ class Factor:
 
     @property
     def omega_n(self) -> Any:
-        """Corner frequency (first order) or natural frequency (second order) in rad/s; None for other orders."""
+        """Corner frequency (first order) or natural frequency (second order) of the factor in rad/s, else None."""
         if self.order == 1:
             return sympy.simplify(1 / self.coefficients[1])
         return sympy.sqrt(sympy.simplify(1 / self.coefficients[2])) if self.order == 2 else None
 
     @property
     def zeta(self) -> Any:
-        """Damping ratio of a factor of second order; None for other orders."""
+        """Damping ratio of a factor of second order as an expression, None for other orders."""
         if self.order != 2:
             return None
         p_1, p_2 = (sympy.fraction(sympy.together(value)) for value in self.coefficients[1:])
@@ -68,7 +67,7 @@ class Factor:
         return in_s(self.coefficients) ** self.power
 
     def text(self, values: Mapping[Any, Any]) -> str:
-        """Text of the factor, with numbers beside the symbols."""
+        """Text of the factor, with omega_n and zeta in symbols and, where known, in numbers."""
         power = f"({{}})**{self.power}" if self.power != 1 else "{}"
         if self.order == 1:
             return f"{power.format('1 + s/omega_n')} with omega_n = {_both(self.omega_n, values)} rad/s"
@@ -81,7 +80,7 @@ class Factor:
 
 
 def _both(expression: Any, values: Mapping[Any, Any]) -> str:
-    """Text of an expression in symbols, and as a number where all symbols have values."""
+    """Text of an expression in symbols, followed by its number where all symbols have values."""
     number = expression.xreplace(dict(values))
     in_figures = f"{float(number):.6g}" if number.is_real and not number.free_symbols else ""
     in_symbols = str(for_display(expression)) if expression.free_symbols or not in_figures else ""
@@ -89,7 +88,7 @@ def _both(expression: Any, values: Mapping[Any, Any]) -> str:
 
 
 def _is_positive(expression: Any) -> bool:
-    """Whether an expression is positive for all positive values of its symbols."""
+    """Whether a sympy expression is positive for all positive values of its symbols."""
     positive = {name: sympy.Dummy(positive=True) for name in expression.free_symbols}
     return bool(expression.xreplace(positive).is_positive)
 
@@ -146,14 +145,14 @@ class Normalised:
 
 
 def normalised(function: SymbolicFraction) -> Normalised:
-    """Normalised form of a transfer function, from the recursion's factors and those sympy finds in short ones."""
+    """Normalised form of a transfer function, with the factors that the recursion and sympy find."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
     gain, power = factor_if_short(above[0] / below[0]), above[1] - below[1]
     return Normalised(gain, power, above[2], below[2], function.values)
 
 
 def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, tuple[Factor, ...]]:
-    """Gain, power of s and factors of a numerator or denominator."""
+    """Gain, power of s, and factors of a transfer function's numerator or denominator."""
     gain, power = sympy.Integer(1), 0
     factors: list[Factor] = []
     for index, times in function.steps.factors(node).items():
@@ -170,7 +169,7 @@ def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, t
 
 
 def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
-    """Irreducible factors of one program step, each as coefficients in s and a power."""
+    """Irreducible factors of one program step, each as coefficients in ascending powers of s and a power."""
     (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
     coefficients = [
         sympy.Integer(0) if surely_zero(value) else to_expression(value) for value in polynomial.coefficients
@@ -191,7 +190,7 @@ def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any]
 
 
 def _factors_at_random(polynomial: Any) -> bool:
-    """Whether a polynomial still factors with random numbers for the parameters; if not, it is irreducible (Hilbert).
+    """Whether a polynomial has factors with random numbers for its parameters, without which it is irreducible.
 
     sympy may take hours to find that out of a polynomial in many symbols.
     """

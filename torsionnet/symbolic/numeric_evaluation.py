@@ -1,4 +1,4 @@
-"""Numerical evaluation of symbolic transfer functions at frequencies and at rest."""
+"""Numerical evaluation of symbolic transfer functions at frequencies and at rest (zero frequency)."""
 
 from __future__ import annotations
 
@@ -25,13 +25,14 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 ACCEPTED_RELATIVE_ERROR = 1e-10
-"""Relative rounding error up to which double precision is accepted; beyond, points are computed in more digits."""
+"""Relative rounding error up to which a value in double precision is accepted, beyond which it is computed in more
+digits."""
 PRECISIONS = (40, 80, 160, 320)
-"""Decimal digits tried one after the other, until doubling them no longer changes the value."""
+"""Numbers of decimal digits that are tried one after the other, until doubling them no longer changes the value."""
 
 
 def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
-    """Frequency response of a symbolic transfer function; see :meth:`TransferFunction.evaluate`."""
+    """Frequency response of a symbolic transfer function at frequencies in Hz, for numbers in place of parameters."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
         raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
@@ -62,7 +63,7 @@ def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any,
 
 
 def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, DynamicStiffness]:
-    """Frequency-dependent stiffnesses with numeric coefficients for these values of the symbols."""
+    """Frequency-dependent stiffnesses (by symbol) with numeric coefficients for given values of the parameters."""
     known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in values.items()}
 
     def number(coefficient: Any) -> Fraction:
@@ -75,7 +76,7 @@ def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, 
 
 
 def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
-    """Complex values at frequencies > 0 in Hz; in many digits at points where rounding errors may show."""
+    """Complex values of a transfer function at frequencies > 0 in Hz, SI, (n_f,), with more digits where needed."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}
     known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables(function, values).items()}
@@ -90,7 +91,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
 
 
 def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[Any, Any]) -> complex:
-    """Complex value at one omega in rad/s, with enough digits that doubling them changes nothing."""
+    """Complex value of a transfer function at one omega in rad/s, with so many digits that more change nothing."""
     import mpmath
 
     def number(value: Fraction) -> Any:
@@ -112,7 +113,7 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
 
 
 def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> complex:
-    """Numeric limit of a transfer function at zero frequency, from exact values; may be infinite."""
+    """Numeric limit of a transfer function at zero frequency, SI, from exact values; may be infinite."""
     known = dict(values)
     for name, table in _tables(function, values).items():
         known[name] = exact(complex(table.kappa(np.zeros(1))[0]).real)
@@ -130,7 +131,7 @@ def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> compl
 
 
 def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
-    """Power and coefficient of the lowest terms in s of numerator and denominator; None for a zero numerator."""
+    """Power and coefficient of the lowest terms in s of a transfer function's numerator and denominator."""
     limit = 4
     while True:
         algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
@@ -148,7 +149,7 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
 
 
 def first_term(coefficients: Any, vanishes: Any) -> tuple[int, Any] | None:
-    """Power and value of the first coefficient that does not vanish; None if all vanish."""
+    """Power and value of the first coefficient that does not vanish, or None if all vanish."""
     for power, value in enumerate(coefficients):
         if not vanishes(value):
             return power, value

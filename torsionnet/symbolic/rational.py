@@ -1,4 +1,4 @@
-"""Polynomial form of a transfer function: numerator and denominator in s with named coefficients."""
+"""Polynomial form of a transfer function, numerator and denominator in s with named coefficients."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 MOST_EXPANDED_COEFFICIENT_TERMS = 60
-"""Largest number of terms of a coefficient that is written expanded; longer ones are written nested."""
+"""Largest number of terms of a coefficient that is written multiplied out, as longer ones are shorter when nested."""
 MOST_TERMS_EXPANDED_WHOLE = 4000
-"""Largest number of terms of a transfer function that is expanded as a whole first; more take too long."""
+"""Largest number of terms of a transfer function that is multiplied out as a whole first, as more take too long."""
 
 
 class NamedCoefficients(Protocol):
-    """Protocol of calculated polynomial coefficients that can be written as expressions."""
+    """Protocol of a transfer function's coefficients in s that can be written as sympy expressions."""
 
     def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Sympy coefficients of 1, s, s^2, ... of numerator and denominator."""
+        """Coefficients of 1, s, s^2, ... of numerator and denominator as sympy expressions."""
         ...
 
 
 @dataclass(frozen=True, repr=False)
 class Rational:
-    """Quotient of polynomials in s, (b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
+    """Transfer function as a quotient of polynomials in s, (b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
 
     Attributes
     ----------
@@ -54,22 +54,22 @@ class Rational:
 
     @property
     def numerator(self) -> tuple[Any, ...]:
-        """Numerator coefficients of 1, s, s^2, ... as sympy expressions."""
+        """Coefficients of 1, s, s^2, ... in the numerator of the transfer function, as sympy expressions."""
         return self._written[0]
 
     @property
     def denominator(self) -> tuple[Any, ...]:
-        """Denominator coefficients of 1, s, s^2, ... as sympy expressions."""
+        """Coefficients of 1, s, s^2, ... in the denominator of the transfer function, as sympy expressions."""
         return self._written[1]
 
     @property
     def expression(self) -> Any:
-        """Quotient as a sympy expression, with the coefficients written out."""
+        """Transfer function as a sympy quotient of polynomials in s, with the coefficients written out."""
         return in_s(self.numerator) / in_s(self.denominator)
 
     @cached_property
     def where(self) -> dict[Any, Any]:
-        """Expression of each named coefficient (a_i, b_i); zero coefficients are left out."""
+        """Sympy expression of each named coefficient (a_i, b_i) that is not zero, by name."""
         named = {"b": self.numerator, "a": self.denominator}
         return {
             sympy.Symbol(f"{letter}_{power}"): value
@@ -80,13 +80,13 @@ class Rational:
 
     @property
     def named(self) -> Any:
-        """Quotient as a sympy expression in the names of the coefficients."""
+        """Transfer function as a sympy quotient of polynomials in s, in the names of the coefficients."""
         above, below = (in_s(names) for names in self._names)
         return above / below
 
     @property
     def _names(self) -> tuple[list[Any], list[Any]]:
-        """Names of all coefficients of numerator and denominator, 0 for those that are zero."""
+        """Names of the coefficients of numerator and denominator as symbols, 0 for those that are zero."""
         above, below = (
             [sympy.Symbol(f"{letter}_{power}") if value != 0 else sympy.Integer(0) for power, value in enumerate(part)]
             for letter, part in (("b", self.numerator), ("a", self.denominator))
@@ -100,7 +100,7 @@ class Rational:
     __repr__ = __str__
 
     def to_latex(self) -> str:
-        """LaTeX of the quotient in named coefficients, followed by their definitions."""
+        """LaTeX of the transfer function in named coefficients, followed by their definitions."""
         above, below = (polynomial_latex(names) for names in self._names)
         return with_where(rf"\frac{{{above}}}{{{below}}}", self.where)
 
@@ -116,7 +116,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def rational(function: SymbolicFraction) -> Rational:
-    """Polynomial form of a transfer function: coefficients expanded where short, else as a program of their own."""
+    """Polynomial form of a transfer function, its coefficients multiplied out where that is short."""
     program, outputs = function.steps, [function.numerator, function.denominator]
     if sum(program.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
@@ -128,7 +128,7 @@ def rational(function: SymbolicFraction) -> Rational:
 
 @dataclass(frozen=True)
 class ExpandedCoefficients:
-    """Polynomial coefficients from fully expanded polynomials in parameters and s."""
+    """Coefficients of a transfer function in s, from numerator and denominator multiplied out."""
 
     above: Sparse
     below: Sparse
@@ -148,7 +148,7 @@ class ExpandedCoefficients:
 
 @dataclass(frozen=True)
 class ProgramCoefficients:
-    """Polynomial coefficients as results of a straight-line program."""
+    """Coefficients of a transfer function in s as results of a straight-line program."""
 
     above: Sequence[Any]
     below: Sequence[Any]
@@ -164,12 +164,12 @@ class ProgramCoefficients:
 
 
 def to_expression(node: Any) -> Any:
-    """Sympy expression of a program step: expanded if short, else nested."""
+    """Sympy expression of a program's result, multiplied out if short, else nested."""
     return to_expressions([node])[0]
 
 
 def to_expressions(nodes: Sequence[ProgramNode]) -> list[Any]:
-    """Sympy expressions of steps of one program: expanded if short, else nested."""
+    """Sympy expressions of several results of one program, each multiplied out if short, else nested."""
     program = nodes[0].program
     counts = program.run(TermCounts(), nodes)
     short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= MOST_EXPANDED_COEFFICIENT_TERMS]
@@ -185,6 +185,6 @@ def to_expressions(nodes: Sequence[ProgramNode]) -> list[Any]:
 
 
 def factor_if_short(expression: Any) -> Any:
-    """Factored form of a short real expression; longer or complex ones unchanged, as sympy takes too long on them."""
+    """Factored form of a short real expression, a longer or complex one unchanged, as sympy takes too long on it."""
     easy = not expression.has(sympy.I) and sympy.count_ops(expression) <= MOST_EXPANDED_COEFFICIENT_TERMS
     return sympy.factor(expression) if easy else expression

@@ -1,4 +1,4 @@
-"""Simplified drivetrains: elements removed before a formula is written, with the error of doing so.
+"""Simplified drivetrains, from which elements are removed before a formula is written, with the error of that.
 
 Terms are never dropped from a result. An element is: a spring becomes rigid, a damper goes; and only if the poles that
 are kept move less than the tolerance.
@@ -29,12 +29,13 @@ from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 COMPARISON_POINTS = 400
-"""Number of frequencies in the band at which the responses are compared: more find narrower differences."""
+"""Number of frequencies in the band at which responses are compared, as more find narrower differences but take
+longer."""
 
 
 @dataclass(frozen=True)
 class SimplificationRequest:
-    """Request for a simplified drivetrain: output, input, tolerance and frequency band."""
+    """Request for a simplified drivetrain, with output, input, tolerance and frequency band in Hz."""
 
     output: str | Sensor
     input: str | Sensor
@@ -45,7 +46,7 @@ class SimplificationRequest:
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of a simplified drivetrain against the whole one.
+    """Errors of a simplified drivetrain, in natural frequency and damping ratio (relative) and magnitude (dB).
 
     Attributes
     ----------
@@ -66,7 +67,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Simplified:
-    """Simplified transfer function with the elements removed and the resulting errors.
+    """Transfer function of a simplified drivetrain, with the elements removed and the resulting errors.
 
     Attributes
     ----------
@@ -103,7 +104,7 @@ def simplified(
     tolerance: float = 0.01,
     band: tuple[float, float] | None = None,
 ) -> Simplified:
-    """Leave out elements one after the other, the least important first, as long as the kept modes stay in place.
+    """Transfer function of a drivetrain without its least important elements, as long as the kept modes stay.
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """Replacement of an element by a simpler one, or its removal."""
+    """Change of a drivetrain by which an element is replaced by a simpler one, or removed."""
 
     name: str
     replacement: Element | None
@@ -193,7 +194,7 @@ def _apply(drivetrain: AssembledModel, change: Change) -> AssembledModel:
 
 
 class _Reference:
-    """Whole drivetrain as the reference of simplified ones: its poles and its magnitude over the band."""
+    """Poles (rad/s) and magnitudes of the whole drivetrain over the band, with which simplified ones are compared."""
 
     def __init__(self, drivetrain: AssembledModel, request: SimplificationRequest) -> None:
         self.request = request
@@ -218,7 +219,7 @@ class _Reference:
         return np.asarray(np.abs(response.values[:, 0, 0]))
 
     def errors(self, drivetrain: AssembledModel) -> Errors:
-        """Errors of a simplified drivetrain: poles of the kept modes, and magnitude over the band."""
+        """Errors of a simplified drivetrain in the poles of the kept modes and in the magnitude over the band."""
         found = self._poles(drivetrain)
         omega = zeta = 0.0
         for pole in self.poles:
@@ -230,7 +231,7 @@ class _Reference:
         return Errors(omega, zeta, float(np.nan_to_num(apart, nan=math.inf).max()))
 
     def cost(self, drivetrain: AssembledModel) -> float:
-        """Larger relative change of natural frequency or damping ratio of the kept modes; inf if not calculable."""
+        """Larger relative change of natural frequency or damping ratio of the kept modes, inf if unknown."""
         try:
             found = self.errors(drivetrain)
         except TorsionnetError:

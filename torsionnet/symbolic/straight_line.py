@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Lowered:
-    """Algebra that lowers a program to single operations on s, parameters and numbers."""
+    """Algebra that turns a program into single operations on s, parameters and numbers."""
 
     program: Program
 
@@ -44,7 +44,7 @@ class Lowered:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WhereTable:
-    """Straight-line program of single operations whose repeated results have names.
+    """Straight-line program of a transfer function in single operations, with names for repeated results.
 
     Attributes
     ----------
@@ -58,19 +58,19 @@ class WhereTable:
 
     @property
     def operations(self) -> int:
-        """Number of additions, multiplications and divisions."""
+        """Number of additions, multiplications and divisions that the transfer function takes."""
         steps = self.program.steps
         return sum(steps[index][0] in ARITHMETIC for index in self.program.needed([self.result]))
 
     def lines(self) -> Iterator[tuple[int, str, tuple[int, ...]]]:
-        """Yield step, operation and operands in order, without the leaves."""
+        """Yield index, operation and operand indices of each arithmetic step of the program, in order."""
         for index in self.program.needed([self.result]):
             operation, *operands = self.program.steps[index]
             if operation in ARITHMETIC:
                 yield index, operation, tuple(operands)
 
     def where(self) -> tuple[dict[Any, Any], Any]:
-        """Table of names z_i for results used more than once, and the result expressed in them.
+        """Table of names z_i for results used more than once, and the transfer function expressed in them.
 
         Examples
         --------
@@ -99,7 +99,7 @@ class WhereTable:
 
 
 class _Names:
-    """Names z_i for results that are used more than once."""
+    """Table of names z_i for results of a program that are used more than once."""
 
     def __init__(self, program: Program, result: ProgramNode) -> None:
         self.program, self.result = program, result
@@ -134,7 +134,7 @@ def where_table(function: SymbolicFraction) -> WhereTable:
 
 
 def continued_table(function: SymbolicFraction) -> WhereTable | None:
-    """Straight-line program of the continued fraction, whose intermediate results stay of ordinary size; else None."""
+    """Straight-line program of a continued fraction, whose intermediate results do not overflow, or None."""
     from torsionnet.symbolic.continued_fraction import continued_fraction
 
     program = Program()

@@ -1,4 +1,4 @@
-r"""LaTeX names of parameters and nodes: ``k_1`` is an italic letter with an index, ``tau`` a Greek one.
+r"""LaTeX names of parameters and nodes, ``k_1`` an italic letter with an index, ``tau`` a Greek one.
 
 >>> symbol_latex("k_1"), symbol_latex("tau"), symbol_latex("I_MT"), symbol_latex("stiffness")
 ('k_{1}', '\\tau', 'I_{\\mathrm{MT}}', '\\mathrm{stiffness}')
@@ -23,7 +23,7 @@ _TRAILING = re.compile(r"([A-Za-z]+?)(\d+)")
 
 
 def symbol_latex(name: str) -> str:
-    r"""LaTeX of a name of letters, digits and ``_``: the symbol stands before the first ``_``, its index after.
+    r"""LaTeX of a parameter's name, the symbol before the first ``_``, its index after it.
 
     The part to which a parameter belongs stands at the end of the index.
 
@@ -41,7 +41,7 @@ def symbol_latex(name: str) -> str:
 
 
 def angle_latex(node: str) -> str:
-    """LaTeX symbol theta of the angle of a node."""
+    """LaTeX symbol for the angle of a node, theta with the node's name as index."""
     return rf"\theta_{{{_upright(node.replace('_', '~'))}}}"
 
 
@@ -55,5 +55,5 @@ def _is_symbol(base: str) -> bool:
 
 
 def _upright(index: str) -> str:
-    """LaTeX of an index: numbers and single letters unchanged, words and abbreviations upright."""
+    """LaTeX of an index, with numbers and single letters unchanged, words and abbreviations upright."""
     return index if index.isdigit() or len(index) == 1 else rf"\mathrm{{{index}}}"

@@ -1,4 +1,4 @@
-"""Symbolic fraction of one output over one input: numerator and denominator as straight-line programs."""
+"""Transfer function of one output over one input in symbols, numerator and denominator as one program."""
 
 from __future__ import annotations
 
@@ -48,32 +48,32 @@ class SymbolicFraction:
 
     @property
     def steps(self) -> Program:
-        """Straight-line program of numerator and denominator."""
+        """Straight-line program that calculates numerator and denominator."""
         return self.numerator.program
 
     @cached_property
     def free_symbols(self) -> frozenset[Any]:
-        """Parameters that appear, as sympy symbols."""
+        """Parameters that appear in the transfer function, as sympy symbols."""
         found = {symbol for leaf in self._leaves for symbol in leaf.free_symbols} - {sympy.Symbol("omega")}
         coefficients = (one for table in self.used_tables.values() for one in table.coefficients)
         return frozenset(found.union(*(coefficient.free_symbols for coefficient in coefficients)))
 
     @cached_property
     def used_tables(self) -> Mapping[Any, Any]:
-        """Frequency-dependent stiffnesses that appear in this function, by their symbol kappa(omega)."""
+        """Frequency-dependent stiffnesses in the transfer function, by their symbol kappa(omega)."""
         found = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
         return {name: table for name, table in self.tables.items() if name in found}
 
     @property
     def formulas(self) -> Mapping[Any, Any]:
-        """Formulas of kappa(omega) of continuous shafts as sympy expressions of omega and parameters."""
+        """Formula of each continuous shaft's kappa(omega) in omega and parameters, a sympy expression in N m/rad."""
         omega = sympy.Symbol("omega")
         found = {name: table.formula(omega) for name, table in self.used_tables.items()}
         return {name: formula for name, formula in found.items() if formula is not None}
 
     @cached_property
     def _leaves(self) -> tuple[Any, ...]:
-        """Sympy expressions in the leaves of the program."""
+        """Sympy expressions in the leaves of the transfer function's program."""
         needed = (self.steps.steps[index] for index in self.steps.needed([self.numerator, self.denominator]))
         payloads = [step[1] for step in needed if step[0] == "leaf"]
         parts = [part for one in payloads for part in (one.parts if isinstance(one, Stiffness) else (one,))]
@@ -81,22 +81,22 @@ class SymbolicFraction:
 
     @cached_property
     def nested(self) -> Any:
-        """Nested quotient as the recursion gives numerator and denominator, a sympy expression."""
+        """Transfer function as a nested sympy expression, numerator over denominator as calculated."""
         above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
         return above / below
 
     @cached_property
     def nested_leaves(self) -> int:
-        """Length of the nested form: elements and numbers, repeated ones counted again."""
+        """Length of the nested form in elements and numbers, repeated ones counted again."""
         above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
         return int(above.leaves + below.leaves)
 
     @cached_property
     def continued_fraction(self) -> Any:
-        """Continued fraction, a sympy expression; None where there are closed loops."""
+        """Transfer function as a continued fraction in sympy, or None where there are closed loops."""
         return None if self.request is None else continued_fraction_expression(self.request)
 
     @property
     def mechanical(self) -> Any:
-        """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
+        """Transfer function as a continued fraction in sympy, nested instead where there are closed loops."""
         return self.nested if self.continued_fraction is None else self.continued_fraction

@@ -1,4 +1,4 @@
-"""Symbolic transfer request: names resolved to sensors, excitations and the cut at a measured torque."""
+"""Request for a symbolic transfer function, names resolved to sensors, excitations and a cut at a torque meter."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_
 
 @dataclass(frozen=True)
 class SymbolicRequest:
-    """Transfer function request in terms of one symbolic mechanism.
+    """Request for a transfer function in terms of one symbolic drivetrain, with its readings and load.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class SymbolicRequest:
     change: Callable[[Any], Any] = lambda expression: expression
 
     def changed(self, change: Callable[[Any], Any]) -> SymbolicRequest:
-        """Copy of the request with a further substitution applied to all its expressions."""
+        """Copy of the request with one more substitution applied to all expressions of parameters in it."""
         before = self.change
         return replace(self, change=lambda expression: change(before(expression)))
 
@@ -63,7 +63,7 @@ def resolve(
     referred_to: Sequence[str] = (),
     memo: Memo | None = None,
 ) -> SymbolicRequest:
-    """Symbolic transfer request from the names of output, input and excitation.
+    """Request for a symbolic transfer function from the names of output, input and excitation.
 
     See :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.transfer_function`.
 
@@ -94,7 +94,7 @@ def _mechanism(
     referred_to: Sequence[str],
     memo: Memo | None = None,
 ) -> Mechanism:
-    """Mechanism in which the sensors can be read, from ``memo`` where it has been made before."""
+    """Symbolic drivetrain in which the sensors can be read, from ``memo`` where it was made before."""
     loose = loose_constraints(drivetrain, sensors)
     kept = tuple(node for node in referred_to if node in drivetrain.nodes)
     return (memo or Memo()).once(Mechanism, loose, lambda: mechanism(drivetrain, kept, loose))

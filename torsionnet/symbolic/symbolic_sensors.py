@@ -1,4 +1,4 @@
-"""Symbolic mechanisms and the readings of sensors as rows on their networks.
+"""Symbolic drivetrains, and the readings of sensors as rows on their networks.
 
 The torque through a rigid connection is read where that connection is taken away: with a law kappa on its row a, the
 torque is kappa a^T theta, and
@@ -33,7 +33,7 @@ PURE_S = Stiffness(damping=ONE)
 
 @dataclass(frozen=True)
 class SymbolicPart:
-    """Term of a reading: factor * s^power * law * (row theta), or factor * torque of a constraint or action."""
+    """Term of a sensor reading, factor * s^power * law * (row theta), or factor * torque of a constraint or action."""
 
     row: Mapping[str, Any]
     factor: Any = ONE
@@ -45,7 +45,7 @@ class SymbolicPart:
 
 @dataclass(frozen=True)
 class ReducedNetwork:
-    """Network after contracting rigid rows, with the rows carried along and the factor of the determinant."""
+    """Network in which rigid rows are kept at zero, with the rows given in it and the factor of its determinant."""
 
     network: Network[Stiffness]
     rows: tuple[SymbolRow, ...]
@@ -72,30 +72,30 @@ class Mechanism:
 
     @cached_property
     def values(self) -> Values:
-        """Parameter values as twins of value and symbol."""
+        """Values of all parameters of the drivetrain as twins (an exact value with its symbol)."""
         drivetrain = self.drivetrain
         return Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
 
     @cached_property
     def kinematics(self) -> Kinematics:
-        """Kinematics with all constraints solved except the loose ones."""
+        """Kinematics of the drivetrain with all constraints solved except those in ``loose``."""
         plain = self.drivetrain.assembly.kinematics
         return kinematics_on(self.values, plain, self.drivetrain.definition, self.referred_to, self.loose)
 
     def row(self, row: Mapping[str, Any]) -> SymbolRow:
-        """Row over coordinates from a row over nodes, in symbols."""
+        """Symbolic coefficients of a row over coordinates, from its coefficients over nodes."""
         reduced = substitute({node: twin(value) for node, value in row.items()}, self.kinematics.reduction.solved)
         return {name: value.symbol for name, value in reduced.items()}
 
     @cached_property
     def network(self) -> Network[Stiffness]:
-        """Network of the laws over the coordinates; loose connections carry nothing."""
+        """Network of the drivetrain's laws over the coordinates, in which loose connections carry nothing."""
         laws = [(law_parts(owner, law), self.row(law.row)) for owner, law in self.kinematics.laws if law.acts]
         members = tuple(NetworkMember(row, Stiffness(*parts)) for parts, row in laws if row)
         return Network(self.kinematics.coordinates, members)
 
     def reduced(self, rows: Collection[SymbolRow], loose: int | None = None) -> ReducedNetwork:
-        """Network with all rigid connections but ``loose`` contracted; the row of ``loose`` is appended to the rows."""
+        """Network with the connections in ``loose`` made rigid, except that of the given number, and the rows in it."""
         rigid = {index: self.row(self.kinematics.constraints[index][1]) for index in self.loose}
         network, factor = self.network, ONE
         carried = [*rows, *([rigid[loose]] if loose is not None else [])]
@@ -108,13 +108,13 @@ class Mechanism:
         return ReducedNetwork(network, tuple(carried), factor)
 
     def determinant(self, load: SymbolRow) -> ProgramNode:
-        """Determinant of the dynamic stiffness, det D, as a program node."""
+        """Determinant det D of the drivetrain's dynamic stiffness, as a node of the program."""
         found = self.reduced([load])
         first = next(iter(found.rows[0]), "")
         return self.program.leaf(found.factor) * determinant(found.network, self.program, first)
 
     def numerator(self, parts: Collection[SymbolicPart], load: Mapping[str, int]) -> ProgramNode:
-        """Numerator of a reading under torques on nodes, det D times the reading, as a program node."""
+        """Numerator of a reading under torques on nodes, det D times the reading, a node of the program."""
         total = self.program.leaf(0)
         for part in parts:
             found = self.reduced([self.row(part.row), self.row(load)], part.rigid)
@@ -127,7 +127,7 @@ class Mechanism:
 
 
 def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
-    """Symbolic terms of the reading of a sensor."""
+    """Terms of the reading of a sensor in symbols, whose sum is the reading."""
     kinematics = mechanism.kinematics
     rows = ((owner, law.row) for owner, law in kinematics.laws)
     driving = [(owner, action.row) for owner, action in kinematics.actions]
@@ -142,7 +142,7 @@ def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
 
 
 def loose_constraints(drivetrain: AssembledModel, sensors: Collection[Sensor]) -> tuple[int, ...]:
-    """Numbers of the constraints through which a torque is read."""
+    """Numbers of the constraints (rigid connections) whose torque one of the sensors reads."""
     owners = {sensor.of for sensor in sensors if sensor.quantity == "torque"}
     return tuple(
         index for index, (owner, _) in enumerate(drivetrain.assembly.kinematics.constraints) if owner in owners

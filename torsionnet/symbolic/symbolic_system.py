@@ -1,4 +1,4 @@
-"""Symbolic system of ``Drivetrain.symbolic()``: the matrices, and transfer functions in the same symbols."""
+"""Symbolic system of ``Drivetrain.symbolic()``, with matrices and transfer functions in the same symbols."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ if TYPE_CHECKING:
 
 
 MOST_SHOWN = 8
-"""Largest number of coordinates of a system that a notebook shows as matrices; larger ones do not fit a page."""
+"""Largest number of coordinates of a system that a notebook shows as matrices, as larger ones do not fit a page."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SymbolicSystem(SymbolicMatrices):
-    """Symbolic matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
+    """Symbolic matrices of the equations of motion of a drivetrain, and transfer functions in the same symbols.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class SymbolicSystem(SymbolicMatrices):
     def transfer_function(
         self, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None = None
     ) -> TransferFunction:
-        """Exact symbolic transfer function from one input to one output.
+        """Exact symbolic transfer function from one input of the drivetrain to one output.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class SymbolicSystem(SymbolicMatrices):
         inputs: Sequence[str | Sensor | Input],
         excitation: str | Input | Sequence[str | Input] | None = None,
     ) -> TransferMatrix:
-        """Matrix of symbolic transfer functions; with several measured inputs, Y_out Y_in^-1.
+        """Matrix of symbolic transfer functions, a row for each output and a column for each input.
 
         Parameters
         ----------
@@ -136,7 +136,7 @@ class SymbolicSystem(SymbolicMatrices):
         tolerance: float = 0.01,
         band: tuple[float, float] | None = None,
     ) -> Simplified:
-        """Transfer function of a drivetrain with fewer elements, and its error.
+        """Transfer function of the drivetrain with fewer elements, and the error by leaving the others out.
 
         See :func:`torsionnet.symbolic.simplified.simplified`.
         """
@@ -149,12 +149,12 @@ class SymbolicSystem(SymbolicMatrices):
 
     @property
     def formulas(self) -> Mapping[Any, Any]:
-        """Formulas of kappa(omega) of continuous shafts as sympy expressions of omega and parameters."""
+        """Formula of each continuous shaft's kappa(omega) in omega and parameters, a sympy expression in N m/rad."""
         found = {name: table.formula(name.args[0]) for name, table in _tables(self._model).items()}
         return {name: formula for name, formula in found.items() if formula is not None}
 
     def to_latex(self, part: str = "") -> str:
-        r"""LaTeX of the equations of motion as a matrix equation, or of one part: M, C, K, H, q, B, u.
+        r"""LaTeX of the equations of motion as a matrix equation, or of one part (M, C, K, H, q, B or u).
 
         Examples
         --------
@@ -181,7 +181,7 @@ class SymbolicSystem(SymbolicMatrices):
 
 
 def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
-    """Numerator and denominator of a request without common factors."""
+    """Numerator and denominator of a requested transfer function, without common factors, as program nodes."""
     mechanism = asked.mechanism
     numerator = mechanism.numerator(asked.output, asked.load) * asked.sign
     if asked.measured is None:

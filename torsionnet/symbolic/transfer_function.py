@@ -1,4 +1,4 @@
-"""Symbolic transfer function and its forms: mechanical, polynomial, normalised, program, expanded."""
+"""Symbolic transfer function and its forms (mechanical, polynomial, normalised, program, expanded)."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.straight_line import WhereTable
 
 MOST_PRINTED = 60
-"""Largest number of operations of a transfer function that is printed in one line."""
+"""Largest number of operations of a transfer function that is printed in one line, as longer ones are hard to read."""
 MOST_LEAVES = 5000
-"""Largest number of elements and numbers of a nested expression that is written out: more fill pages."""
+"""Largest number of elements and numbers of a nested transfer function that is written out, as more fill pages."""
 
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
-"""Names of the forms in which a transfer function can be written."""
+"""Names of the forms in which a transfer function can be written as text or LaTeX."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class TransferFunction(SymbolicFraction):
 
     @cached_property
     def polynomial(self) -> Rational:
-        """Quotient of polynomials in s, with coefficients a_i, b_i and their definitions."""
+        """Transfer function as a quotient of polynomials in s, with named coefficients a_i, b_i."""
         from torsionnet.symbolic.rational import rational
 
         refuse_delays(self.used_tables, "form of two polynomials")
@@ -61,7 +61,7 @@ class TransferFunction(SymbolicFraction):
 
     @cached_property
     def normalised(self) -> Normalised:
-        """Static gain, omega_n and zeta of the factors of first and second order."""
+        """Transfer function as static gain and factors with omega_n (rad/s) and zeta of first and second order."""
         from torsionnet.symbolic.normalised import normalised
 
         refuse_delays(self.used_tables, "normalised form")
@@ -69,19 +69,19 @@ class TransferFunction(SymbolicFraction):
 
     @cached_property
     def program(self) -> WhereTable:
-        """Straight-line program of the function: every intermediate result once, under a name."""
+        """Straight-line program of the transfer function, with a name for every repeated result."""
         from torsionnet.symbolic.straight_line import where_table
 
         return where_table(self)
 
     def predicted_terms(self) -> int:
-        """Upper bound of the number of terms of the fully expanded numerator and denominator."""
+        """Upper bound of the number of terms of numerator and denominator when fully expanded."""
         from torsionnet.symbolic.expanded import predicted_terms
 
         return predicted_terms(self)
 
     def expanded(self, cap: int = 50_000) -> Expanded:
-        """Fully expanded numerator and denominator, in a polynomial ring.
+        """Numerator and denominator of the transfer function fully expanded, in a polynomial ring.
 
         Raises
         ------
@@ -94,21 +94,21 @@ class TransferFunction(SymbolicFraction):
 
     @property
     def static_gain(self) -> Any:
-        """Static gain, the limit at zero frequency: an expression, 0, or sympy's infinity."""
+        """Static gain of the transfer function (limit at zero frequency), an expression, 0 or sympy's infinity."""
         from torsionnet.symbolic.asymptotes import static_gain
 
         return static_gain(self)
 
     @property
     def low_frequency(self) -> Any:
-        """Leading term for s -> 0, gain * s^power."""
+        """Leading term of the transfer function for s -> 0, gain * s^power, a sympy expression."""
         from torsionnet.symbolic.asymptotes import low_frequency
 
         return low_frequency(self)
 
     @property
     def high_frequency(self) -> Any:
-        """Leading term for s -> oo, gain * s^power."""
+        """Leading term of the transfer function for s -> oo, gain * s^power, a sympy expression."""
         from torsionnet.symbolic.asymptotes import high_frequency
 
         return high_frequency(self)
@@ -137,12 +137,12 @@ class TransferFunction(SymbolicFraction):
         return replace(self, numerator=numerator, denominator=denominator, request=None)
 
     def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:
-        """Transfer function with numbers (exact: 0.5 becomes 1/2) or sympy expressions for parameters."""
+        """Transfer function with exact numbers (0.5 becomes 1/2) or sympy expressions for parameters."""
         given = {self._symbol(name): _exact(value) for name, value in {**(values or {}), **more}.items()}
         return self._changed(given) if given else self
 
     def keep(self, names: Collection[str]) -> TransferFunction:
-        """Transfer function in which only the named parameters stay symbols; all others get their exact values.
+        """Transfer function in which only the named parameters stay symbols, others having their exact values.
 
         Examples
         --------
@@ -188,13 +188,13 @@ class TransferFunction(SymbolicFraction):
         return evaluate(self, frequencies, {self._symbol(name): value for name, value in parameters.items()})
 
     def python_code(self, name: str = "transfer_function") -> str:
-        """Source text of a numpy function of frequency in Hz and the parameters."""
+        """Python source text of a numpy function of frequency in Hz and the parameters in SI."""
         from torsionnet.symbolic.code import python_code
 
         return python_code(self, name)
 
     def to_text(self, form: str = "mechanical") -> str:
-        """Text of one form of the transfer function, or ``"python"`` for the numpy function.
+        """Text of one form of the transfer function, or with ``"python"`` source text of a numpy function.
 
         Raises
         ------
@@ -222,7 +222,7 @@ class TransferFunction(SymbolicFraction):
         raise UsageError(f'unknown form "{form}"{did_you_mean(form, known)}; choose {", ".join(known)}')
 
     def to_latex(self, form: str = "mechanical") -> str:
-        """LaTeX of one form of the transfer function: mechanical, polynomial, normalised, program or expanded.
+        """LaTeX of one form of the transfer function (mechanical, polynomial, normalised, program, expanded).
 
         Raises
         ------
@@ -248,7 +248,7 @@ class TransferFunction(SymbolicFraction):
 
     @property
     def _short_form(self) -> str:
-        """Form shown by default; empty for very long functions."""
+        """Name of the form of the transfer function shown by default, empty if all are too long."""
         operations = self.program.operations
         if operations <= MOST_PRINTED and self.nested_leaves <= MOST_LEAVES:
             return "mechanical"
@@ -260,7 +260,7 @@ class TransferFunction(SymbolicFraction):
         return f"<TransferFunction {names}: {len(self.free_symbols)} parameters, {operations} operations>"
 
     def __str__(self) -> str:
-        """Mechanical form of the transfer function if short, else its straight-line program."""
+        """Text of the transfer function, its mechanical form if short, else its straight-line program."""
         names = "/".join(channel.name for channel in self.channels)
         if self._short_form == "mechanical":
             return f"{names} = {for_display(self.mechanical)}"

@@ -32,12 +32,12 @@ from torsionnet.symbolic.transfer_function import TransferFunction
 Write: TypeAlias = Callable[[tuple[Channel, Channel], ProgramNode, ProgramNode, tuple[str, ...]], TransferFunction]
 
 MOST_MEASURED = 3
-"""Largest number of measured inputs: the terms of their determinants multiply."""
+"""Largest number of measured inputs of a symbolic matrix, as the terms of their determinants multiply."""
 
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """Matrix of symbolic transfer functions by output (row) and input (column).
+    """Matrix of symbolic transfer functions, a row for each output and a column for each input.
 
     Attributes
     ----------
@@ -69,12 +69,12 @@ class TransferMatrix:
         return tuple(entry.channels[1].name for entry in self.entries[0])
 
     def __getitem__(self, place: tuple[int | str, int | str]) -> TransferFunction:
-        """Transfer function at a row and column, given by numbers or names."""
+        """Transfer function of one output (row) and one input (column), given by numbers or names."""
         row, column = (_place(key, names) for key, names in zip(place, (self.outputs, self.inputs), strict=True))
         return self.entries[row][column]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
-        """Frequency responses of all entries, see :meth:`TransferFunction.evaluate`."""
+        """Frequency response of all entries, (n_f, n_out, n_in); see :meth:`TransferFunction.evaluate`."""
         found = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
         first = found[0][0]
         return FrequencyResponse(
@@ -87,7 +87,7 @@ class TransferMatrix:
         )
 
     def to_latex(self, form: str = "mechanical") -> str:
-        """LaTeX of one form of all entries, as a matrix."""
+        """LaTeX of the matrix, with all transfer functions in one form."""
         rows = (" & ".join(entry.to_latex(form) for entry in row) for row in self.entries)
         return "\\begin{bmatrix}\n" + " \\\\\n".join(rows) + "\n\\end{bmatrix}"
 
@@ -110,7 +110,7 @@ def _place(key: int | str, names: Sequence[str]) -> int:
 
 
 def measured_transfer_matrix(drivetrain: AssembledModel, request: TransferRequest, write: Write) -> TransferMatrix:
-    """Transfer functions against several measured inputs under as many excitations.
+    """Matrix of transfer functions against several measured inputs under as many excitations.
 
     ``write`` makes a transfer function of channels, numerator and denominator.
 
@@ -135,7 +135,7 @@ def measured_transfer_matrix(drivetrain: AssembledModel, request: TransferReques
 def _mechanism(
     drivetrain: AssembledModel, driven: Input | None, sensors: Sequence[Sensor], program: Program
 ) -> Mechanism:
-    """Mechanism of the drivetrain with all imposed angles at rest except that of ``driven``."""
+    """Symbolic drivetrain with all imposed angles at rest except that of the input ``driven``."""
     system = hold_imposed_angles(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
     return mechanism(system, loose=loose_constraints(system, sensors), program=program)
 
@@ -166,7 +166,7 @@ def _by_cramer(
 
 
 def _determinant(program: Program, rows: list[list[ProgramNode]]) -> ProgramNode:
-    """Determinant of a small matrix of program nodes by Leibniz's sum."""
+    """Determinant of a small matrix of program nodes by Leibniz's sum, as a node of the program."""
     total = program.leaf(0)
     for order in permutations(range(len(rows))):
         term = program.leaf(sympy.LeviCivita(*order))

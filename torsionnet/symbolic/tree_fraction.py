@@ -1,4 +1,4 @@
-"""Continued fraction of a transfer function on a tree, as an engineer writes it by hand.
+"""Continued fraction of a transfer function on a drivetrain without loops, as an engineer writes it by hand.
 
 Seen from the root, a branch with the edge y and Z_c behind it is as flexible as both in series,
 
@@ -32,12 +32,12 @@ from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart
 
 
 class NoContinuedFractionError(Exception):
-    """Raised where no continued fraction exists: on closed loops, or for a torque on several coordinates."""
+    """Error raised where no continued fraction exists, with closed loops or a torque on several coordinates."""
 
 
 @dataclass
 class ContinuedFraction:
-    """Continued fraction on a tree: receptances of all coordinates, seen from ``root``.
+    """Receptance of every coordinate of a network without loops, as continued fractions seen from ``root``.
 
     ``element`` turns laws and ratios into what the fraction is made of: sympy expressions, or steps of a program.
     """
@@ -54,7 +54,7 @@ class ContinuedFraction:
             self._eliminate(name)
 
     def _eliminate(self, name: str) -> None:
-        """Work out the receptance of a coordinate from its branches; None where nothing holds the coordinate."""
+        """Store the receptance of a coordinate from those of its branches, None where nothing holds it."""
         found = []
         for block in self.tree.below[name]:
             (child,), (member,) = block.below, block.members
@@ -79,7 +79,7 @@ class ContinuedFraction:
         return self.element(member.row[name] ** 2)
 
     def motion(self, end: str) -> Any:
-        """Ratio of the motion at ``end`` to the motion at the root."""
+        """Ratio of the motion of the coordinate ``end`` to the motion at the root, in the fraction's algebra."""
         result = self._one
         for block, far in self.tree.path(end):
             result = result * self._handed_on(block, far)
@@ -94,7 +94,7 @@ class ContinuedFraction:
         return ratio * (y / (y + self._one / self.receptance[far]))
 
     def reading(self, row: SymbolRow, law: Any = None) -> Any:
-        """Ratio of a reading, row theta times a law, to the motion at the root."""
+        """Ratio of a reading, row theta times a law, to the motion at the root, in the fraction's algebra."""
         row = {name: value for name, value in row.items() if name in self.tree.below}
         for child in row if len(row) == 2 else ():
             block = self.tree.above.get(child)
@@ -106,7 +106,7 @@ class ContinuedFraction:
         return total if law is None else self.element(law) * total
 
     def _torque(self, block: GraphBlock[Stiffness], scale: Any, law: Any) -> Any:
-        """Torque of an edge over the motion at the root: law times twist, scaled to the coefficient of the parent."""
+        """Torque of one edge of the network over the motion at the root, times ``scale``, law times twist."""
         (child,), (member,) = block.below, block.members
         if child not in self.flexibility:
             return self.element(0)
@@ -157,7 +157,7 @@ def response(
     *,
     shift: bool = False,
 ) -> tuple[Any, Any]:
-    """Continued fractions under torques on nodes: reading over the motion at the root, and receptance at the root.
+    """Continued fractions of a reading over the motion at the root, and of the root's receptance, under a torque.
 
     With ``shift``, a torque on a coordinate without inertia is moved along the only edge there, to where it arrives.
 
@@ -190,7 +190,7 @@ def response(
 
 
 def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collection[str]) -> tuple[str, Any]:
-    """Coordinate and factor to which a torque on a free, inertialess coordinate is moved, short of what is read."""
+    """Coordinate and factor to which a torque on a coordinate without inertia is moved, short of what is read."""
     came = ""
     while root not in network.grounds and root not in read:
         rows = [member.row for member in network.members if root in member.row and came not in member.row]
@@ -205,7 +205,7 @@ def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collectio
 def _handed_through(
     mechanism: Mechanism, rigid: int, tree: ContinuedFraction, load: Mapping[str, int], element: Callable[[Any], Any]
 ) -> Any:
-    """Torque through a rigid connection: reaction of the side away from the root to its motion there."""
+    """Torque through a rigid connection over the motion at the root, the reaction of the side beyond it."""
     found = mechanism.reduced([mechanism.row(load)], rigid)
     network, (loaded, row) = single_edges(found.network), found.rows
     near = set(orient(network, next(iter(loaded))).order) if len(loaded) == 1 else set()

@@ -1,4 +1,4 @@
-"""Instrumental variable of a record, the signal whose spectra multiply those of input and output in the estimate.
+"""Signal (instrumental variable) whose spectra multiply those of input and output in the estimate from a record.
 
 Welch's H1 multiplies by the input itself, and the noise on that, squared, never averages out: H1 is low by its share. A
 set-point shares no noise with the sensors, so its product with their noise averages out. Without one, segments in
@@ -24,14 +24,15 @@ from torsionnet.signals.estimators import LEAST_DRIVEN
 from torsionnet.signals.welch import Welch
 
 EXCITED_POWER_SHARE = 0.1
-"""Share of the power-weighted mean power of a line above which a segment excites the line."""
+"""Share of a line's power-weighted mean power above which a segment excites that line rather than showing noise
+alone."""
 MOST_EXCITED_SEGMENTS = 0.5
-"""Share of segments that excite a line above which the others are too few to show the noise."""
+"""Share of segments that excite a line above which the remaining ones are too few to show the noise there."""
 
 
 @dataclass(frozen=True)
 class Instrument:
-    """Estimator, and the signal whose lines multiply those of input and output (instrumental variable).
+    """Estimator of a response and the signal (instrumental variable) whose lines multiply those of input and output.
 
     Attributes
     ----------
@@ -51,14 +52,14 @@ class Instrument:
 
     @property
     def is_clean(self) -> bool:
-        """Whether the signal shares no noise with input and output."""
+        """Whether the instrumental signal shares no noise with input and output."""
         return self.estimator == "Hr"
 
     def __str__(self) -> str:
         return f"Hr with {self.signal} as reference" if self.is_clean else self.estimator
 
     def lines(self, of_input: ComplexArray, of: Callable[[str], ComplexArray]) -> tuple[Instrument, ComplexArray]:
-        """Check that the instrumental signal drives the input; return it and its spectral lines (n_segments, n_b).
+        """Instrument that drives the input, and the spectral lines of its signal, complex, (n_segments, n_b).
 
         Raises
         ------
@@ -84,7 +85,7 @@ class Instrument:
 def choose_instrument(
     model: AssembledModel, measurement: Measurement, record: Recording, settings: Welch
 ) -> Instrument:
-    """Instrument for a measurement, the reference asked for, else a set-point in the record, else the input.
+    """Instrument for a measurement, which is the reference asked for, else a set-point in the record, else the input.
 
     Raises
     ------
@@ -106,7 +107,7 @@ def choose_instrument(
 
 
 def set_points(model: AssembledModel, excitation: str | None = None) -> tuple[str, ...]:
-    """Channel names of the set-points of the model's inputs, or of one input.
+    """Channel names of the set-points of all inputs of the model, or of one input, such as ``T_M_set``.
 
     >>> import torsionnet as tn
     >>> set_points(tn.load("dmf_rig"))
@@ -121,7 +122,7 @@ def _set_point(model: AssembledModel, measurement: Measurement, record: Recordin
 
 
 def without_background(lines: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Lines (n_segments, n_b) weighted so that squared noise, the same in all segments, adds up to nothing.
+    """Lines (n_segments, n_b) of a signal, weighted so that squared noise, the same in all segments, cancels.
 
     Segments that excite a line get the weight 1 minus the share of such segments, all others minus that share. Lines
     that most segments excite are returned unchanged; the second array (n_b,) is True for them.

@@ -1,4 +1,4 @@
-"""Variance of the lines of a response by noise, and the correlation between neighbouring lines."""
+"""Variance of a response's lines by noise, and the correlation between neighbouring lines."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
 
 LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
-"""Limits to which a coherence is clipped, so that no line has an infinite or zero variance."""
+"""Limits to which the coherence of a line is clipped, so that no line has an infinite or zero variance."""
 WINDOW_SAMPLES = 512
-"""Samples of a window from which the correlation of lines is calculated; only its shape matters."""
+"""Number of samples of a window from which the correlation of lines is calculated, enough as only its shape matters."""
 NEGLIGIBLE_CORRELATION = 1e-4
-"""Correlation of two lines below which it is left out, so that the matrix stays sparse."""
+"""Correlation of the random errors of two lines below which it is left out, so that the matrix stays sparse."""
 USUAL_WINDOW, USUAL_OVERLAP = "hann", 0.5
-"""Window and overlap assumed for a response with coherence whose averaging is unknown."""
+"""Window and overlap assumed for a response with coherence whose averaging is unknown, the most usual ones."""
 
 
 def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
-    """Variance (n_f,) of the real part of a response, equal to that of the imaginary part.
+    """Variance (n_f,) of the real part of a response by noise, SI, equal to that of the imaginary part.
 
     From the relative standard error if there is one, else from the coherence; in proportion to the squared magnitude
     where there is neither.
@@ -37,7 +37,7 @@ def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
 
 
 def averaging_of(data: FrequencyResponse) -> Estimation | None:
-    """Averaging of a response, as stated, else the usual one if it has a coherence, else None.
+    """Averaging of a response (window, overlap, averages) as stated, else the usual one if it has a coherence.
 
     Lines of a window are evenly spaced by 1 / seconds.
     """
@@ -50,7 +50,7 @@ def averaging_of(data: FrequencyResponse) -> Estimation | None:
 
 
 def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_array:
-    """Correlation (n_b, n_b) of the random errors of lines, as segments and the bands of a window overlap.
+    """Correlation (n_b, n_b) of the random errors of a response's lines, as segments and window bands overlap.
 
     With the window's ambiguity function A(lag, shift), the sum over the lags m between segments of |A(m, f - f')|^2,
     over the same for equal lines. Without overlap that is |sum w^2 exp(2 pi j (f - f') t)|^2 / (sum w^2)^2.
@@ -71,7 +71,7 @@ def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_arr
 
 
 def _by_distance(estimation: Estimation) -> FloatArray:
-    """Correlation of lines that are 0, 1, 2 ... bins apart, up to the last that is not negligible."""
+    """Correlation of the random errors of lines 0, 1, 2 ... bins apart, up to the last that is not negligible."""
     window = np.asarray(get_window(estimation.window, WINDOW_SAMPLES), dtype=np.float64)
     step = max(1, WINDOW_SAMPLES - round(estimation.overlap * WINDOW_SAMPLES))
     total = np.zeros(WINDOW_SAMPLES // 2)

@@ -1,4 +1,4 @@
-"""Measurement for a fit, data, channels, band and the configuration it was made in."""
+"""Measurement for a fit with its data, channels, band, and the configuration of the rig it was made in."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.signals.welch import Welch
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Measurement for a fit, either a record of signals or an estimated frequency response.
+    """Measurement for a fit, a record of signals or an estimated frequency response, with channels and band.
 
     Attributes
     ----------

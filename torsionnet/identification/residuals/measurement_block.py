@@ -1,4 +1,4 @@
-"""Weighted residuals of one measurement with exact derivatives (base class of record and response blocks).
+"""Weighted residuals of one measurement with exact derivatives (base class for records and for responses).
 
 Lines become real vectors, divided by their standard deviation by noise. Neighbouring lines share noise, since windows
 smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the standard errors of a
@@ -23,7 +23,7 @@ from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
 @dataclass(eq=False)
 class MeasurementBlock(ABC):
-    """Weighted residuals of one measurement against the model.
+    """Weighted residuals of one measurement against the model, with their derivatives and covariance.
 
     Vectors of values hold the ``parameters`` of the model first, then delay and gain where they are fitted.
     """
@@ -34,18 +34,18 @@ class MeasurementBlock(ABC):
 
     @property
     def parts(self) -> int:
-        """Number of residuals per line."""
+        """Number of residuals per line, 1 for magnitudes alone, else 2."""
         return 1 if self.form == "magnitude" else 2
 
     @property
     def count(self) -> int:
-        """Number of residuals."""
+        """Number of residuals of the measurement, lines times residuals per line."""
         return len(self.frequencies) * self.parts
 
     @property
     @abstractmethod
     def frequencies(self) -> FloatArray:
-        """Frequencies of the lines compared, Hz, (n_b,)."""
+        """Frequencies of the lines at which test and model are compared, Hz, (n_b,)."""
 
     @property
     def description(self) -> str:
@@ -55,21 +55,21 @@ class MeasurementBlock(ABC):
     @property
     @abstractmethod
     def measured(self) -> ComplexArray:
-        """Measured response at the lines, SI, (n_b,)."""
+        """Measured response at the lines compared, complex, SI, (n_b,)."""
 
     @abstractmethod
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Response predicted by the model (n_b,), SI, and its derivatives (n_b, n)."""
+        """Response predicted by the model at the lines, complex, (n_b,), SI, and its derivatives (n_b, n)."""
 
     @property
     @abstractmethod
     def deviations(self) -> FloatArray:
-        """Standard deviations of real, then imaginary parts of the lines by noise, (2 n_b,)."""
+        """Standard deviations by noise of the lines' real, then imaginary parts, SI, (2 n_b,)."""
 
     @property
     @abstractmethod
     def sizes(self) -> FloatArray:
-        """Standard deviations by which the residuals are divided, (count,)."""
+        """Standard deviations by which the residuals are divided to weight them, (count,)."""
 
     @property
     def absolute_scale(self) -> FloatArray:
@@ -78,26 +78,26 @@ class MeasurementBlock(ABC):
 
     @property
     def correlation(self) -> FloatArray | None:
-        """Correlation (count, count) of the weighted residuals; None where they are independent."""
+        """Correlation (count, count) of the weighted residuals by noise; None where they are independent."""
         return None
 
     def noise_covariance(self, backward: FloatArray) -> FloatArray:
-        """Covariance (n, n) that noise gives to the combinations ``backward`` (n, count) @ residuals."""
+        """Covariance (n, n), due to noise, of the sums ``backward`` (n, count) @ residuals."""
         correlation = self.correlation
         return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
 
     @property
     def squared_correlations(self) -> float:
-        """Sum of the squared correlations of all pairs of residuals."""
+        """Sum of the squared correlations of all pairs of residuals of the measurement, without unit."""
         return float(self.count if self.correlation is None else np.sum(self.correlation**2))
 
     def shared_covariance(self, backward: FloatArray, values: FloatArray) -> FloatArray:
-        """Covariance (n, n) of ``backward`` (n, count) @ residuals by systematic errors that all lines share."""
+        """Covariance (n, n), due to errors that all lines share, of the sums ``backward`` (n, count) @ residuals."""
         del values
         return np.zeros((len(backward), len(backward)))
 
     def systematic_covariance(self, values: FloatArray) -> FloatArray:
-        """Covariance (count, count) of the weighted residuals of a correct model by systematic errors."""
+        """Covariance (count, count), due to systematic errors, of a correct model's weighted residuals."""
         return self.shared_covariance(np.eye(self.count), values)
 
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -108,11 +108,11 @@ class MeasurementBlock(ABC):
 
     @property
     def remark(self) -> str:
-        """Note on assumptions about the measurement, for the notes of a fit; empty if there are none."""
+        """Note on assumptions about the measurement for the notes of a fit, empty if there are none."""
         return ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
-        """Noise variance of each line (n_b,) over that which the weights suppose, apart from errors of the model.
+        """Noise variance of each line (n_b,) over that which the weights suppose, without errors of the model.
 
         None where noise and errors of the model cannot be separated.
         """
@@ -129,21 +129,21 @@ class MeasurementBlock(ABC):
 
     @property
     def known_correlation(self) -> FloatArray:
-        """Correlation (count, count) of the weighted residuals, the identity where it is unknown."""
+        """Correlation (count, count) of the weighted residuals by noise, the identity where it is unknown."""
         return np.eye(self.count) if self.correlation is None else self.correlation
 
     @abstractmethod
     def take_measured_noise(self, noise: Noise) -> None:
-        """Weigh the residuals by a measured noise."""
+        """Weigh the residuals by a noise that was measured, instead of that supposed so far."""
 
     @abstractmethod
     def take_noise(self, other: MeasurementBlock, left: float) -> None:
-        """Use the weights of another fit of the same measurement, whose reduced chi squared is ``left``."""
+        """Take over the weights of another fit of this measurement, whose reduced chi squared is ``left``."""
 
     def with_model(
         self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]
     ) -> MeasurementBlock:
-        """Copy of the block with another model, other measurement flags or other parameters."""
+        """Copy of the residuals against another model, with other flags of the measurement or other parameters."""
         found, old = copy(self), self.response
         found.measurement = measurement
         output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
@@ -154,12 +154,12 @@ class MeasurementBlock(ABC):
 
     @property
     def extra(self) -> tuple[str, ...]:
-        """Names of the channel unknowns (delay, gain) that follow the parameters."""
+        """Names of the channel's unknowns (delay, gain), which follow the parameters among the values."""
         asked = (("delay", self.measurement.delay), ("gain", self.measurement.gain))
         return tuple(name for name, wanted in asked if wanted)
 
     def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Response of the model with delay and gain of the channel, (n_f,), and derivatives (n_f, n)."""
+        """Response of the model with delay and gain of the channel, SI, (n_f,), and derivatives (n_f, n)."""
         count = len(self.response.names)
         found = self.response.at(values[:count])
         G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]

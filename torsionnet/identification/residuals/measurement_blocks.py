@@ -29,7 +29,7 @@ from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
 UNSTATED_UNIT = "1"
-"""Unit of both channels of a response whose file only says that they are equal."""
+"""Unit of both channels of a response whose file says only that they have the same unit."""
 
 
 def make_block(
@@ -82,7 +82,7 @@ def _of_response(
 
 
 def default_settings(record: Recording, band: tuple[float, float] | None = None) -> Welch:
-    """Welch settings with the windows of the source paper, and a decimation for records above 1 kHz."""
+    """Welch settings with the window of the source paper, and a decimation for records above 1 kHz."""
     factor = factor_for(record.sampling_rate, band[1] if band else 0.0)
     return Welch(PAPER.window, PAPER.seconds, PAPER.overlap, decimation=factor)
 
@@ -145,7 +145,7 @@ def _response(
 def _remembered_estimate(
     chosen: FrequencyResponse,
 ) -> tuple[WindowedEstimate, NDArray[np.bool_], SensorSteps] | None:
-    """Windowed estimate from the record kept with a response, the lines compared, and the sensor's steps.
+    """Windowed estimate from the record kept with a response, mask of the lines compared, and the sensor's steps.
 
     None without a record, where the input was not swept (an average over a stationary input is smoothed in the same way
     wherever the record begins), for estimators that are not linear in the transfer function, and for records that would

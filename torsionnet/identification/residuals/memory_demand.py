@@ -11,14 +11,14 @@ from torsionnet.response.recording import Recording
 from torsionnet.signals.welch import Welch
 
 MOST_BYTES = 2e9
-"""Largest memory demand of a measurement in bytes; a larger one is refused, and would also take hours."""
+"""Largest memory demand of one measurement in bytes, above which it is refused, as it would also take hours."""
 FLOAT_BYTES, COMPLEX_BYTES = 8, 16
-"""Bytes of a real and of a complex number."""
+"""Bytes of a real and of a complex number in double precision."""
 
 
 @dataclass(frozen=True)
 class MemoryDemand:
-    """Memory demand of one record in a fit, in bytes.
+    """Memory demand of one record in a fit, in bytes held throughout and in bytes held for a time.
 
     Attributes
     ----------
@@ -34,12 +34,12 @@ class MemoryDemand:
 
     @property
     def most(self) -> float:
-        """Peak memory in bytes."""
+        """Peak memory for the record in bytes, held and temporary together."""
         return self.kept + self.passing
 
 
 def memory_demand(record: Recording, settings: Welch, band: tuple[float, float]) -> MemoryDemand:
-    """Memory demand of a record whose lines in a band (Hz) are compared, within a factor of two."""
+    """Memory demand in bytes of a record whose lines in a band (Hz) are compared, within a factor of two."""
     rate, samples = record.sampling_rate / settings.decimation, len(record) / settings.decimation
     lines = max(0, int((min(band[1], rate / 2) - band[0]) * settings.seconds) + 1)
     covariance = FLOAT_BYTES * (2 * lines) ** 2
@@ -59,7 +59,7 @@ def total_memory(demands: Iterable[MemoryDemand]) -> float:
 
 
 def check_memory(label: str, record: Recording, settings: Welch, band: tuple[float, float]) -> None:
-    """Refuse a measurement that takes more than ``MOST_BYTES`` of memory.
+    """Raise an error for a measurement that takes more than ``MOST_BYTES`` of memory.
 
     Raises
     ------

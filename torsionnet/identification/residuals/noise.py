@@ -16,16 +16,19 @@ from torsionnet.identification.residuals.segments import SegmentRows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 POOLED_VALUES = 20.0
-"""Number of independent complex noise values that an average over neighbouring lines has to contain."""
+"""Number of independent complex noise values that an average over neighbouring lines contains, for a noise level within
+a quarter or so."""
 FEWEST_VALUES = 4.0
-"""Least number of independent noise values of a whole measurement from which its noise is estimated."""
+"""Least number of independent noise values of a whole measurement from which its noise is estimated, as fewer scatter
+too widely."""
 PARABOLA_HALF_WIDTH = 3
-"""Number of lines on either side of a line to which a local parabola through the residuals is fitted."""
+"""Number of lines on either side of a line to which a local parabola through the residuals is fitted, to separate noise
+from smooth errors."""
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise of a measurement as found, relative to the noise that the weights of a fit suppose.
+    """Noise variance of each line of a measurement, over the variance that the weights of a fit suppose.
 
     Attributes
     ----------
@@ -42,7 +45,7 @@ class Noise:
 def noise_between_windows(
     windowed: WindowedEstimate, G: ComplexArray, kept: NDArray[np.bool_], supposed: FloatArray, independent: float
 ) -> Noise | None:
-    """Noise of a record from the part of the residuals that does not follow the input between windows.
+    """Noise of a record's lines from the part of the residuals that does not follow the input between windows.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ def noise_between_windows(
 
 
 def _overlaps(rows: SegmentRows) -> ComplexArray:
-    """Covariance (n_lags, n_b) of the lines of two windows, by their distance, for unit white noise."""
+    """Covariance (n_lags, n_b) of the lines of two windows, by their distance in windows, for unit white noise."""
     pieces, step, length = rows.segments.pieces(), rows.segments.step, rows.segments.length
     return np.array(
         [(pieces[:, lag:] * pieces[:, : length - lag].conj()).sum(axis=1) for lag in range(0, length, step)]
@@ -88,7 +91,7 @@ def _overlaps(rows: SegmentRows) -> ComplexArray:
 
 
 def _smeared(overlap: ComplexArray, lines: ComplexArray) -> ComplexArray:
-    """Covariance of the noise of windows (from their overlaps (n_lags, n_b)) times lines."""
+    """Covariance (n_segments, n_b) of the noise of windows, from its part (n_lags, n_b) by distance, times lines."""
     found = overlap[0] * lines
     for lag in range(1, min(len(overlap), len(lines))):
         found[:-lag] += overlap[lag] * lines[lag:]
@@ -97,7 +100,7 @@ def _smeared(overlap: ComplexArray, lines: ComplexArray) -> ComplexArray:
 
 
 def _squares(overlap: ComplexArray, weight: FloatArray) -> FloatArray:
-    """Sum of the squared covariances of windows, weighted on both sides, (n_b,)."""
+    """Sum of the squared covariances between windows, weighted on both sides, for each line, (n_b,)."""
     total = np.abs(overlap[0]) ** 2 * (weight**2).sum(axis=0)
     for lag in range(1, min(len(overlap), len(weight))):
         total = total + 2 * np.abs(overlap[lag]) ** 2 * (weight[lag:] * weight[:-lag]).sum(axis=0)
@@ -105,14 +108,14 @@ def _squares(overlap: ComplexArray, weight: FloatArray) -> FloatArray:
 
 
 def _pooled(ratio: FloatArray, worth: FloatArray) -> Noise:
-    """Noise averaged over so many neighbouring lines that each mean has POOLED_VALUES values."""
+    """Noise of each line, averaged over so many neighbours that every mean has POOLED_VALUES values."""
     half = min(len(ratio), int(np.ceil(POOLED_VALUES / 2 / max(float(worth.mean()), 1e-9))))
     sums, weights = (np.convolve(values, np.ones(2 * half + 1))[half:-half] for values in (worth * ratio, worth))
     return Noise(sums / weights, 2 * float(min(worth.sum(), weights.mean())))
 
 
 def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatArray) -> Noise | None:
-    """Noise of a measurement from the part of the residuals (n_b,) that is not smooth over the lines.
+    """Noise of a measurement's lines from the part of the residuals (n_b,) that is not smooth over the lines.
 
     Parameters
     ----------
@@ -134,7 +137,7 @@ def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatA
 
 
 def _roughness(count: int) -> FloatArray:
-    """Matrix (count, count) that subtracts from each value a local parabola by least squares."""
+    """Matrix (count, count) that subtracts from each line's value a local parabola fitted by least squares."""
     found = np.zeros((count, count))
     for place in range(count):
         first = min(max(place - PARABOLA_HALF_WIDTH, 0), count - 2 * PARABOLA_HALF_WIDTH - 1)

@@ -16,13 +16,13 @@ from torsionnet.identification.residuals.unexcited_windows import unexcited_wind
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 MOST_NOISE_RATIO = 100.0
-"""Largest noise power of excited windows over that of unexcited ones; a larger residual that does not follow the input
-from window to window is the error of a model with other resonances."""
+"""Largest noise power of excited windows over that of unexcited ones, as a larger residual that does not follow the
+input from window to window is the error of a model with other resonances."""
 
 
 @dataclass(eq=False)
 class RecordBlock(MeasurementBlock):
-    """Residuals of a record, or of a response that keeps its record, by the same estimator as the prediction.
+    """Weighted residuals of a record, or of a response that keeps its record, by the same estimator as the prediction.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class RecordBlock(MeasurementBlock):
         return float(np.sum((noise / np.outer(size, size)) ** 2))
 
     def step_shifts(self, backward: FloatArray) -> FloatArray:
-        """Errors of ``backward @ residuals`` by the steps of the sensor, shape (n, n_positions) at rest."""
+        """Errors (n, n_positions), by the sensor's steps at each rest position, of ``backward`` @ residuals."""
         return np.asarray(
             backward @ (errors_in_form(self.form, self.step_errors.T, self.measured) / self.sizes[:, None])
         )
@@ -96,23 +96,23 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def sensors(self) -> tuple[str, str, float]:
-        """Output, input and sampling rate, by which records share their noise level."""
+        """Names of output and input, and sampling rate in Hz; records where all are equal share their noise level."""
         return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
 
     def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Residual power of the output per line, squared response, and power of step errors, over unit white noise."""
+        """Residual power, squared response and power of step errors at each line, (n_b,), over unit white noise."""
         G, _ = self._distorted(values, self.windowed.fine)
         self._take_steps(G)
         steps = self._variance_of_steps / self._unit
         return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2, steps
 
     def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
-        """Noise power of the input from unexcited windows, and its standard error; None with too few windows."""
+        """Noise power of the input sensor (variance) and its standard error, or None with too few windows."""
         G, _ = self._distorted(values, self.windowed.fine)
         return unexcited_windows(self.windowed, G).input_noise(on_output)
 
     def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
-        """Weigh the residuals by noise of these powers on output and input."""
+        """Weigh the residuals by white noise of the given powers (variances) on output and input."""
         G, _ = self._distorted(values, self.windowed.fine)
         self.sources = on_output, on_input
         self.covariance = on_output * self._part(self.windowed.output_covariance())
@@ -140,12 +140,12 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def _whole(self) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of real and imaginary parts by noise and sensor steps."""
+        """Covariance (2 n_b, 2 n_b) of the lines' real and imaginary parts by noise and sensor steps, SI."""
         return np.asarray(self.covariance + self.step_errors.T @ self.step_errors / REST_POSITIONS)
 
     @property
     def _unit(self) -> FloatArray:
-        """Variance of a line for unit white noise on the output, (n_b,)."""
+        """Variance of each line of the estimate for unit white noise on the output, (n_b,)."""
         return np.asarray(np.diag(self._part(self.windowed.output_covariance())).reshape(2, -1).sum(axis=0))
 
     @property
@@ -159,7 +159,7 @@ class RecordBlock(MeasurementBlock):
             self.step_errors = np.concatenate([lines.real, lines.imag], axis=1)
 
     def _part(self, whole: FloatArray) -> FloatArray:
-        """Part of a covariance (of all lines) for the lines compared."""
+        """Part of a covariance of all lines that belongs to the lines compared, (2 n_b, 2 n_b)."""
         lines = np.flatnonzero(self.kept)
         both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
         return np.asarray(whole[np.ix_(both, both)])

@@ -13,18 +13,19 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 Form: TypeAlias = str
 FORMS = ("complex", "log", "magnitude")
-"""Names of the forms that residuals between prediction and test can have."""
+"""Names of the forms of residuals (difference of complex values, of log magnitude and phase, of log magnitude
+alone)."""
 
 
 def parts(values: ComplexArray | FloatArray) -> FloatArray:
-    """Real parts of complex values, then imaginary parts, (2 n, ...)."""
+    """Real parts of complex values, then their imaginary parts, as one real array (2 n, ...)."""
     return np.concatenate([values.real, values.imag])
 
 
 def residuals_in_form(
     form: Form, predicted: ComplexArray, slopes: ComplexArray, measured: ComplexArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Residuals between prediction and test (n,) as real numbers in a form, and derivatives (.., n_p)."""
+    """Residuals between prediction and test as real numbers in a form, and their derivatives (n_residuals, n_p)."""
     if form == "complex":
         return parts(predicted - measured), parts(slopes)
     with np.errstate(
@@ -35,7 +36,7 @@ def residuals_in_form(
 
 
 def errors_in_form(form: Form, errors: FloatArray, measured: ComplexArray) -> FloatArray:
-    """Small errors of real and imaginary parts (2 n, k) converted to a form of residuals, (.., k)."""
+    """Small errors of a response's real and imaginary parts (2 n, k) as errors of residuals in a form, (.., k)."""
     if form == "complex":
         return errors
     count = len(measured)
@@ -44,5 +45,5 @@ def errors_in_form(form: Form, errors: FloatArray, measured: ComplexArray) -> Fl
 
 
 def covariance_in_form(form: Form, covariance: FloatArray, measured: ComplexArray) -> FloatArray:
-    """Covariance (2 n, 2 n) of real and imaginary parts converted to that of residuals in a form."""
+    """Covariance of the residuals in a form, from that of a response's real and imaginary parts (2 n, 2 n)."""
     return errors_in_form(form, errors_in_form(form, covariance, measured).T, measured)

@@ -22,12 +22,13 @@ from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE,
 from torsionnet.response import FrequencyResponse
 
 STATED_ERROR_CERTAINTY = 1e6
-"""Number of independent values attributed to a stated error, so large that the error counts as known."""
+"""Number of independent values attributed to the stated error of a response, so large that the error counts as
+known."""
 
 
 @dataclass(eq=False)
 class ResponseBlock(MeasurementBlock):
-    """Residuals of a response without its record; windows smooth the model as under a stationary input."""
+    """Weighted residuals of a response without its record; windows smooth the model as under a stationary input."""
 
     data: FrequencyResponse
     smoothing: Smoothing | None = None
@@ -46,11 +47,11 @@ class ResponseBlock(MeasurementBlock):
 
     @property
     def fine(self) -> FloatArray:
-        """Frequencies at which the model is evaluated, Hz, (n_f,)."""
+        """Frequencies at which the model is evaluated before smoothing, Hz, (n_f,)."""
         return self.frequencies if self.smoothing is None else self.smoothing.fine
 
     def curve(self, values: FloatArray) -> ComplexArray:
-        """Response of the model at ``fine`` before smoothing by windows, (n_f,)."""
+        """Response of the model at ``fine`` before smoothing by windows, complex, SI, (n_f,)."""
         return self._distorted(values, self.fine)[0]
 
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -84,7 +85,7 @@ class ResponseBlock(MeasurementBlock):
 
     @property
     def _line_correlation(self) -> csr_array | None:
-        """Correlation (n_b, n_b) of lines, for real and imaginary parts; None where it is unknown."""
+        """Correlation (n_b, n_b) of the random errors of the lines, or None where it is unknown."""
         averaged = averaging_of(self.data) if self.measurement.error is None else self.data.estimation
         return None if averaged is None else line_correlation(self.frequencies, averaged)
 
@@ -131,5 +132,5 @@ class ResponseBlock(MeasurementBlock):
 
 
 def lowest_settled_frequency(data: FrequencyResponse) -> float:
-    """Lowest usable frequency of a sweep in Hz, after its first window; 0 with the record at hand."""
+    """Lowest usable frequency of a response from a sweep in Hz, after its first window; 0 with its record at hand."""
     return data.estimation.settled_from if data.estimation and data.estimation.record is None else 0.0

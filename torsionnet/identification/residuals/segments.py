@@ -1,4 +1,4 @@
-"""Lines (Fourier coefficients) of the windows of a signal, and linear maps from a record to weighted sums of them.
+"""Lines (Fourier coefficients) of a signal's windows, and linear maps from a record to weighted sums of them.
 
 Such a map has a row for each line with a value for each sample: 80 lines of two minutes at 5 kHz would fill 770 MB, and
 filtered copies several times that. Rows consist of short pieces, one for each window, so products and covariances are
@@ -19,14 +19,14 @@ from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.welch import Welch
 
 NUMBERS_PER_BATCH = 2**21
-"""Number of samples that are Fourier transformed together; more take more memory, fewer more calls."""
+"""Number of samples that are Fourier transformed together, as more take more memory and fewer more calls."""
 MOST_ROW_BYTES = 2**28
-"""Bytes of filtered rows up to which all are held in memory at a time; beyond, they are made one by one."""
+"""Bytes of filtered rows up to which all are held in memory together, beyond which they are made one by one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Windows over a record, and the lines (Fourier coefficients) taken from each.
+    """Windows over a record, and the lines (Fourier coefficients) that are taken from each window.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Segments:
 
     @property
     def length(self) -> int:
-        """Number of samples of a window."""
+        """Number of samples in each of the windows over a record."""
         return self.settings.samples(self.rate)
 
     @property
@@ -55,7 +55,7 @@ class Segments:
         return self.settings.step(self.rate)
 
     def starts(self, count: int) -> NDArray[np.intp]:
-        """Indices of the first samples of the windows in a record of ``count`` samples."""
+        """Index of the first sample of each window in a record of ``count`` samples, (n_segments,)."""
         return np.arange(self.first * self.step, count - self.length + 1, self.step)
 
     def lines(self, values: FloatArray) -> ComplexArray:
@@ -79,7 +79,7 @@ class Segments:
 
 @dataclass(frozen=True, eq=False)
 class SegmentRows:
-    """Matrix (n_b, n) from the samples of a record to weighted sums of the lines of its windows, never stored.
+    """Linear map (n_b, n) from a record's samples to weighted sums of its windows' lines, never stored as a matrix.
 
     Attributes
     ----------
@@ -112,12 +112,12 @@ class SegmentRows:
 
     @cached_property
     def squares(self) -> FloatArray:
-        """Sum of the squared magnitudes in each row (n_b,) of the matrix from a window to its lines."""
+        """Sum of the squared magnitudes of each row of the matrix from a window to its lines, (n_b,)."""
         some = self._some(self.segments.length)
         return np.concatenate([(np.abs(self.segments.pieces(lines)) ** 2).sum(axis=1) for lines in some])
 
     def covariance(self) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of real and imaginary parts of the sums for white noise of unit variance.
+        """Covariance (2 n_b, 2 n_b) of the weighted sums' real and imaginary parts, for unit white noise on the record.
 
         Windows share noise as far as they overlap, which follows from the pieces, once for each lag.
         """
@@ -134,7 +134,7 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def filtered_covariance(self, spectrum: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of the sums for white noise after a filter with a spectrum (n_p,), n_p >= 2 n."""
+        """Covariance (2 n_b, 2 n_b) of the weighted sums for unit white noise behind a filter of given spectrum."""
         if 16 * self.count * len(self.segments.bins) > MOST_ROW_BYTES:
             return self._row_by_row(spectrum)
         rows = np.concatenate([self._backwards(lines, spectrum) for lines in self._some(len(spectrum))])
@@ -142,7 +142,7 @@ class SegmentRows:
         return np.asarray(parts @ parts.T)
 
     def _row_by_row(self, spectrum: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of the sums for filtered white noise, with one row in memory at a time."""
+        """Covariance (2 n_b, 2 n_b) of the weighted sums for filtered white noise, one row in memory at a time."""
         size = (len(self.segments.bins),) * 2
         conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
         for line in range(len(self.segments.bins)):
@@ -153,18 +153,18 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def _backwards(self, lines: slice, spectrum: ComplexArray) -> ComplexArray:
-        """Effect (n_lines, n) of each sample before a filter on the weighted sums of lines after it."""
+        """Effect (n_lines, n) of each sample before a filter on the weighted sums of lines behind it."""
         passed = np.fft.fft(self.dense(lines), len(spectrum), axis=1)
         passed *= spectrum.conj()
         return np.fft.ifft(passed, axis=1)[:, : self.count]
 
     def _some(self, size: int) -> Iterator[slice]:
-        """Slices of lines for batches, where each line takes ``size`` numbers."""
+        """Yield slices of the lines in batches, where each line takes ``size`` numbers."""
         batch, lines = max(1, NUMBERS_PER_BATCH // size), len(self.segments.bins)
         yield from (slice(begin, min(begin + batch, lines)) for begin in range(0, lines, batch))
 
 
 def _parts_covariance(conjugate: ComplexArray, plain: ComplexArray) -> FloatArray:
-    """Covariance of real and imaginary parts of complex numbers z from the means of z z^H and z z^T."""
+    """Covariance (2 n, 2 n) of real and imaginary parts of complex numbers z from the means of z z^H and z z^T."""
     both, difference = conjugate + plain, conjugate - plain
     return np.block([[both.real, -difference.imag], [both.imag, difference.real]]) / 2

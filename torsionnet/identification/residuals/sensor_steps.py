@@ -1,4 +1,4 @@
-"""Errors of a measured response by the steps (resolution) of its sensor.
+"""Errors of a measured response by the steps (resolution) of the output's sensor.
 
 The motion that a model predicts is rounded to steps as by the sensor, from several rest positions within a step. The
 position is unknown, but the same for a whole test of a rig that is held: its errors are common to all lines, and no
@@ -19,12 +19,12 @@ from torsionnet.signals.decimation import FILTER_HALF_LENGTH, anti_alias_taps
 from torsionnet.signals.resolution import step_of, sweep_amplitudes
 
 REST_POSITIONS = 16
-"""Number of rest positions within a step of a sensor for which errors are calculated."""
+"""Number of rest positions within a step of a sensor for which errors are calculated, as the true one is unknown."""
 
 
 @dataclass(frozen=True)
 class SensorSteps:
-    """Step size of a sensor, and the decimation of its samples.
+    """Step size of a sensor in SI, and the decimation factor of its samples.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class SensorSteps:
     decimation: int = 1
 
     def errors(self, motion: FloatArray, rows: SegmentRows) -> ComplexArray:
-        """Errors (REST_POSITIONS, n_b) of the estimate's lines by sensor steps, for a motion (n,) in SI.
+        """Errors (REST_POSITIONS, n_b) of an estimate's lines by the sensor's steps, for a motion (n,) in SI.
 
         The motion has the sampling rate of the record.
         """
@@ -58,7 +58,7 @@ class SensorSteps:
 
 
 def find_sensor_steps(record: Recording, output: str, input: str, decimation: int) -> SensorSteps:
-    """Steps of the output's sensor before decimation; of size 0 where the input is not a swept sine.
+    """Steps of the output's sensor before decimation, of size 0 where the input is not a swept sine.
 
     Under other inputs, and in rigs that turn, readings fall on all positions within a step: errors are noise.
     """
@@ -67,7 +67,7 @@ def find_sensor_steps(record: Recording, output: str, input: str, decimation: in
 
 
 def _finer(motion: FloatArray, factor: int) -> FloatArray:
-    """Motion at ``factor`` times the sampling rate, band-limited to the half rate of before."""
+    """Motion of a sensor at ``factor`` times the sampling rate, (n * factor,), interpolated without new frequencies."""
     if factor == 1:
         return motion
     count = 2 * len(motion)

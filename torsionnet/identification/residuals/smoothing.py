@@ -1,4 +1,4 @@
-"""Smoothing of a model's response by the windows of an average, before comparison with an estimate.
+"""Smoothing of a model's response by the windows of Welch's method, before comparison with an estimate.
 
 Under a stationary input the estimate at f tends to the transform of the impulse response times the lag window, which is
 the window's correlation with itself. In frequency that is a weighted mean of the response about f.
@@ -17,21 +17,23 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.response.estimation import Estimation
 
 NEIGHBOUR_BINS = 8
-"""Number of bins on either side of a line that a window mixes into it."""
+"""Number of bins on either side of a line that a window mixes into it, beyond which its side lobes are negligible."""
 POINTS_PER_BIN = 8
-"""Number of points per bin at which the transfer function is evaluated; more give a smoother mean at more cost."""
+"""Number of points per bin at which a response is evaluated for smoothing, as more give a smoother mean at more
+cost."""
 SMOOTHING_ERROR_SHARE = 0.15
-"""Standard error of the whole smoothing as a share of it, if the input was a sweep, which is not stationary."""
+"""Standard error of the smoothing of all lines together, as a share of it, if the input was a sweep, which is not
+stationary."""
 LINE_ERROR_RATIO = 1.5
-"""Standard error of single lines as a multiple of their smoothing under a sweep: the slope of the input's power has as
-much effect as the curvature of the response."""
+"""Standard error of a single line's smoothing as a multiple of it under a sweep, where the slope of the input's power
+has as much effect as the curvature of the response."""
 ERROR_CORRELATION_LINES = 1.5
-"""Distance in lines over which the smoothing errors of lines are correlated."""
+"""Distance in lines over which the smoothing errors of lines are correlated, about the width of a window's band."""
 
 
 @dataclass(frozen=True, eq=False)
 class Smoothing:
-    """Linear smoothing of a response, forward @ G + mirrored @ conj(G); for H2 applied to 1/G, then inverted.
+    """Linear smoothing of a response G, forward @ G + mirrored @ conj(G); for H2 applied to 1/G, then inverted.
 
     Attributes
     ----------
@@ -53,14 +55,14 @@ class Smoothing:
     line_indices: NDArray[np.intp]
 
     def smoothed(self, G: ComplexArray, slopes: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Smoothed lines (n_b,) and derivatives (n_b, n) from a response G (n_f,) and derivatives (n_f, n)."""
+        """Smoothed response at the lines (n_b,) and derivatives (n_b, n), from G (n_f,) and derivatives (n_f, n)."""
         if not self.inverted:
             return self._linear(G), self._linear(slopes)
         below = self._linear(1 / G)
         return 1 / below, self._linear(slopes / (G**2)[:, None]) / (below**2)[:, None]
 
     def covariance(self, change: ComplexArray) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of the error in the smoothed response of a model where the input was a sweep.
+        """Covariance (2 n_b, 2 n_b) of the errors of a model's smoothed response where the input was a sweep.
 
         Real parts stand before imaginary ones; ``change`` (n_b,) is smoothed minus exact.
         """
@@ -90,13 +92,13 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
 
 
 def _sparse(weights: FloatArray, places: NDArray[np.intp], count: int) -> csr_array:
-    """Sparse matrix (n_b, count) from weights (n_b, n) and their columns, counted from 1."""
+    """Sparse matrix (n_b, count) from weights (n_b, n) and the numbers of their columns, counted from 1."""
     lines = np.repeat(np.arange(len(places)), places.shape[1])
     return csr_array((weights.ravel(), (lines, places.ravel() - 1)), shape=(len(places), count))
 
 
 def _shares(estimation: Estimation, offsets: NDArray[np.intp]) -> FloatArray:
-    """Weights with which a window mixes the response at offsets (in fine steps) into a line; their sum is 1."""
+    """Weights with which a window mixes the response at frequency offsets (in fine steps) into a line, sum 1."""
     samples = 4 * NEIGHBOUR_BINS * POINTS_PER_BIN
     window = np.asarray(get_window(estimation.window, samples), dtype=np.float64)
     power = np.abs(np.fft.fft(window, samples * POINTS_PER_BIN)) ** 2

@@ -1,4 +1,4 @@
-"""Noise of the input sensor from windows of a record in which a line is not excited.
+"""Noise of a record's input sensor, from windows in which a line is not excited.
 
 There the measured input is almost only noise, and so is the output that a model predicts from it: the mean of their
 product over thousands of windows and lines is the power of that noise. Among the lines that a fit compares, few have an
@@ -18,27 +18,30 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
 NOISE_WINDOW = "blackmanharris"
-"""Window with side lobes of -92 dB, so that a sweep at other lines does not cover noise."""
+"""Window for the search of noise, with side lobes of -92 dB, so that a sweep at other lines does not cover the
+noise."""
 WINDOWS_PER_LENGTH = 4
-"""Number of windows that start within the length of one window (overlap of 3/4)."""
+"""Number of windows that start within the length of one window in the search of noise (overlap of 3/4)."""
 EXCITATION_CELLS = 5
-"""Windows and lines over which the power of the input is averaged to decide whether a line is excited."""
+"""Number of windows and of lines over which the power of the input is averaged to decide whether a line is excited."""
 UNEXCITED_POWER_SHARE = 0.03
-"""Share of the highest power of a line below which a window does not excite it."""
+"""Share of a line's highest input power over all windows below which a window does not excite the line."""
 LEAST_UNEXCITED_WINDOWS = 0.3
-"""Least share of unexcited windows of a line; fewer are chance, as lines of a stationary input come and go."""
+"""Least share of unexcited windows of a line, as fewer are chance, because lines of a stationary input come and go."""
 FEWEST_VALUES = 100
-"""Fewest independent values in unexcited windows whose mean gives the noise of the input."""
+"""Fewest independent values in unexcited windows whose mean gives the noise power of the input, as few scatter
+widely."""
 FEWEST_WINDOWS = 2
-"""Fewest separate unexcited windows of a line whose median gives the noise of the output there."""
+"""Fewest separate unexcited windows of a line whose median gives the noise of the output there, as one alone may hold
+ringing."""
 SMOOTHING_CELLS = 15
-"""Windows and lines over which the power of the input is smoothed for weights: weights from the noise of a single cell
-would favour cells that have little by chance."""
+"""Number of windows and of lines over which the power of the input is smoothed for weights, as weights from the noise
+of a single cell would favour cells that have little by chance."""
 
 
 @dataclass(frozen=True, eq=False)
 class UnexcitedWindows:
-    """Powers of a record by window (n_s) and line (n_b), with a mask of those that are not excited.
+    """Powers of a record's input and residual by window (n_s) and line (n_b), with a mask of what is not excited.
 
     Attributes
     ----------
@@ -61,7 +64,7 @@ class UnexcitedWindows:
     squared: FloatArray
 
     def input_noise(self, output_noise: float) -> tuple[float, float] | None:
-        """Noise power of the input (variance of its samples) and its standard error.
+        """Noise power of the input sensor (variance of its samples) and its standard error.
 
         None where too few windows are free of excitation. The noise power of the output is needed for the weights.
         """
@@ -77,7 +80,7 @@ class UnexcitedWindows:
         return level, float(np.sqrt(WINDOWS_PER_LENGTH / 2 / total))
 
     def floor(self) -> FloatArray:
-        """Noise power of the output from the median over unexcited windows, (n_b,), infinite with too few windows.
+        """Noise power of the output at each line, (n_b,), the median over unexcited windows; infinite with too few.
 
         Not the mean: ringing after the sweep, which a wrong model lacks, is in some windows only.
         """
@@ -88,7 +91,7 @@ class UnexcitedWindows:
 
 
 def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedWindows:
-    """Unexcited windows of a record, with the residuals of a transfer function G (n_f,)."""
+    """Windows of a record in which lines are not excited, with the residuals of a transfer function G (n_f,)."""
     own = windowed.rows.segments
     segments = replace(own, settings=replace(own.settings, window=NOISE_WINDOW, overlap=1 - 1 / WINDOWS_PER_LENGTH))
     rest, _ = windowed.residual_and_prediction(G)

@@ -1,4 +1,4 @@
-"""Estimate by Welch's method of the output that a model predicts from the measured input, linear in the model.
+"""Response estimated by windows from a record, and the same estimate from the output that a model predicts.
 
 The prediction is G(f) X(f) over the whole record, and everything after it (cutting into windows, taking out means,
 averaging) is linear in the output. So the estimate of the prediction is linear in G, and its derivative is that of dG.
@@ -22,7 +22,8 @@ from torsionnet.signals.record_blocks import check_processable
 from torsionnet.signals.welch import Welch
 
 SIDE_LOBE_FACTOR = 2.0
-"""Multiple of the highest line (plus 20 lines) up to which the model is evaluated, for the side lobes of windows."""
+"""Multiple of the highest line (plus 20 lines) up to which the model is evaluated, so that the side lobes of windows
+are covered."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +62,12 @@ class WindowedEstimate:
     background: NDArray[np.bool_]
 
     def predicted(self, G: ComplexArray) -> ComplexArray:
-        """Estimates (n_b,) or (n_b, n_p) from the outputs that transfer functions G (n_f,) or (n_f, n_p) predict."""
+        """Estimates of a response (n_b,) or (n_b, n_p) from outputs that G (n_f,) or (n_f, n_p) predicts."""
         columns = [self.rows.apply(self._passed(column)) for column in G.reshape(len(G), -1).T]
         return np.stack(columns, axis=1).reshape(-1, *G.shape[1:])
 
     def output_covariance(self) -> FloatArray:
-        """Covariance (2 n_b, 2 n_b) of real and imaginary parts of the estimate, for unit white noise on the output."""
+        """Covariance (2 n_b, 2 n_b) of the estimate's real and imaginary parts, for unit white noise on the output."""
         return self.rows.covariance()
 
     def input_covariance(self, G: ComplexArray) -> FloatArray:
@@ -88,13 +89,13 @@ class WindowedEstimate:
         return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / self.rows.squares)
 
     def residual_and_prediction(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """Measured minus predicted output, and predicted output, each (n,)."""
+        """Output measured minus that predicted by G (n_f,), and that predicted, each (n,), in the output's unit."""
         predicted = self._passed(G)
         return _from_rest(self.record, self.output) - predicted, predicted
 
     @property
     def input_from_rest(self) -> FloatArray:
-        """Input signal minus its first value, (n,)."""
+        """Input signal of the record minus its first value, (n,), in its unit."""
         return _from_rest(self.record, self.input)
 
     @property
@@ -103,7 +104,7 @@ class WindowedEstimate:
         return round(float(self.fine[0]) * _padded(self.rows.count) / self.record.sampling_rate)
 
     def _passed(self, G: ComplexArray) -> FloatArray:
-        """Output (n,) that the transfer function G (n_f,) predicts from the input."""
+        """Output (n,) in its unit that the transfer function G (n_f,) predicts from the measured input."""
         n = _padded(self.rows.count)
         spectrum = np.zeros(n // 2 + 1, dtype=complex)
         spectrum[self._first : self._first + len(G)] = G * self.drive

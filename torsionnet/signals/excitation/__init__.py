@@ -1,4 +1,4 @@
-"""Signals to drive a test with, sweeps, stepped sines, multisines and bursts of noise."""
+"""Test signals to excite a drivetrain with (sweeps, stepped sines, multisines, bursts of noise)."""
 
 from torsionnet.signals.excitation.broadband import BurstRandom, Multisine
 from torsionnet.signals.excitation.excitation import Excitation

@@ -1,4 +1,4 @@
-"""Broadband test signals, periodic multisines and bursts of noise."""
+"""Broadband test signals to excite a drivetrain with, periodic multisines and bursts of noise."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 ComplexArray = NDArray[np.complex128]
 
 WHOLE_PERIOD_TOLERANCE = 1e-9
-"""Relative distance of a period from a whole number of samples below which it is one."""
+"""Relative distance of a period from a whole number of samples up to which it counts as one, as floats are rounded."""
 PEAK_POINTS_PER_CYCLE = 8
-"""Points per cycle of the highest line when the peak of a multisine is searched."""
+"""Number of points per cycle of the highest line at which the peak of a multisine is searched, to miss little of it."""
 CLIPPING_ITERATIONS = 200
-"""Iterations of clipping and restoring; the crest factor hardly falls any further."""
+"""Number of times a multisine is clipped and its amplitudes are restored, after which the crest factor hardly falls
+further."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Periodic(Excitation):
-    """Periodic test signal of several periods, with lines at multiples of 1/period in a band.
+    """Test signal of several periods of one length, with lines at multiples of 1/period in a band (base class).
 
     Attributes
     ----------
@@ -56,17 +57,17 @@ class _Periodic(Excitation):
 
     @property
     def lines(self) -> FloatArray:
-        """Frequencies of the excited lines, Hz, (n_lines,)."""
+        """Frequencies of the excited lines in Hz, (n_lines,)."""
         return np.asarray(self._numbers / self.period)
 
     @property
     def _numbers(self) -> NDArray[np.int_]:
-        """Cycles of each line in a period."""
+        """Number of cycles per period of each excited line, (n_lines,)."""
         first, last = np.ceil(self.start * self.period - 1e-9), np.floor(self.stop * self.period + 1e-9)
         return np.arange(max(int(first), 1), int(last) + 1)
 
     def _count(self, sampling_rate: float) -> int:
-        """Number of samples of one period.
+        """Number of samples in one period of the signal.
 
         Raises
         ------
@@ -91,7 +92,7 @@ class _Periodic(Excitation):
 
 @dataclass(frozen=True, kw_only=True)
 class Multisine(_Periodic):
-    """Multisine with equal amplitudes at all lines of a band, and phases for a low peak at a given power.
+    """Test signal, a multisine with equal amplitudes at all lines of a band, and phases for a low peak.
 
     From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
     Schoukens and Renneboog 1988).
@@ -108,7 +109,7 @@ class Multisine(_Periodic):
 
     @cached_property
     def _spectrum(self) -> ComplexArray:
-        """Complex amplitudes of the lines for a peak of 1."""
+        """Complex amplitudes (n_lines,) of the multisine's lines, scaled to a peak of 1."""
         numbers = self._numbers
         size, order = int(PEAK_POINTS_PER_CYCLE * numbers[-1]), np.arange(len(numbers))
         values = np.exp(-1j * np.pi * order * (order - 1) / len(numbers))
@@ -128,7 +129,7 @@ class Multisine(_Periodic):
 
 @dataclass(frozen=True, kw_only=True)
 class BurstRandom(_Periodic):
-    """Burst of noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+    """Test signal, a burst of noise in a band for a share of each period, then silence in which the drivetrain rests.
 
     Every period has noise of its own. ``amplitude`` is the peak.
 
@@ -162,7 +163,7 @@ class BurstRandom(_Periodic):
 
 
 def _periodic(numbers: NDArray[np.int_], values: ComplexArray, size: int) -> FloatArray:
-    """Period of a signal, ``size`` samples, from the complex amplitudes of its lines."""
+    """Samples (size,) of one period of a signal, from the complex amplitudes of its lines."""
     spectrum = np.zeros(size // 2 + 1, dtype=complex)
     spectrum[numbers] = values
     return np.asarray(np.fft.irfft(spectrum, size) * size / 2)

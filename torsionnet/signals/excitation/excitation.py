@@ -1,4 +1,4 @@
-"""Base class of test signals (excitations of a test bench)."""
+"""Base class of test signals, the excitations of a test bench."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from torsionnet.core.errors import UsageError
 FloatArray = NDArray[np.float64]
 
 POINTS_PER_CYCLE = 2.0
-"""Least samples per cycle of the highest frequency, by the sampling theorem."""
+"""Number of samples per cycle of the highest frequency that a sampling rate must exceed, by the sampling theorem."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Excitation(ABC, Declared):
-    """Test signal of finite length around a mean value, the excitation of a test.
+    """Test signal of finite length around a mean value, such as the torque that excites a drivetrain in a test.
 
     Attributes
     ----------
@@ -58,29 +58,29 @@ class Excitation(ABC, Declared):
     _may_be_zero: ClassVar[tuple[str, ...]] = ("seed",)
 
     def _contradictions(self) -> list[str]:
-        """Errors in the combination of values that are valid one by one."""
+        """Errors in the combination of a test signal's values that are valid one by one, as text."""
         return []
 
     @property
     @abstractmethod
     def length(self) -> float:
-        """Duration in s."""
+        """Duration of the test signal in s."""
 
     @property
     @abstractmethod
     def highest_frequency(self) -> float:
-        """Highest frequency excited, Hz."""
+        """Highest frequency in Hz that the test signal excites."""
 
     @abstractmethod
     def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:
-        """Signal without its mean at times in s, for unit amplitude, (n,)."""
+        """Test signal without its mean at times in s, with a peak amplitude of 1, (n,)."""
 
     def time(self, sampling_rate: float) -> FloatArray:
-        """Times of the samples, s."""
+        """Times in s of the test signal's samples from 0 on, (n,)."""
         return np.arange(round(self.length * sampling_rate)) / sampling_rate
 
     def samples(self, sampling_rate: float) -> FloatArray:
-        """Samples of the signal at ``sampling_rate`` Hz, (n,) array.
+        """Samples of the test signal at ``sampling_rate`` Hz, in the unit of its amplitude, (n,).
 
         Raises
         ------

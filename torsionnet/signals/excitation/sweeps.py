@@ -1,4 +1,4 @@
-"""Test signals with a sine of changing frequency: linear chirp, logarithmic sweep, stepped sine."""
+"""Test signals made of a sine of changing frequency (linear chirp, logarithmic sweep, stepped sine)."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 TURN = 2 * np.pi
-"""Angle of a turn in rad."""
+"""Angle of one turn in rad, the phase of one cycle of a sine."""
 
 _FREQUENCY = Value("frequency", "frequency")
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Sweep(Excitation):
-    """Sweep of a sine between two frequencies.
+    """Test signal that sweeps a sine from one frequency to another (base class).
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class _Sweep(Excitation):
 
 @dataclass(frozen=True, kw_only=True)
 class LinearChirp(_Sweep):
-    """A sine whose frequency changes by the same number of Hz every second.
+    """Test signal, a sine whose frequency changes by the same number of Hz every second.
 
     f(t) = f_0 + (f_1 - f_0) t / T, and its phase is the integral 2 pi (f_0 t + (f_1 - f_0) t^2 / (2 T)). Equations (1)
     and (2) of Galvagno et al. (2015) print sin(2 pi f(t) t) and f_0 - f_1, which would run the wrong way and twice as
@@ -67,7 +67,7 @@ class LinearChirp(_Sweep):
     _may_be_zero: ClassVar[tuple[str, ...]] = ("start", "stop")
 
     def frequency(self, time: FloatArray | float) -> FloatArray:
-        """Instantaneous frequency in Hz at times in s."""
+        """Instantaneous frequency of the sweep in Hz at times in s, same shape."""
         return np.asarray(self.start + (self.stop - self.start) * np.asarray(time) / self.duration)
 
     def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
@@ -77,7 +77,7 @@ class LinearChirp(_Sweep):
 
 @dataclass(frozen=True, kw_only=True)
 class LogarithmicSweep(_Sweep):
-    """A sine whose frequency changes by the same factor every second: f(t) = f_0 (f_1/f_0)^(t/T).
+    """Test signal, a sine whose frequency changes by the same factor every second, f(t) = f_0 (f_1/f_0)^(t/T).
 
     It stays longer at low frequencies, where the resonances of drivetrains with soft springs lie close together.
 
@@ -91,7 +91,7 @@ class LogarithmicSweep(_Sweep):
     kind: ClassVar[str] = "logarithmic sweep"
 
     def frequency(self, time: FloatArray | float) -> FloatArray:
-        """Instantaneous frequency in Hz at times in s."""
+        """Instantaneous frequency of the sweep in Hz at times in s, same shape."""
         return np.asarray(self.start * (self.stop / self.start) ** (np.asarray(time) / self.duration))
 
     def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
@@ -100,7 +100,7 @@ class LogarithmicSweep(_Sweep):
 
 
 class Frequencies(Spec[tuple[float, ...]]):
-    """Specification of a list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
+    """Entry of a file with a list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
 
     def coerce(self, raw: object) -> tuple[float, ...]:
         if isinstance(raw, Mapping):
@@ -148,7 +148,7 @@ def _steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class SteppedSine(Excitation):
-    """Stepped sine, each frequency held for whole periods without jumps of the phase.
+    """Test signal, a sine that holds each frequency for whole periods, without jumps of the phase.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ class SteppedSine(Excitation):
 
     @property
     def starts(self) -> FloatArray:
-        """Time in s at which each frequency begins."""
+        """Times in s at which the frequencies of the stepped sine begin, (n_frequencies,)."""
         return np.concatenate([[0.0], np.cumsum(self._durations)[:-1]])
 
     @property

@@ -1,1 +1,1 @@
-"""Determinants and minors of symbolic networks as straight-line programs, and the algebras that evaluate them."""
+"""Determinants and minors of symbolic networks as straight-line programs, and algebras that evaluate these."""

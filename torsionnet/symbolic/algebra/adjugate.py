@@ -1,4 +1,4 @@
-"""Determinant of a network and bilinear forms of its adjugate; the recursion from each root is recorded once."""
+"""Determinant of a symbolic network and bilinear forms of its adjugate, as nodes of a straight-line program."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from torsionnet.symbolic.algebra.recursion import Recursion
 
 
 def recursion_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
-    """Recursion from a root of the network, recorded once per program."""
+    """Determinants of a network's parts as seen from a root coordinate, recorded once per program."""
     return program.memo.once(
         Recursion, (network, root), lambda: Recursion(quotients(network, program), program, root, solve_block)
     )
 
 
 def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
-    """Network with parallel laws added up, each law a quotient of program nodes."""
+    """Network with parallel laws added up, the dynamic stiffness of each law a quotient of program nodes."""
 
     def added() -> Network[Quotient]:
         members = add_parallel_laws(network, reflected_sum).members
@@ -36,13 +36,13 @@ def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient
 
 
 def determinant(network: Network[Stiffness], program: Program, first: str = "") -> ProgramNode:
-    """Determinant of the dynamic stiffness of a network, det D, as a program node."""
+    """Determinant det D of the dynamic stiffness matrix of a network, as a node of the program."""
     root = first or next(iter(network.coordinates), "")
     return recursion_from(root, network, program).determinant if root else program.leaf(1)
 
 
 def bilinear(network: Network[Stiffness], program: Program, reading: SymbolRow, load: SymbolRow) -> ProgramNode:
-    """Bilinear form reading^T adj(D) load as a program node."""
+    """Bilinear form reading^T adj(D) load of a network's dynamic stiffness matrix D, as a node of the program."""
     total = program.leaf(0)
     for root, share in load.items():
         total = total + program.leaf(share) * recursion_from(root, network, program).reading(reading)

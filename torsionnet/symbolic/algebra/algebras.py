@@ -1,4 +1,4 @@
-"""Algebras that evaluate the program of a transfer function: expressions, polynomials, term counts, numbers."""
+"""Algebras that evaluate the program of a transfer function as expressions, polynomials, term counts or numbers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HALF = sympy.Rational(1, 2)
 
 @dataclass(frozen=True)
 class Expressions:
-    """Algebra of sympy expressions, nested as the program is; ``change`` is applied to every leaf."""
+    """Algebra of sympy expressions, nested as the program is, with ``change`` applied to every leaf."""
 
     change: Callable[[Any], Any] = lambda expression: expression
 
@@ -31,12 +31,12 @@ class Expressions:
 
 
 def in_s(coefficients: Iterable[Any]) -> Any:
-    """Sympy sum of coefficient * s^power, without multiplying out."""
+    """Sympy sum of coefficient * s^power over coefficients in ascending powers, without multiplying out."""
     return sympy.Add(*(sympy.Mul(part, S**power) for power, part in enumerate(coefficients) if part != 0))
 
 
 class PolynomialInS:
-    """Polynomial in s: coefficients of 1, s, s^2, ... in any algebra, the first ``limit`` of them.
+    """Polynomial in s with coefficients of 1, s, s^2, ... in any algebra, the first ``limit`` of them.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class PolynomialInS:
 
 
 def is_zero(value: Any) -> bool:
-    """Whether an element is exactly and visibly zero."""
+    """Whether an element of an algebra is zero exactly and without any calculation."""
     return value.is_zero if isinstance(value, ProgramNode) else bool(value == 0)
 
 
@@ -98,7 +98,7 @@ class InPowersOfS:
 
 @dataclass(frozen=True)
 class TermCounts:
-    """Algebra of upper bounds of the number of terms when multiplied out; terms that would cancel or merge count."""
+    """Algebra of upper bounds of the number of terms of a program's results when multiplied out."""
 
     def leaf(self, payload: Any) -> int:
         parts = payload.parts if isinstance(payload, Stiffness) else (payload,)
@@ -106,7 +106,7 @@ class TermCounts:
 
 
 def terms_of(expression: Any) -> int:
-    """Number of terms of an expression when multiplied out."""
+    """Number of terms of a sympy expression or Fraction when multiplied out."""
     if isinstance(expression, Fraction):
         return int(expression != 0)
     if not isinstance(expression, sympy.Add | sympy.Mul | sympy.Pow):
@@ -115,7 +115,7 @@ def terms_of(expression: Any) -> int:
 
 
 class Length:
-    """Length of a nested expression: number of leaves, repeated ones counted again."""
+    """Length of a nested expression, the number of its leaves, repeated ones counted again."""
 
     __slots__ = ("leaves",)
 
@@ -129,7 +129,7 @@ class Length:
 
 
 class Lengths:
-    """Algebra of lengths of nested expressions, see :class:`Length`."""
+    """Algebra that counts the leaves of nested expressions; see :class:`Length`."""
 
     def leaf(self, payload: Any) -> Length:
         del payload
@@ -137,7 +137,7 @@ class Lengths:
 
 
 class DualNode:
-    """Value and derivative of a program result."""
+    """Result of a program step with its derivative, with + and * by the rules of differentiation."""
 
     __slots__ = ("slope", "value")
 
@@ -153,7 +153,7 @@ class DualNode:
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Algebra of program nodes with their derivatives with respect to a symbol."""
+    """Algebra that records a program's results together with their derivatives with respect to one symbol."""
 
     program: Program
     symbol: Any
@@ -172,7 +172,7 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class SubstitutedLeaves:
-    """Algebra that copies a program with a substitution in its leaves."""
+    """Algebra that copies a program and substitutes expressions for symbols in its leaves."""
 
     program: Program
     change: Callable[[Any], Any]
@@ -186,12 +186,12 @@ class SubstitutedLeaves:
 
 
 def stiffness_or_zero(*parts: Any) -> Any:
-    """Program leaf for the coefficients of 1, s and s^2; plain 0 if all are zero."""
+    """Dynamic stiffness as a program's leaf from its coefficients of 1, s and s^2, or 0 if all are zero."""
     return Stiffness(*parts) if any(part != 0 for part in parts) else 0
 
 
 def evaluate_expression(expression: Any, element: Callable[[Any], Any]) -> Any:
-    """Value of an expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
+    """Value of a sympy expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
 
     Sums, products and whole powers are done in the algebra itself.
     """
@@ -217,7 +217,7 @@ def _power(base: Any, exponent: int) -> Any:
 
 @dataclass(frozen=True)
 class NumericValues:
-    """Algebra of numbers or arrays for the symbols; ``number`` makes a constant from a Fraction."""
+    """Algebra that evaluates a program with numbers or arrays for its symbols; ``number`` converts Fractions."""
 
     values: Mapping[Any, Any]
     number: Callable[[Fraction], Any]

@@ -1,4 +1,4 @@
-"""Tree of blocks of a network: parts that are connected at one coordinate each.
+"""Tree of the blocks of a symbolic network, which are joined to each other at one coordinate each.
 
 A block holds coordinates that laws tie to each other in more than one way, or just two coordinates: everything between
 the two ends of a shaft, a gear mesh, the three members of a planetary set. Seen from a root, each block hangs on the
@@ -20,7 +20,7 @@ from torsionnet.symbolic.algebra.network import L, Network, NetworkMember, Symbo
 
 @dataclass(frozen=True, eq=False)
 class GraphBlock(Generic[L]):
-    """Block of a network: its laws over the coordinate ``top`` and those ``below``."""
+    """Block of a network, with its laws over the coordinate ``top`` (nearest to the root) and those ``below``."""
 
     top: str
     below: tuple[str, ...]
@@ -32,13 +32,13 @@ class GraphBlock(Generic[L]):
         return len(self.below) == 1
 
     def covers(self, row: SymbolRow) -> bool:
-        """Whether a row has coordinates of this block only."""
+        """Whether all coordinates of a row belong to this block."""
         return all(name == self.top or name in self.below for name in row)
 
 
 @dataclass(frozen=True, eq=False)
 class Orientation(Generic[L]):
-    """Tree of blocks from a root: coordinates from the root outwards, and the blocks above and below each."""
+    """Tree of blocks seen from a root coordinate, with the coordinates outwards and the blocks above and below each."""
 
     root: str
     order: tuple[str, ...]
@@ -46,7 +46,7 @@ class Orientation(Generic[L]):
     below: Mapping[str, tuple[GraphBlock[L], ...]]
 
     def path(self, end: str) -> list[tuple[GraphBlock[L], str]]:
-        """Blocks from the root to a coordinate, each with the coordinate at which the path leaves it."""
+        """Blocks on the path from the root to a coordinate, each with the coordinate at which the path leaves it."""
         found = []
         while end != self.root:
             found.append((self.above[end], end))
@@ -55,7 +55,7 @@ class Orientation(Generic[L]):
 
 
 def orient(network: Network[L], root: str) -> Orientation[L]:
-    """Tree of all blocks that are connected to ``root``, seen from there."""
+    """Tree of all blocks of a network that are connected to the coordinate ``root``, seen from there."""
     blocks = _blocks(network)
     order = [root]
     above: dict[str, GraphBlock[L]] = {}
@@ -75,7 +75,7 @@ def orient(network: Network[L], root: str) -> Orientation[L]:
 
 
 def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]]:
-    """Coordinates and laws of the blocks at each coordinate, by the number of the block."""
+    """Coordinates and laws of all blocks of a network, by coordinate and by number of the block."""
     wide = [member for member in network.members if len(member.row) > 1]
     graph = nx.Graph(pair for member in wide for pair in combinations(member.row, 2))
     parts = list(nx.biconnected_component_edges(graph))
@@ -93,7 +93,7 @@ def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], t
 
 
 def roots_of(network: Network[L], first: str = "") -> list[str]:
-    """Root coordinate of every connected part; ``first`` is the root of its own part."""
+    """Root coordinate of every connected part of a network; ``first`` is the root of its own part."""
     parts = Groups(network.coordinates)
     for member in network.members:
         parts.join(*member.row)
@@ -104,7 +104,7 @@ def roots_of(network: Network[L], first: str = "") -> list[str]:
 
 
 def is_forest(network: Network[L]) -> bool:
-    """Whether the network has no closed loop: all blocks are laws between two coordinates."""
+    """Whether a network has no closed loop, so that all its blocks are laws between two coordinates."""
     pairs = {frozenset(member.row) for member in network.members if len(member.row) > 1}
     parts = len(roots_of(network))
     return all(len(pair) == 2 for pair in pairs) and len(pairs) == len(network.coordinates) - parts

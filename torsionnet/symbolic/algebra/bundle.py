@@ -1,4 +1,4 @@
-"""Determinants of all laws between two coordinates, without a division.
+"""Determinants of a block of laws between two coordinates, recorded without a division.
 
 With rows a_e = (a_ev, a_ec) of the laws y_e between a coordinate v and a coordinate c below it, and A_c and Q_c the
 determinants of what hangs on c, with c free and held,
@@ -25,19 +25,19 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 @dataclass(frozen=True)
 class Quotient:
-    """Dynamic stiffness as a quotient above / below; rigid where ``below`` is zero."""
+    """Dynamic stiffness of a law as a quotient above / below of program nodes, rigid where ``below`` is zero."""
 
     above: ProgramNode
     below: ProgramNode
 
 
 def quotient(law: Stiffness, program: Program) -> Quotient:
-    """Dynamic stiffness of a law as a quotient of program nodes."""
+    """Dynamic stiffness of a law as a quotient of program nodes with the denominator 1."""
     return Quotient(program.leaf(law), program.leaf(1))
 
 
 def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> Quotient:
-    """Sum of law * ratio^2 as one quotient."""
+    """Sum of law * ratio^2 over laws with their ratios, as one quotient of program nodes."""
     total = Quotient(program.leaf(0), program.leaf(1))
     for law, ratio in laws:
         above = program.leaf(ratio**2) * law.above
@@ -47,7 +47,7 @@ def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> 
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """Block of two coordinates: all laws between them, and the quotient of all that hangs on the lower one."""
+    """Block of all laws between two coordinates, with the quotient that stands for the parts beyond the lower one."""
 
     block: GraphBlock[Quotient]
     hanging: Quotient
@@ -55,23 +55,23 @@ class Bundle:
 
     @cached_property
     def held(self) -> ProgramNode:
-        """Determinant of the block with the upper coordinate held."""
+        """Determinant of the block and the parts beyond it with the upper coordinate held, a program node."""
         far = self._sum([row[self._child] ** 2 for row in self._rows])
         return self.hanging.above * self._below() + far * self.hanging.below
 
     @cached_property
     def free(self) -> ProgramNode:
-        """Determinant of the block with the upper coordinate free."""
+        """Determinant of the block and the parts beyond it with the upper coordinate free, a program node."""
         total = self._sum([row[self.block.top] ** 2 for row in self._rows]) * self.hanging.above
         both = self._pairs()
         return total if both.is_zero else total + both * self.hanging.below
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of the lower coordinate under a unit torque on the upper one, without the parts that hang there."""
+        """Numerator of the lower coordinate's motion under a unit torque on the upper one, without the parts beyond."""
         return self._sum([-row[self.block.top] * row[end] for row in self._rows])
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Reading of a row over both coordinates under a unit torque on the upper one."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the upper end, a program node."""
         near, far = row.get(self.block.top, 0), row.get(self._child, 0)
         twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
         total = self.program.leaf(near) * self.hanging.above * self._below()
@@ -86,7 +86,7 @@ class Bundle:
         return [member.row for member in self.block.members]
 
     def _below(self, *without: int) -> ProgramNode:
-        """Product of the denominators of all laws but some."""
+        """Product of the denominators of all laws of the block but those of some numbers."""
         result = self.program.leaf(1)
         for number, member in enumerate(self.block.members):
             if number not in without:
@@ -94,14 +94,14 @@ class Bundle:
         return result
 
     def _sum(self, factors: Sequence[Any]) -> ProgramNode:
-        """Sum of factor * law, times all denominators."""
+        """Sum of factor * law over the block's laws, times the denominators of all of them."""
         total = self.program.leaf(0)
         for number, (factor, member) in enumerate(zip(factors, self.block.members, strict=True)):
             total = total + self.program.leaf(factor) * member.law.above * self._below(number)
         return total
 
     def _pairs(self) -> ProgramNode:
-        """Sum over pairs of laws that do not act on the same motion, times all denominators."""
+        """Sum over pairs of laws with different ratios between the two motions, times all denominators."""
         total, top, child = self.program.leaf(0), self.block.top, self._child
         for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
             across = one.row[top] * other.row[child] - other.row[top] * one.row[child]

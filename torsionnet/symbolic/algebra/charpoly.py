@@ -18,12 +18,13 @@ from torsionnet.symbolic.algebra.network import ONE, NetworkMember, SymbolRow
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 MOST_COORDINATES = 12
-"""Largest number of coordinates of a block that is expanded: the terms grow exponentially with it."""
+"""Largest number of coordinates of a block whose determinant is expanded, as the number of terms grows exponentially
+with it."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExpandedBlock:
-    """Block of a network whose determinants are expanded in its laws.
+    """Block of a network whose determinants are polynomials multiplied out in its laws and ratios.
 
     Raises
     ------
@@ -48,20 +49,20 @@ class ExpandedBlock:
 
     @property
     def free(self) -> ProgramNode:
-        """Determinant of the block with the top coordinate free."""
+        """Determinant of the block and the parts beyond it with the top coordinate free, a program node."""
         return self._determinant(0)
 
     @property
     def held(self) -> ProgramNode:
-        """Determinant of the block with the top coordinate held: the coefficient of a law to ground there."""
+        """Determinant of the block and the parts beyond it with the top coordinate held, a program node."""
         return self._determinant(1)
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of a coordinate under a unit torque on the top, without the parts that hang there."""
+        """Numerator of a coordinate's motion under a unit torque on the top, without the parts beyond it."""
         return self._motion(end, without=end)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Reading of a row under a unit torque on the top coordinate."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
         total = self.program.leaf(0)
         for name, value in row.items():
             total = total + self.program.leaf(value) * self._motion(name)
@@ -78,7 +79,7 @@ class ExpandedBlock:
 
     @cached_property
     def _solved(self) -> tuple[Any, Any]:
-        """Motions under a unit torque on the top, and the determinant, in a polynomial ring of laws and ratios."""
+        """Numerators of the motions under a unit torque on the top, and the determinant, as polynomials in a ring."""
         count = len(self._members) + len(self._ratios) + 1
         ring, unknowns = sympy.polys.rings.xring([f"x_{i}" for i in range(count)], sympy.QQ)
         index = {name: number for number, name in enumerate(self.names)}
@@ -92,7 +93,7 @@ class ExpandedBlock:
         return motion, determinant
 
     def _terms(self, unknowns: Sequence[Any]) -> Iterator[tuple[str, str, Any]]:
-        """Yield row, column and summand of the dynamic stiffness matrix."""
+        """Yield row, column and summand of each term of the block's dynamic stiffness matrix."""
         ratio = dict(zip(self._ratios, unknowns[len(self._members) :], strict=False))
 
         def in_ring(value: Any) -> Any:
@@ -117,7 +118,7 @@ class ExpandedBlock:
         return [Quotient(one, one) if member.law is idle else member.law for member in self._members]
 
     def _node(self, terms: Mapping[tuple[int, ...], Any], laws: Sequence[Quotient]) -> ProgramNode:
-        """Program node of a polynomial of the ring, nested by one unknown after the other."""
+        """Node of the program for a polynomial in laws and ratios, nested by one unknown after the other."""
         one = self.program.leaf(1)
         return self._nested(terms, [*laws, *(Quotient(self.program.leaf(ratio), one) for ratio in self._ratios)], 0)
 

@@ -1,4 +1,4 @@
-"""Symbolic delays: factors e^(-s tau), kept as functions of omega since they are no polynomials in s."""
+"""Symbolic delays e^(-s tau), kept as functions of omega since they are no polynomials in s."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Delay(DynamicStiffness):
-    """Delay factor e^(-s time) without a unit, as a function of frequency.
+    """Delay factor e^(-s time) of an action as a function of frequency, without unit, time in s.
 
     Examples
     --------
@@ -66,17 +66,17 @@ class Delay(DynamicStiffness):
 
 
 def delay_symbol(owner: str) -> Any:
-    """Sympy function ``delay_NAME(omega)`` that stands for the delay of an element."""
+    """Sympy function ``delay_NAME(omega)`` that stands for the delay of an element's action."""
     return sympy.Function(f"delay_{owner}")(OMEGA)
 
 
 def delays_of(tables: Mapping[Any, DynamicStiffness]) -> dict[Any, Delay]:
-    """Delays among functions of frequency, by their symbols."""
+    """Delays among the functions of frequency of a drivetrain, by their symbols."""
     return {name: table for name, table in tables.items() if isinstance(table, Delay)}
 
 
 def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
-    """Refuse a form that exists only for quotients of polynomials in s where a delay appears.
+    """Raise an error where a delay appears in a form that exists for quotients of polynomials in s only.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
 
 @dataclass(frozen=True)
 class InPowersNearRest(InPowersOfS):
-    """Algebra of power series in s for slow motions, in which a delay is 1 - s tau + ..."""
+    """Algebra of power series in s for slow motions, in which a delay tau is 1 - s tau + ..."""
 
     delays: Mapping[Any, Delay] | None = None
 

@@ -21,13 +21,15 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 from torsionnet.symbolic.algebra.recursion import Recursion, SolvedBlock
 
 MOST_LOOPS = 3
-"""Largest number of loops solved by deletion and contraction; more are left to the characteristic polynomial."""
+"""Largest number of loops in a block solved by deletion and contraction, as with more the characteristic polynomial is
+shorter."""
 MOST_FORESTS = 2000
-"""Largest number of forests that deletion and contraction may lead to in one block: the length of the result."""
+"""Largest number of forests that deletion and contraction may lead to in one block, as that is the length of the
+result."""
 
 
 def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
-    """Solved block of more than two coordinates, with all that hangs on it."""
+    """Determinants of a block of more than two coordinates, with all parts of the network beyond it."""
     loops = loops_of(block)
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
         return ExpandedBlock(block, hanging, program)
@@ -35,7 +37,7 @@ def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], pr
 
 
 def loops_of(block: GraphBlock[Quotient]) -> int:
-    """Number of loops of a block: laws over more than two coordinates, and pairs tied beyond a spanning tree."""
+    """Number of loops of a block, its laws over more than two coordinates and the pairs beyond a spanning tree."""
     pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}
     wide = sum(len(member.row) > 2 for member in block.members)
     return wide + max(0, len(pairs) - len(block.below))
@@ -43,7 +45,7 @@ def loops_of(block: GraphBlock[Quotient]) -> int:
 
 @dataclass(frozen=True, eq=False)
 class SplitBlock:
-    """Block solved by splitting off one law: without that law, and with its motion constrained to zero."""
+    """Block solved by splitting off one law, once without that law and once with its motion constrained to zero."""
 
     block: GraphBlock[Quotient]
     hanging: Mapping[str, Quotient]
@@ -52,13 +54,13 @@ class SplitBlock:
 
     @cached_property
     def network(self) -> Network[Quotient]:
-        """Network of the block, with all that hangs on it as laws to ground."""
+        """Network of the block, in which the parts beyond it are laws to ground."""
         grounds = (NetworkMember({name: ONE}, law) for name, law in self.hanging.items())
         return Network((self.block.top, *self.block.below), (*self.block.members, *grounds))
 
     @cached_property
     def member(self) -> NetworkMember[Quotient]:
-        """Law to split at: the widest, else one of the fewest between two coordinates."""
+        """Law that is split off, that over most coordinates, else one of the fewest between two coordinates."""
         among = Counter(frozenset(member.row) for member in self.block.members)
         return max(self.block.members, key=lambda member: (len(member.row), -among[frozenset(member.row)]))
 
@@ -77,7 +79,7 @@ class SplitBlock:
 
     @cached_property
     def weight(self) -> ProgramNode:
-        """Factor of the contracted network in the determinant."""
+        """Factor in the block's determinant of the network with the split law's motion at zero."""
         result = self.program.leaf(self.contraction.factor) * self.member.law.above
         for law in self.contraction.idle:
             result = result * law.below
@@ -88,20 +90,20 @@ class SplitBlock:
 
     @cached_property
     def held(self) -> ProgramNode:
-        """Determinant of the block with the top coordinate held."""
+        """Determinant of the block and the parts beyond it with the top coordinate held, a program node."""
         return self._joined(self.deleted.held, self.contracted.held)
 
     @cached_property
     def free(self) -> ProgramNode:
-        """Determinant of the block with the top coordinate free."""
+        """Determinant of the block and the parts beyond it with the top coordinate free, a program node."""
         return self._joined(self.deleted.determinant, self.contracted.determinant)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Reading of a row under a unit torque on the top coordinate."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
         return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of a coordinate under a unit torque on the top, without the parts that hang there."""
+        """Numerator of a coordinate's motion under a unit torque on the top, without the parts beyond it."""
         if end not in self.others:
             bare = {name: law for name, law in self.hanging.items() if name != end}
             self.others[end] = replace(self, hanging=bare, others={})

@@ -1,4 +1,4 @@
-"""Determinants of sparse matrices without division, with each minor recorded once."""
+"""Determinants of sparse matrices of program nodes without division, with each minor recorded once."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 SparseRow: TypeAlias = Mapping[int, ProgramNode]
-"""Row of a sparse matrix: program node by column."""
+"""Row of a sparse matrix, the node of a program in each column that is not zero."""
 
 MOST_MINORS = 20_000
-"""Largest number of products recorded before a determinant is given up: a limit on time and memory."""
+"""Largest number of products recorded before a symbolic determinant is given up, a limit on time and memory."""
 
 
 def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNode:
-    """Determinant of a sparse matrix by Laplace's expansion along its rows.
+    """Determinant of a sparse matrix of program nodes by Laplace's expansion along its rows, as a node.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
 
 
 def _order(rows: Sequence[SparseRow]) -> list[int]:
-    """Order of the rows in which few columns are begun and unfinished at any time."""
+    """Order of a sparse matrix's rows in which few columns are begun and unfinished at any time."""
     left, begun, order = set(range(len(rows))), set[int](), list[int]()
     while left:
         number = min(left, key=lambda one: (len(set(rows[one]) - begun), one))

@@ -1,4 +1,4 @@
-"""Symbolic network of a drivetrain: coordinates, and laws on rows over them."""
+"""Symbolic network of a drivetrain, with laws (inertia, damping, stiffness) on rows over its coordinates."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ import sympy
 from torsionnet.assembly.symbolic import collect_by_ratio
 
 SymbolRow: TypeAlias = Mapping[str, Any]
-"""Row over coordinates with sympy coefficients, none of them zero."""
+"""Row of sympy coefficients by coordinate, none of them zero."""
 
 ONE = sympy.Integer(1)
-"""Exact one of sympy, shared so that rows and laws compare quickly."""
+"""Exact number one of sympy, shared so that rows and laws compare quickly."""
 ZERO = sympy.Integer(0)
-"""Exact zero of sympy, for parts that a law lacks."""
+"""Exact number zero of sympy, for stiffness, damping or inertia that a law lacks."""
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Symbolic dynamic stiffness J s^2 + c s + k of a law; hysteresis and tables stand in k."""
+    """Symbolic dynamic stiffness J s^2 + c s + k of a law, where k holds hysteresis and tables."""
 
     stiffness: Any = ZERO
     damping: Any = ZERO
@@ -31,7 +31,7 @@ class Stiffness:
 
     @property
     def parts(self) -> tuple[Any, Any, Any]:
-        """Coefficients of 1, s, s^2 of the dynamic stiffness."""
+        """Coefficients of 1, s and s^2 of the dynamic stiffness (k, c, J) as sympy expressions."""
         return self.stiffness, self.damping, self.inertia
 
 
@@ -40,7 +40,7 @@ L = TypeVar("L")
 
 @dataclass(frozen=True, eq=False)
 class NetworkMember(Generic[L]):
-    """Law of a network on its row over coordinates."""
+    """Law of a network with the row over coordinates that it acts on."""
 
     row: SymbolRow
     law: L
@@ -48,14 +48,14 @@ class NetworkMember(Generic[L]):
 
 @dataclass(frozen=True, eq=False)
 class Network(Generic[L]):
-    """Symbolic network with D(s) = sum of law * row row^T over the coordinates."""
+    """Symbolic network of laws on rows, with the dynamic stiffness D(s) = sum of law * row row^T over coordinates."""
 
     coordinates: tuple[str, ...]
     members: tuple[NetworkMember[L], ...]
 
     @cached_property
     def grounds(self) -> Mapping[str, list[L]]:
-        """Laws on one coordinate alone, by coordinate."""
+        """Laws that act on one coordinate alone (to ground), by coordinate."""
         found: dict[str, list[L]] = {}
         for member in self.members:
             if len(member.row) == 1:
@@ -63,7 +63,7 @@ class Network(Generic[L]):
         return found
 
     def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
-        """Network on the motions with row = 0, with one coordinate other than ``keep`` expressed by the others.
+        """Network for motions with row = 0, in which the others express one coordinate, not ``keep``.
 
         The coefficient of kappa in det(D + kappa a a^T) is a_v^2 times the determinant of what is left, v being the
         coordinate expressed, and so for every bilinear form of the adjugate.
@@ -79,7 +79,7 @@ class Network(Generic[L]):
         return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
 
     def _pivot(self, row: SymbolRow, keep: str) -> str:
-        """Coordinate to be expressed by the others: of more than two, one on which few laws act, so rows stay short."""
+        """Coordinate of a row that the others express, where rows stay short one on which few laws act."""
         names = [name for name in row if name != keep]
         uses: Counter[str] = Counter()
         if len(row) > 2:
@@ -93,7 +93,7 @@ class Network(Generic[L]):
 
 @dataclass(frozen=True)
 class Contraction(Generic[L]):
-    """Network with one coordinate expressed by the others, and the factor of its determinant.
+    """Network in which one coordinate is expressed by the others, with the factor of its determinant.
 
     ``idle`` are the laws on motions that are no longer possible.
     """
@@ -105,12 +105,12 @@ class Contraction(Generic[L]):
     idle: tuple[L, ...]
 
     def row(self, row: SymbolRow) -> SymbolRow:
-        """Row over the remaining coordinates from a row over all coordinates."""
+        """Row over the remaining coordinates of the network from a row over all coordinates, symbolic."""
         return substitute_coordinate(row, self.pivot, self.solution)
 
 
 def add_parallel_laws(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
-    """Network with the laws on parallel rows added up; ``total`` adds laws, each on a multiple of one row."""
+    """Network with the laws on parallel rows added up by ``total``, each law on a multiple of one row."""
     groups: dict[tuple[tuple[str, Any], ...], list[tuple[L, Any]]] = {}
     for member in network.members:
         direction, scale = _direction(member.row, groups)
@@ -120,7 +120,7 @@ def add_parallel_laws(network: Network[L], total: Callable[[Sequence[tuple[L, An
 
 
 def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str, Any], ...], Any]:
-    """Row normalised so that parallel rows agree, and the scale that was divided out."""
+    """Row normalised so that parallel rows are equal, and the scale that was divided out."""
     names = sorted(row, key=lambda name: row[name] not in (1, -1))
     first, last = row[names[0]], row[names[-1]]
     if len(names) == 2:
@@ -130,7 +130,7 @@ def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str,
 
 
 def reflected_sum(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
-    """Sum of law * ratio^2, each term collected by the ratios it is reflected with."""
+    """Sum of law * ratio^2 over laws with their ratios, each term collected by its squared ratio."""
     total = _Collected()
     for law, ratio in laws:
         total.add(law, ratio)
@@ -138,7 +138,7 @@ def reflected_sum(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
 
 
 class _Collected:
-    """Sum of laws times squared ratios, collected by ratio."""
+    """Sum of laws times squared ratios so far, its terms collected by squared ratio."""
 
     def __init__(self) -> None:
         self.parts: tuple[dict[Any, Any], ...] = ({}, {}, {})
@@ -155,7 +155,7 @@ class _Collected:
 
 
 def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
-    """Sum of factor * row, without entries that are zero for all values of the symbols."""
+    """Sum of factor * row over rows by coordinate, without entries that are zero for all values of the symbols."""
     total: dict[str, Any] = {}
     for factor, row in rows:
         for name, value in row.items():
@@ -164,7 +164,7 @@ def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
 
 
 def substitute_coordinate(row: SymbolRow, pivot: str, solution: SymbolRow) -> SymbolRow:
-    """Row with one coordinate replaced by its expression in the others."""
+    """Symbolic row in which one coordinate is replaced by its expression in the others."""
     if pivot not in row:
         return row
     rest = {name: value for name, value in row.items() if name != pivot}
@@ -172,5 +172,5 @@ def substitute_coordinate(row: SymbolRow, pivot: str, solution: SymbolRow) -> Sy
 
 
 def vanishes(expression: Any) -> bool:
-    """Whether an expression is zero for all values of its symbols."""
+    """Whether a sympy expression is zero for all values of its symbols."""
     return bool(expression == 0 or (expression.is_Add and sympy.cancel(expression) == 0))

@@ -1,4 +1,4 @@
-"""Straight-line programs: a calculation recorded step by step, each step once.
+"""Straight-line programs, in which a symbolic calculation is recorded step by step, each step once.
 
 A transfer function is calculated once with the :class:`ProgramNode` objects of a :class:`Program`, which only take down
 what is done; equal steps are found to be equal. The program is then run in any algebra that has numbers for its leaves:
@@ -16,20 +16,20 @@ from typing import Any, Protocol
 from torsionnet.core.memo import Memo
 
 ARITHMETIC = ("+", "*", "/")
-"""Operations of a program step that combine two other steps."""
+"""Operations of a program step that combine two other steps, all that a determinant without subtraction needs."""
 
 
 class ProgramAlgebra(Protocol):
-    """Protocol of an algebra that evaluates programs: elements with +, * and / for the leaves of a program."""
+    """Protocol of an algebra that evaluates programs, whose elements for the leaves have +, * and /."""
 
     def leaf(self, payload: Any) -> Any:
-        """Element for a leaf: the payload given to :meth:`Program.leaf`, or a Fraction."""
+        """Element of the algebra for a leaf of a program, from the leaf's payload or a Fraction."""
         ...
 
 
 @dataclass(eq=False)
 class Program:
-    """Straight-line program; step i is ``("+", a, b)``, ``("*", a, b)``, ``("/", a, b)`` or ``("leaf", payload)``.
+    """Straight-line program with steps ``("+", a, b)``, ``("*", a, b)``, ``("/", a, b)`` or ``("leaf", payload)``.
 
     Examples
     --------
@@ -45,7 +45,7 @@ class Program:
     memo: Memo = field(default_factory=Memo)
 
     def leaf(self, payload: Hashable) -> ProgramNode:
-        """Node of a leaf whose value the algebra provides; rationals are constants."""
+        """Node of a leaf with a payload that an algebra turns into a value, or of a rational constant."""
         return self._node(("leaf", _constant(payload)))
 
     def node(self, value: Any) -> ProgramNode:
@@ -60,7 +60,7 @@ class Program:
         return found
 
     def constant(self, node: ProgramNode) -> Fraction | None:
-        """Value of a constant node; None for any other node."""
+        """Rational value of a node that is a constant, None for any other node."""
         step = self.steps[node.index]
         return step[1] if step[0] == "leaf" and isinstance(step[1], Fraction) else None
 
@@ -89,7 +89,7 @@ class Program:
         return left if b == 1 or a == 0 else self._node(("/", left.index, right.index))
 
     def needed(self, outputs: Iterable[ProgramNode]) -> list[int]:
-        """Indices of the steps on which the outputs depend, in order."""
+        """Indices of the program's steps on which its output nodes depend, in ascending order."""
         wanted = {node.index for node in outputs}
         for index in range(max(wanted, default=-1), -1, -1):
             if index in wanted and self.steps[index][0] in ARITHMETIC:
@@ -97,11 +97,11 @@ class Program:
         return sorted(wanted)
 
     def payloads(self, outputs: Iterable[ProgramNode]) -> list[Any]:
-        """Payloads of the leaves on which the outputs depend."""
+        """Payloads (expressions, stiffnesses, constants) of the leaves on which output nodes depend."""
         return [self.steps[index][1] for index in self.needed(outputs) if self.steps[index][0] == "leaf"]
 
     def run(self, algebra: ProgramAlgebra, outputs: Sequence[ProgramNode]) -> list[Any]:
-        """Values of the output nodes in an algebra."""
+        """Values of the output nodes when the program is evaluated in an algebra."""
         results: dict[int, Any] = {}
         for index in self.needed(outputs):
             step = self.steps[index]
@@ -113,7 +113,7 @@ class Program:
         return [results[node.index] for node in outputs]
 
     def factors(self, node: ProgramNode) -> Counter[int]:
-        """Factors of a node that is a product, as step indices with their multiplicity."""
+        """Factors of a node that is a product, as the multiplicity of each factor by the index of its step."""
         found: Counter[int] = Counter()
         waiting = [node.index]
         while waiting:
@@ -135,7 +135,7 @@ class Program:
         return self.known[self.steps[index]]
 
     def reduced(self, numerator: ProgramNode, denominator: ProgramNode) -> tuple[ProgramNode, ProgramNode]:
-        """Numerator and denominator without their common factors."""
+        """Nodes of numerator and denominator of a fraction without their common factors."""
         above, below = self.factors(numerator), self.factors(denominator)
         common = above & below
         if not common or self.constant(numerator) == 0:
@@ -150,7 +150,7 @@ def _constant(payload: Any) -> Any:
 
 
 class ProgramNode:
-    """Result of one step of a program, with +, * and / that record further steps."""
+    """Node of a program, the result of one step, whose +, * and / record further steps."""
 
     __slots__ = ("index", "program")
 

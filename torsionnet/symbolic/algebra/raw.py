@@ -10,7 +10,7 @@ from torsionnet.symbolic.algebra.algebras import Expressions
 
 
 class Raw:
-    """Unsorted sympy expression under construction."""
+    """Sympy expression under construction, whose terms are not sorted."""
 
     __slots__ = ("expression",)
 
@@ -37,7 +37,7 @@ def _is_neutral(operation: Any, left: Any, right: Any) -> bool:
 
 
 class RawExpressions(Expressions):
-    """Algebra of unsorted sympy expressions, see :class:`Raw`."""
+    """Algebra of sympy expressions with unsorted terms; see :class:`Raw`."""
 
     def leaf(self, payload: Any) -> Raw:
         return Raw(super().leaf(payload))

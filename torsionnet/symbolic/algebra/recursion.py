@@ -1,4 +1,4 @@
-"""Division-free recursion on a tree of blocks for determinants and readings.
+"""Recursion without division on a tree of blocks, for a network's determinant and the readings of sensors.
 
 Below a coordinate v hang blocks, each with its determinants A_b and Q_b for v free and held (see
 :mod:`torsionnet.symbolic.algebra.bundle` and :mod:`torsionnet.symbolic.algebra.loops`). With g_v the dynamic stiffness
@@ -28,34 +28,34 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 
 class SolvedBlock(Protocol):
-    """Protocol of a solved block: determinants and readings of the block with all that hangs on it."""
+    """Protocol of a block's determinants and readings, with all parts of the network beyond the block."""
 
     @property
     def held(self) -> ProgramNode:
-        """Determinant of the block with the top coordinate held."""
+        """Determinant of the block and the parts beyond it with the top coordinate held, a program node."""
         ...
 
     @property
     def free(self) -> ProgramNode:
-        """Determinant of the block with the top coordinate free."""
+        """Determinant of the block and the parts beyond it with the top coordinate free, a program node."""
         ...
 
     def carried(self, end: str) -> ProgramNode:
-        """Motion of a coordinate under a unit torque on the top, without the parts that hang on that coordinate."""
+        """Numerator of a coordinate's motion under a unit torque on the top, without the parts beyond it."""
         ...
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Reading of a row over the block's coordinates under a unit torque on the top."""
+        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
         ...
 
 
 BlockSolver: TypeAlias = Callable[[GraphBlock[Quotient], Mapping[str, Quotient], Program], SolvedBlock]
-"""Function that solves a block of more than two coordinates, with all that hangs on it."""
+"""Function that returns the determinants of a block of more than two coordinates, with all parts beyond it."""
 
 
 @dataclass
 class Recursion:
-    """Determinants A (free) and Q (held) of every coordinate connected to the root, recorded in a program."""
+    """Determinants of the parts beyond every coordinate, seen from a root, with it free (A) and held (Q)."""
 
     network: Network[Quotient]
     program: Program
@@ -75,17 +75,17 @@ class Recursion:
 
     @property
     def determinant(self) -> ProgramNode:
-        """Determinant of the whole network, det D, as a program node."""
+        """Determinant det D of the whole network's dynamic stiffness, as a node of the program."""
         return self.A[self.root] * self.beside
 
     @property
     def held(self) -> ProgramNode:
-        """Determinant of the whole network with the root held, as a program node."""
+        """Determinant of the whole network's dynamic stiffness with the root held, as a node of the program."""
         return self.Q[self.root] * self.beside
 
     @cached_property
     def beside(self) -> ProgramNode:
-        """Product of the determinants of all parts not connected to the root."""
+        """Product of the determinants of all parts of the network that are not connected to the root."""
         result = self.program.leaf(1)
         for other in roots_of(self.network, self.root)[1:]:
             result = result * Recursion(self.network, self.program, other, self.solve_block).A[other]
@@ -128,22 +128,22 @@ class Recursion:
         return [a * b for a, b in zip(ahead, reversed(behind), strict=True)] if blocks else []
 
     def _aside(self, name: str, block: GraphBlock[Quotient]) -> ProgramNode:
-        """Product of the determinants that hang on a coordinate besides a block."""
+        """Product of the determinants (held) of all blocks below a coordinate except one block."""
         return self._ground(name).below * self._hanging(name, block)
 
     def _carried(self, end: str) -> ProgramNode:
-        """Product along the path to ``end``, with all that hangs off the path."""
+        """Product of the motions carried from the root to ``end``, times the determinants off that path."""
         result = self.beside
         for block, far in self.tree.path(end):
             result = result * self.solved[block].carried(far) * self._aside(block.top, block)
         return result
 
     def motion(self, end: str) -> ProgramNode:
-        """Numerator of the angle at ``end`` under a unit torque at the root: det D times the angle."""
+        """Numerator of the angle at ``end`` under a unit torque at the root, det D times that angle."""
         return self._carried(end) * self.Q[end]
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of row theta under a unit torque at the root: det D times the reading."""
+        """Numerator of a reading (row theta) under a unit torque at the root, det D times the reading."""
         row = {name: value for name, value in row.items() if name in self.Q}
         block = self._common(row)
         if block is not None:
@@ -154,6 +154,6 @@ class Recursion:
         return total
 
     def _common(self, row: SymbolRow) -> GraphBlock[Quotient] | None:
-        """Block that contains all of several coordinates; None if no block does."""
+        """Block that contains all coordinates of a row, or None if no block does."""
         found = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
         return next((block for block in found if block.covers(row)), None)

@@ -1,4 +1,4 @@
-"""Complex arrays with a separate exponent, so that products over hundreds of coordinates neither overflow nor vanish.
+"""Complex arrays with a separate exponent, so that products over hundreds of coordinates do not overflow.
 
 Each number carries a bound of what rounding may have done to it: sums of large terms that cancel leave few digits.
 """
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 ZERO_EXPONENT = -(10**9)
-"""Exponent of an exact zero, below that of any other number."""
+"""Binary exponent of an exact zero, below that of any other number, so that sums keep the other number."""
 OPERATION_ROUNDING = 2.0**-51
-"""Relative rounding error of one operation with complex doubles, 4 times their unit roundoff 2^-53."""
+"""Relative rounding error assumed for one operation with complex doubles, 4 times their unit roundoff 2^-53."""
 
 
 class Scaled:
-    """Complex array (mantissa +- error) * 2^exponent, element by element; 0.5 <= |mantissa| < 1, or 0.
+    """Complex array (mantissa +- error) * 2^exponent, element by element, with 0.5 <= |mantissa| < 1, or 0.
 
     Examples
     --------
@@ -45,13 +45,13 @@ class Scaled:
 
     @classmethod
     def of(cls, array: Any) -> Scaled:
-        """Scaled array of an array or number of ordinary size, taken for exact."""
+        """Scaled array of a complex array or number of ordinary size, which is taken for exact."""
         mantissa = np.atleast_1d(np.asarray(array, dtype=complex))
         return cls(mantissa, np.zeros(mantissa.shape, dtype=np.int64), np.zeros(mantissa.shape))
 
     @classmethod
     def rational(cls, value: Fraction) -> Scaled:
-        """Scaled array of a rational constant of any size."""
+        """Scaled array (1,) of a rational constant of any size, with its rounding error."""
         shift = value.numerator.bit_length() - value.denominator.bit_length()
         exact = value / Fraction(2) ** shift
         mantissa = float(exact)
@@ -89,10 +89,10 @@ class Scaled:
         return result
 
     def array(self) -> ComplexArray:
-        """Plain complex array of the values."""
+        """Plain complex array of the values, same shape, which may overflow."""
         return np.asarray(self.mantissa * np.exp2(np.clip(self.exponent, -2000, 2000).astype(float)))
 
     def relative_error(self) -> FloatArray:
-        """Bound of the relative rounding error; infinite or nan where nothing is known, 0 for an exact zero."""
+        """Bound of the relative rounding error of each value, infinite or nan where no digit is sure."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.error == 0, 0.0, self.error / np.abs(self.mantissa))

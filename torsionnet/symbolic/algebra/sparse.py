@@ -15,13 +15,13 @@ from torsionnet.symbolic.algebra.algebras import S
 from torsionnet.symbolic.algebra.network import Stiffness
 
 EXPONENT_BITS = 12
-"""Bits of a packed monomial for the exponent of one generator: exponents up to 4095."""
+"""Number of bits for the exponent of one generator in a packed monomial, enough for exponents up to 4095."""
 EXPONENT_MASK = (1 << EXPONENT_BITS) - 1
-"""Mask that extracts one exponent from a packed monomial."""
+"""Bit mask that extracts the exponent of one generator from a packed monomial."""
 
 
 class Sparse:
-    """Sparse polynomial: sum of integer * monomial, over scale^depth.
+    """Sparse polynomial in parameters and s, a sum of integer * monomial over scale^depth.
 
     A monomial is one integer, with ``EXPONENT_BITS`` bits for the exponent of each generator, so that monomials
     multiply by adding. Fractions are kept out: all numbers have one common denominator, the scale.
@@ -45,7 +45,7 @@ class Sparse:
         return Sparse(total, depth, self.scale)
 
     def at_depth(self, depth: int) -> dict[int, int]:
-        """Numerators of the coefficients, by monomial, over the common denominator scale^depth."""
+        """Integer coefficients by monomial, for the common denominator scale^depth."""
         if depth == self.depth:
             return self.terms
         factor = self.scale ** (depth - self.depth)
@@ -68,7 +68,7 @@ class Sparse:
 
 @dataclass(frozen=True)
 class Monomials:
-    """Algebra of sparse polynomials, whose generators are s, parameters, and inverses and roots of parameters."""
+    """Algebra of sparse polynomials in s, parameters, and inverses and roots of parameters."""
 
     generators: tuple[Any, ...]
     scale: int
@@ -78,7 +78,7 @@ class Monomials:
         return {generator: EXPONENT_BITS * position for position, generator in enumerate(self.generators)}
 
     def leaf(self, payload: Any) -> Sparse:
-        """Sparse polynomial of a constant, an expression or a dynamic stiffness."""
+        """Sparse polynomial of a program's leaf (a constant, an expression or a dynamic stiffness)."""
         depth = 0 if _is_whole(payload) else 1
         found: dict[int, int] = {}
         for power, part in enumerate(_parts(payload)):
@@ -89,7 +89,7 @@ class Monomials:
         return Sparse(found, depth, self.scale)
 
     def by_power(self, polynomial: Sparse) -> list[dict[int, int]]:
-        """Terms of a sparse polynomial for every power of s, without cancelled ones."""
+        """Terms of a sparse polynomial for each power of s from 0 on, without those that cancelled."""
         shift = self._place[S]
         found: dict[int, dict[int, int]] = {}
         for monomial, number in polynomial.terms.items():
@@ -99,7 +99,7 @@ class Monomials:
         return [found.get(power, {}) for power in range(max(found, default=0) + 1)]
 
     def as_dict(self, polynomial: Sparse) -> dict[tuple[int, ...], Any]:
-        """Rational coefficients by the exponents of the generators, in the format of sympy's rings."""
+        """Rational coefficients of a sparse polynomial by the exponents of its generators, as in sympy's rings."""
         divisor = polynomial.scale**polynomial.depth
         return {
             tuple(monomial >> place & EXPONENT_MASK for place in self._place.values()): sympy.QQ(number, divisor)
@@ -108,7 +108,7 @@ class Monomials:
         }
 
     def expression(self, terms: Mapping[int, int], divisor: int = 1) -> Any:
-        """Sympy sum of terms over a common divisor."""
+        """Sympy sum of the terms of a sparse polynomial over a common divisor."""
         return sympy.Add(*self._terms(terms, divisor))
 
     def _terms(self, terms: Mapping[int, int], divisor: int) -> Iterator[Any]:
@@ -123,7 +123,7 @@ class Monomials:
 
 
 def monomials_for(payloads: Iterable[Any]) -> Monomials:
-    """Algebra of sparse polynomials in which all payloads can be written."""
+    """Algebra of sparse polynomials in which the payloads of all leaves of a program can be written."""
     names: dict[Any, None] = {}
     scale = 1
     for payload in payloads:
@@ -143,7 +143,7 @@ def _is_whole(payload: Any) -> bool:
 
 
 def monomials(expression: Any) -> list[tuple[Fraction, dict[Any, int]]]:
-    """Number and {generator: power} of every term of an expression; inverses and roots are generators of their own."""
+    """Number and exponent of each generator in every term of an expression multiplied out."""
     if isinstance(expression, Fraction):
         return [(expression, {})] if expression else []
     if expression.is_Symbol:

@@ -1,4 +1,4 @@
-"""Tests whether a polynomial or a coefficient is zero for all values of its symbols."""
+"""Tests whether a symbolic polynomial or coefficient is zero for all values of its symbols."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from torsionnet.symbolic.algebra.program import Program, ProgramNode
 
 
 def exact_fraction(value: Any) -> Fraction:
-    """Fraction of a sympy rational."""
+    """Python Fraction equal to a rational number of sympy."""
     return Fraction(int(value.p), int(value.q))
 
 
 def vanishes(node: ProgramNode) -> bool:
-    """Whether a polynomial in s is zero for all values of s and of the symbols."""
+    """Whether a program's result, a polynomial in s, is zero for all values of s and of the symbols."""
     if node.is_zero:
         return True
     (polynomial,) = node.program.run(InPowersOfS(Program().leaf), [node])
@@ -24,7 +24,7 @@ def vanishes(node: ProgramNode) -> bool:
 
 
 def surely_zero(node: ProgramNode | int) -> bool:
-    """Whether a program result is zero for all values of the symbols, tested at exact random numbers."""
+    """Whether a program's result is zero for all values of the symbols, tested at exact random numbers."""
     if not isinstance(node, ProgramNode):
         return node == 0
     if node.is_zero:
