@@ -1,4 +1,4 @@
-"""All nonzero eigenvalues and shapes of a row system with fixed coefficients, each with a bound on its error."""
+"""All nonzero eigenvalues and shapes of a system with fixed coefficients, each with a bound on its error."""
 
 from __future__ import annotations
 
@@ -15,20 +15,22 @@ if TYPE_CHECKING:
     from torsionnet.solve.modes.ehrlich_aberth import MatrixPolynomial
 
 REFINE_ABOVE = 1e-10
-"""Eigenvalues whose estimated relative error is larger are refined in mpmath."""
+"""Estimated relative error of an eigenvalue above which it is refined in mpmath."""
 POLISH_ABOVE = 1e-11
-"""Shapes whose forces balance worse than this, relative to their sum of magnitudes, are recomputed in mpmath."""
+"""Residual torque of a shape, over the sum of magnitudes of its terms, above which the shape is recomputed in
+mpmath."""
 REAL_BELOW = 1e-13
-"""Eigenvalues with |Im| <= this |lambda| are real: double precision cannot decide, and several equal ones may be
-calculated as pairs. Rounding splits a double root with one shape by the square root of its size."""
+"""Imaginary part of an eigenvalue, over its size, up to which it is real. Double precision cannot decide there, and
+several equal ones may be calculated as pairs. Rounding splits a double root with one shape by the square root of its
+size."""
 MAX_OPERATIONS = 60_000
-"""Multiplications of one sparse elimination times roots to refine; about ten seconds of mpmath."""
+"""Most multiplications of one sparse elimination times roots to refine, about ten seconds of mpmath."""
 _EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Nonzero eigenvalues and shapes of a system with one set of stiffnesses, with errors.
+    """Nonzero eigenvalues in rad/s and shapes of a system with one set of stiffnesses, with errors.
 
     Attributes
     ----------
@@ -52,7 +54,9 @@ class Spectrum:
 
 
 def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
-    """Spectrum in double precision: by singular values if undamped, else by eigenvalues of the first-order form.
+    """Nonzero eigenvalues and shapes in double precision, by singular values if undamped, else by the first-order form.
+
+    The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
 
     The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
     """
@@ -148,12 +152,12 @@ def has_pairs(values: ComplexArray) -> bool:
 
 
 def on_real_axis(values: ComplexArray) -> NDArray[np.bool_]:
-    """Mask of the eigenvalues that are real within rounding."""
+    """Mask (n,) of the eigenvalues that are real within rounding."""
     return np.asarray(np.abs(values.imag) <= REAL_BELOW * np.abs(values))
 
 
 def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
-    """Roots z and coefficients of the laws: z = lambda with (k, c, J), or z = omega^2 with (k, -J)."""
+    """Roots z and coefficients of the laws, z = lambda with (k, c, J), or z = omega^2 with (k, -J) if undamped."""
     system = spectrum.system
     if spectrum.undamped:
         return spectrum.values.imag**2, [spectrum.stiffness, -system.inertia]
@@ -161,7 +165,7 @@ def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
 
 
 def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) -> FloatArray:
-    """Residual |D q| of each shape, over the sum of the magnitudes of its terms."""
+    """Residual torque |D q| (n,) of each shape, over the sum of the magnitudes of its terms."""
     rows, sizes = spectrum.system.rows, np.abs(spectrum.system.rows)
     powers = [z**d for d in range(len(coefficients))]
     laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
@@ -172,7 +176,7 @@ def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) ->
 
 
 def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
-    """Mask of the ``count`` most uncertain of the chosen eigenvalues; equal errors, as of conjugates, go together."""
+    """Mask of the ``count`` most uncertain of the chosen eigenvalues. Equal errors, as of conjugates, go together."""
     if np.count_nonzero(chosen) <= count:
         return chosen
     limit = np.sort(errors[chosen])[::-1][count] if count else np.inf
@@ -180,7 +184,7 @@ def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) ->
 
 
 def one_per_pair(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
+    """Indices of one eigenvalue per conjugate pair and of all real ones, and mask of the real ones."""
     real = on_real_axis(spectrum.values)
     kept = np.flatnonzero(real | (spectrum.values.imag > 0))
     return kept, np.asarray(real[kept])

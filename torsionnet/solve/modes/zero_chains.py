@@ -29,7 +29,10 @@ class ZeroChain:
 
 
 def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, ZeroChain]:
-    """Chains by the index of the column that they replace; the sum of their orders is the number of roots at zero.
+    """Chains of motions for roots at zero, by the index of the column of P(s) that each replaces.
+
+    The sum of their orders is the number of roots at zero. Each replaces the column whose entry in a null vector is
+    largest by ``weights`` (n,).
 
     Each replaces the column whose entry in a null vector is largest by ``weights`` (n,).
 
@@ -56,7 +59,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
 
 
 def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
-    """Rows of the coefficient of s^power in P(s) with columns replaced by chains."""
+    """Rows of the coefficient matrix of s^power in P(s), with some columns replaced by chains."""
     rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.coefficient_rows(power)]
     for j, chain in chains.items():
         for m, vector in enumerate(chain.motion):
@@ -67,7 +70,7 @@ def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], p
 
 
 def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
-    """Exact basis of the null space of a square matrix, as column -> value."""
+    """Basis of the null space of a square matrix of rationals, exact, each vector as a map from column to value."""
     size = len(rows)
     solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
     found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}

@@ -190,7 +190,7 @@ class _CrossingSearch:
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
     def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
-        """Crossing with the mode at the critical speed itself, where parameters follow the operating point."""
+        """Crossing with the mode calculated at the critical speed itself, where parameters follow the speed."""
         if not self.over_speed.is_speed_dependent or not one.order:
             return one
         return self._crossing(self.over_speed.at_critical_speed(one.mode, self._natural(one)), line)

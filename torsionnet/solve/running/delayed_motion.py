@@ -41,7 +41,10 @@ ERROR_WARNED = 1e-4
 
 @dataclass(frozen=True)
 class DelayedForm:
-    """State space with delayed torques T: x' = A x + B [u, T], y = C x + D [u, T], T(t + delay) = E x + F [u, T]."""
+    """State space in SI with delayed torques T, x' = A x + B [u, T], y = C x + D [u, T], and the matrices for T itself.
+
+    These give T(t + delay) = E x + F [u, T].
+    """
 
     A: FloatArray
     B: FloatArray

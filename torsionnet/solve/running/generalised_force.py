@@ -38,7 +38,7 @@ class GeneralisedForce:
 
     @property
     def acts(self) -> bool:
-        """Whether the order excites the mode."""
+        """Whether the generalised force is large enough, over that of one cylinder, to excite the mode."""
         return self.relative >= NOT_EXCITED
 
 

@@ -131,7 +131,7 @@ class _Examination:
 
     @cached_property
     def _rated(self) -> dict[Sensor, float]:
-        """Mean values at the rated speed by sensor; empty where the examined speeds leave that out."""
+        """Mean value in SI units at the rated speed by sensor, empty where that speed is not examined."""
         rated, (low, high) = self.subject.rated, self.speeds.ends
         if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
             return {}

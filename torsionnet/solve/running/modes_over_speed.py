@@ -58,7 +58,7 @@ class ModesOverSpeed:
         return bool(self.drivetrain.definition.following)
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
-        """Modes at a speed in rad/s, by rising undamped frequency."""
+        """Vibration modes at a speed of the reference node in rad/s, numbered, by rising undamped frequency."""
         inside = min(max(speed, self.speed_range[0]), self.speed_range[1])
         if inside not in self._found:
             known = [*self.numbers, *range(len(self.numbers) + 1, len(self._unnumbered(inside)) + 1)]
