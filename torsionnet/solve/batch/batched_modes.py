@@ -36,6 +36,10 @@ class BatchedModes:
     modes needs; NaN stands after the last mode of the others. A vibration that some variant damps beyond critical
     damping is two real poles there, so that their numbers differ.
 
+    Each variant is in the order of :class:`~torsionnet.Modes`. There are as many columns as the variant with the most
+    modes needs; NaN stands after the last mode of the others. A vibration that some variant damps beyond critical
+    damping is two real poles there, so that their numbers differ.
+
     There are as many columns as the variant with the most modes needs; NaN stands after the last mode of the others. A
     vibration that some variant damps beyond critical damping is two real poles there, so that their numbers differ.
 
@@ -110,7 +114,11 @@ def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
 
 
 def batched_modes(batch: Batch) -> BatchedModes:
-    """Eigenvalues and shapes of all variants of a batch, equal to ``batch.model(i).modes()`` within 1e-9.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of all variants of a batch, as single models have within 1e-9.
+
+    They equal those of ``batch.model(i).modes()``. Variants that are uncertain from stacks of matrices are solved
+    singly, and so are all of a drivetrain with torques that follow a motion elsewhere or with laws over frequency other
+    than hysteretic springs. The bits of a variant do not depend on what else is in the batch.
 
     Variants that are uncertain from stacks of matrices are solved singly, and so are all of a drivetrain with torques
     that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
@@ -131,7 +139,7 @@ def batched_modes(batch: Batch) -> BatchedModes:
 
 
 def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> BatchedModes:
-    """Eigenvalues and shapes of variants whose rows differ, so that each is solved by itself."""
+    """Eigenvalues (n, n_modes) in rad/s and shapes of variants whose rows differ, each solved by itself."""
     n = len(next(iter(values.values())))
     found = _Gathered(n, len(drivetrain.assembly.nodes))
     for place in range(n):

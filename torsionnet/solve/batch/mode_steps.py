@@ -16,7 +16,7 @@ from torsionnet.solve.batch.mode_states import common_energy
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 
 SAME_MODE_ENERGY = 0.8
-"""Energy in common, from 0 to 1, from which modes of neighbouring variants are taken as the same mode."""
+"""Energy in common, from 0 to 1, from which modes of neighbouring variants are the same mode, well above half."""
 SUCCESSOR_ENERGY = 0.5
 """Energy in common, from 0 to 1, below which a mode has no successor, as less than half of it is the same motion."""
 MISSING_MODE = -1

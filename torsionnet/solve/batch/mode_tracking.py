@@ -37,7 +37,8 @@ from torsionnet.solve.batch.tracking_notes import tracking_notes
 from torsionnet.solve.modes.modes import natural_modes
 
 VEERING_MAC = 0.2
-"""MAC with another mode of the drivetrain from which a mode is marked as veering. A lower value marks more modes."""
+"""MAC with another mode of the drivetrain from which a mode is marked as veering, a fifth, as a lower value marks more
+modes."""
 
 
 VARIANTS_AT_ONCE = 500
@@ -46,7 +47,7 @@ VARIANTS_AT_ONCE = 500
 
 @dataclass(frozen=True, eq=False)
 class TrackedModes:
-    """Eigenvalues and shapes of n variants, in the order of the modes of the drivetrain itself.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of n variants, in the order of the modes of their drivetrain.
 
     Attributes
     ----------

@@ -21,10 +21,11 @@ from torsionnet.solve.batch.mode_steps import (
 )
 
 FIRST_STEP = 0.25
-"""Share of the way to a variant that the first step takes. Shorter ones cost solutions, longer ones get halved."""
+"""Share of the way to a variant that the first step takes, as shorter ones cost solutions and longer ones get
+halved."""
 SHORTEST_STEP = 2.0**-12
-"""Shortest step as a share of the way from the drivetrain to a variant. It is doubled for a variant whenever not even
-that told modes apart, so that a way along which nothing is clear is given up after a dozen of them."""
+"""Shortest step as a share of the way to a variant, doubled whenever not even that tells modes apart, so that an
+unclear way ends after a dozen."""
 
 
 class ModeWalk:

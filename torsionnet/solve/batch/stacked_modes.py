@@ -41,8 +41,8 @@ from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 EQUAL_COMPONENT_RATIO = 1 - 1e-9
-"""Ratio to the largest component of a shape from which another component counts as equally large. The first of them is
-then scaled to 1."""
+"""Ratio to the largest component of a shape from which another counts as equally large, so that the first of them is
+scaled to 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class StackedModes:
 
 
 def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
-    """Eigenvalues and shapes of variants of a system, solved as stacks of matrices.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of variants of a system, solved as stacks of matrices.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def _nothing(n_nodes: int, n: int) -> StackedModes:
 
 
 def _together(parts: Sequence[StackedModes], places: Sequence[Places]) -> StackedModes:
-    """Modes of all variants put together from parts, each at the places of its variants."""
+    """Eigenvalues and shapes of all variants put together from parts, each at the places of its variants."""
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, places))

@@ -21,7 +21,8 @@ from torsionnet.solve.modes.spectrum import on_real_axis
 
 _EPS = float(np.finfo(float).eps)
 ERROR_SAFETY = 4.0
-"""Safety factor on the error estimate of eigenvalues. A larger value sends more variants to the single solver."""
+"""Safety factor on the error estimate of eigenvalues, a larger value of which sends more variants to the single
+solver."""
 ERROR_SAFETY_MASSLESS = 100.0
 """Safety factor on the error estimate with massless motions, whose elimination adds rounding errors."""
 
@@ -46,7 +47,7 @@ Some: TypeAlias = tuple[NDArray[np.intp], StackedVibrations]
 
 
 def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
-    """Eigenvalues and shapes of variants without damping, by rising frequency."""
+    """Eigenvalues (n, m) in rad/s and shapes (n, n_q, m) of variants without damping, by rising frequency."""
     form = stacked_form(directions, given)
     _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
     rates, states = sigma[:, ::-1], vt.mT[:, :, ::-1]

@@ -21,7 +21,7 @@ from torsionnet.core.expressions import Algebra
 CANCELLATION_RATIO = 1e-3
 """Ratio of a sum to its terms below which the sum has lost digits that exact fractions would have kept."""
 MOST_PASSES = 64
-"""Most passes over variants, one per combination of decisions. Variants beyond are looked at one by one."""
+"""Most passes over variants, one per combination of decisions, beyond which variants are looked at one by one."""
 
 
 class Decisions:

@@ -37,14 +37,14 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 DEFAULT_BOUNDS_FACTOR = 10.0
 """Factor on a parameter's value for the default bounds of a damper design, a tenth to ten times the value."""
 EFFECT_POINTS = 33
-"""Number of values between the bounds of one parameter for which the largest level is calculated. More give a smoother
+"""Number of values between the bounds of one parameter for which the largest level is calculated, enough for a smooth
 curve."""
 FREE_FACTOR, LOCKED_FACTOR = 1e-6, 1e6
-"""Factors on the best damping for a free and a locked damper. The first leaves nearly none, with finite peaks; with the
-second nothing slips."""
+"""Factors on the best damping for a free damper, whose peaks stay finite, and for a locked one, in which nothing
+slips."""
 FIXED_POINT_SPREAD = 0.02
-"""Spread of levels over dampings up to which a crossing of curves counts as a fixed point. The value 2 % is about the
-width of a curve."""
+"""Spread of levels over dampings up to which a crossing of curves counts as a fixed point, 2 %, about the width of a
+curve."""
 
 Bounds = Mapping[str, Sequence[Any] | None]
 
@@ -138,7 +138,7 @@ def sought_units(varied: Unknowns) -> list[str]:
 
 
 def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
-    """Bounds in SI units of the parameters sought, as given, else from the model, else a decade to each side."""
+    """Bounds (n_p,) in SI units of the parameters sought, as given, else from the model, else a decade to each side."""
     ends = []
     for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
         written = given.get(name) or varied.definition.parameters[parameter].bounds

@@ -23,10 +23,11 @@ from torsionnet.solve.sensitivity.parametric import ParametricResponse
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 REFINEMENT_ROUNDS, REFINEMENT_POINTS = 4, 21
-"""Number of rounds that refine a maximum of a level, and points in each. Every round divides the interval by ten."""
+"""Number of rounds that refine a maximum of a level, and points in each, so that every round divides the interval by
+ten."""
 SLOPE_STEP = 1e-4
-"""Relative step of a parameter for the central difference that gives the slope of a half range. Much smaller steps lose
-digits to rounding."""
+"""Relative step of a parameter for the central difference that gives the slope of a half range, large enough that
+rounding hardly counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,9 @@ class Levels(Protocol):
         """Derivatives (n, n_p) of the levels at ``points`` (n,) to the parameters in SI units."""
 
     def maxima(self, values: FloatArray) -> FloatArray:
-        """Frequencies (Hz) or speeds (rad/s) of the local maxima of the level, the highest first.
+        """Frequencies (Hz) or speeds (rad/s), shape (n,), of the local maxima of the level, the highest first.
+
+        The ends of the range count.
 
         The ends of the range count.
         """

@@ -20,18 +20,21 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
 
 CONSTRAINT_ROUNDS, PROGRAMMING_STEPS = 40, 60
-"""Most rounds that add constraint points in a minimax search, and most steps of quadratic programming in each."""
+"""Most rounds that add constraint points in a minimax search, and most steps of quadratic programming in each, which
+bound its time."""
 SAMPLED_STARTS, SEARCHED_STARTS = 16, 2
-"""Number of sampled starts of a minimax search, doubled for each parameter after the first, and of the best that are
-searched."""
+"""Number of sampled starts of a minimax search, doubled for each parameter after the first, and how many of the best
+are searched."""
 FIRST_CONSTRAINTS = 40
-"""Number of points of the range that are constraints of a minimax search from the beginning. Fewer cost more rounds."""
+"""Number of points of the range that are constraints of a minimax search from the beginning, as fewer cost more
+rounds."""
 WIDE_BOUNDS_RATIO = 3.0
 """Ratio of upper to lower bound above which a parameter is searched in equal factors and not in equal steps."""
 SMALLEST_LEVEL = 1e-300
 """Level added before logarithms are taken, near the smallest double, so that a level of zero has one."""
 GRADIENT_PRECISION, TOLERANCE_POWER = 1e-8, 1.3
-"""Relative precision of levels up to which gradients are used, and power of it at which quadratic programming stops."""
+"""Relative precision of levels up to which gradients are used, and power of it at which quadratic programming stops, as
+less is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +106,7 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
 
 
 def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> float:
-    """Largest vibration level over all frequencies or speeds, for these parameter values."""
+    """Largest vibration level, in its unit, over all frequencies or speeds for these parameter values (n_p,)."""
     points = levels.maxima(values)[:1] if refined else levels.grid(values)
     return float(levels.at(values, points).max())
 

@@ -23,7 +23,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 
 HIGHEST_POWER = 2
-"""Highest power of s with which an action may feed the sensed angle through at once: 2, its acceleration."""
+"""Highest power of s, 2, with which an action may feed the sensed angle through at once, that is its acceleration."""
 
 
 @dataclass(frozen=True)

@@ -29,8 +29,8 @@ except ImportError as error:
     raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
 
 POINTS_AT_ONCE = 128
-"""Number of frequency points that the compiled loop works on at once. It is enough for vector instructions, and few
-enough for a thousand registers in the cache."""
+"""Number of frequency points that the compiled loop works on at once, enough for vector instructions and few enough for
+a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
@@ -38,8 +38,8 @@ CANCELLATION_SQUARE, SHARE_SQUARE = LARGE_CANCELLATION * LARGE_CANCELLATION, LAR
 """Squares of the ratios above which a frequency point counts as having lost digits, to compare with squared
 magnitudes."""
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
-"""Squared magnitudes of a measured reading, least and most, beyond which numpy divides by it in place of the loop. The
-compiled loop leaves NaN there; numpy scales its divisions."""
+"""Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
+only numpy's scaled division is safe. The compiled loop leaves NaN there."""
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:

@@ -13,11 +13,13 @@ from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep
 
 BLOCK_BYTES = 32 * 2**20
-"""Memory in bytes of the dynamic stiffness matrices solved at once. Larger blocks leave the processor's cache."""
+"""Memory in bytes of the dynamic stiffness matrices solved at once, since larger blocks leave the processor's cache."""
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs (rad) and reactions (N m) per unit excitation at all points, by dense matrices.
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by dense matrices.
+
+    It does not check for lost digits.
 
     It does not check for lost digits.
     """

@@ -44,10 +44,11 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import (
 )
 
 SPLIT_ROW_MULTIPLE = 2
-"""Rows on one coordinate, over the links and grounds that would replace them, above which they are split into these."""
+"""Rows on one coordinate, over the links and grounds that would replace them, above which they are split into these, as
+elimination then takes fewer operations."""
 MOST_UNSPLIT_ROWS = 30
-"""Number of rows on a coordinate up to which rows are never split into links and grounds. Splitting subtracts, which
-costs digits."""
+"""Number of rows on a coordinate up to which rows are never split into links and grounds, since splitting subtracts,
+which costs digits."""
 
 
 def make_plan(

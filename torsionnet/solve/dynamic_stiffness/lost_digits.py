@@ -11,10 +11,11 @@ Array: TypeAlias = NDArray[Any]
 """Real array for systems without damping, else complex, with frequency points on the last axis."""
 
 LARGE_CANCELLATION = 1e4
-"""Ratio of a term to a sum of two above which the frequency point is uncertain. At least four digits are lost there."""
+"""Ratio of a term to a sum of two above which the frequency point is uncertain, as four digits or more are lost
+there."""
 LARGE_SHARE = 1e3
-"""Ratio of a term to its pivot or quotient above which a frequency point is uncertain. It is lower than that of a sum,
-since such losses accumulate."""
+"""Ratio of a term to its pivot or quotient above which a frequency point is uncertain, lower than that of a sum since
+such losses accumulate."""
 
 
 class LostDigits:

@@ -24,14 +24,14 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 CALCULATION_DIGITS = 200
 """Decimal digits of a response calculated in many digits, far more than any drivetrain met so far has cancelled."""
 TRUSTED_SHARE = 0.55
-"""Share of the decimal digits that are trusted in a sum. The others allow for poles near s and for spreads of the
+"""Share of the decimal digits that are trusted in a sum, since the others allow for poles near s and for spreads of the
 values."""
 KNOWN_SHARE = 0.9
-"""Share of the decimal digits that are known of coefficients in rows. Products around a loop lose few."""
+"""Share of the decimal digits that are known of coefficients in rows, as products around a loop lose few."""
 
 
 class ManyDigits:
-    """Transfer functions of a request at single values of s, in as many digits as ``mpmath.workdps`` says."""
+    """Transfer functions of a request at single complex values of s, in as many digits as ``mpmath.workdps`` says."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
         self.request: TransferRequest = request
@@ -102,7 +102,7 @@ def _accuracy() -> Accuracy:
 
 
 def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
-    """Output values of a tape by number, as mpmath numbers, from the dynamic stiffness of each slot.
+    """Output values of a tape by number, as mpmath numbers, from the dynamic stiffness in N m/rad of each slot.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
 
 
 def _left(terms: Sequence[Any]) -> Any:
-    """Sum of mpmath numbers, exactly 0 where all trusted digits cancel."""
+    """Sum of mpmath numbers, exactly 0 where all trusted digits of its terms cancel."""
     import mpmath
 
     total = sum(terms)

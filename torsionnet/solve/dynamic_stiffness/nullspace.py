@@ -27,10 +27,11 @@ from torsionnet.model.elimination import reduce_rows
 SparseRow: TypeAlias = Mapping[int, float]
 
 CLOSED_LOOP_TOLERANCE = 1e-11
-"""Relative residual below which rows around a loop of gears agree. Consistent ratios meet to about 1e-15."""
+"""Relative residual below which rows around a loop of gears agree, far above the 1e-15 to which consistent ratios
+meet."""
 WIDE_ROW_ROUNDING = 1e-13
-"""Relative rounding error assumed in coefficients of rows over more than two coordinates. Entries are right to 1e-16,
-long products nearly."""
+"""Relative rounding error assumed in coefficients of rows over more than two coordinates, since entries are right to
+1e-16 and long products nearly."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class NullSpace:
         return len(self.columns)
 
     def first(self, count: int) -> NullSpace:
-        """Null space of the first ``count`` directions of this one."""
+        """Null space that the first ``count`` directions of motion of this one span."""
         return replace(self, columns=self.columns[:count])
 
     def basis(self) -> FloatArray:

@@ -24,7 +24,7 @@ Number: TypeAlias = Callable[[Any], Any]
 
 
 class ReadingPart(NamedTuple):
-    """One summand of a reading, which is ``factor``, or a term's coefficient, times row ``solved`` of the solution."""
+    """Summand of a reading, which is ``factor``, or a term's coefficient, times row ``solved`` of the solution."""
 
     solved: int
     term: Term | None
@@ -45,7 +45,7 @@ class Gap:
     nodes: Mapping[str, Fraction]
 
     def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
-        """Work in J, per rad that the gap opens, of torques in N m on nodes (``row``: node -> torque)."""
+        """Work in J, per rad that the gap opens, of the torques in N m that ``row`` gives by node."""
         return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 

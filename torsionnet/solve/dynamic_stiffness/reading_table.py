@@ -1,4 +1,4 @@
-"""Readings as integer and float arrays, in the form that the compiled loop runs through."""
+"""Integer and float arrays that say how every reading is formed, as the compiled loop runs through them."""
 
 from __future__ import annotations
 

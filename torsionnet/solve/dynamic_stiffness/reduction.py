@@ -30,7 +30,8 @@ AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 LARGE_SYSTEM = 60
 """Number of coordinates above which a drivetrain is large, so that methods that follow its graph pay off."""
 RANK_TOLERANCE = 1e-11
-"""Relative tolerance of ranks of normalised rows, whose ratios are 1 to 100. Consistent loops meet to about 1e-15."""
+"""Relative tolerance of ranks of normalised rows, whose ratios are 1 to 100, far above the 1e-15 to which consistent
+loops meet."""
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 
 MOST_SINGLE_TORQUES = 4
-"""Largest number of excitation torques that are solved one by one. Each has its own coordinate at the root of the
-tree."""
+"""Largest number of excitation torques that are solved one by one, since each then has its own coordinate at the root
+of the tree."""
 GOLDEN = (math.sqrt(5) - 1) / 2
 """Golden ratio minus one, whose multiples modulo 1 spread the scale factors of coordinates most evenly."""
 

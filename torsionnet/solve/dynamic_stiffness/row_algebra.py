@@ -31,8 +31,8 @@ class Accuracy:
 
 
 DOUBLE = Accuracy(1e-13, _rounded)
-"""Accuracy of row coefficients in double precision. Ratios multiplied around a consistent loop meet to about 1e-15 per
-gear."""
+"""Accuracy of row coefficients in double precision, as ratios multiplied around a consistent loop meet to about 1e-15
+per gear."""
 
 
 def combine_rows(
@@ -61,7 +61,7 @@ def normalised(row: Mapping[int, float], accuracy: Accuracy = DOUBLE) -> tuple[K
 def equivalent_links(
     row: Mapping[int, float], scale: Mapping[int, float], accuracy: Accuracy = DOUBLE
 ) -> Iterator[tuple[Row, float]]:
-    """Yield links and grounds b with weights that together equal one row a, a a^T = sum of weight * b b^T.
+    """Yield links and grounds b with weights that together equal one row a, by a a^T = sum of weight * b b^T over b.
 
     With a_i d_i for a_i, where d is the ``scale`` of the coordinates, a pair i, j gets the link {i: 1/d_i, j: -1/d_j}
     with weight -a_i a_j, and coordinate i the ground {i: 1/d_i} with a_i sum(a): nothing where the row does not answer

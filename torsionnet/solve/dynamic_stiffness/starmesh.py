@@ -32,8 +32,8 @@ Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]
 
 
 COMPILED_WORK = 1e9
-"""Tape operations times frequency points above which the compiled loop saves more than the seconds it takes to start.
-These are one or two."""
+"""Tape operations times frequency points above which the compiled loop saves more than the second or two that starting
+it takes."""
 
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
@@ -59,7 +59,7 @@ def compiled_works() -> bool:
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Motions (rad) and reactions (N m) per unit excitation at all points, for the dynamic stiffness ``kappa``.
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), from ``kappa`` of all laws.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
@@ -71,12 +71,12 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 
 def respond_in_numpy(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Motions (rad) and reactions (N m) per unit excitation with numpy, whatever the number of points."""
+    """Motions (rad) and reactions (N m) per unit excitation by numpy, shape (n_read, n_exc, n_points)."""
     return _respond(problem, kappa, sweep)
 
 
 def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Motions (rad) and reactions (N m) per unit excitation with the compiled loop, whatever the number of points.
+    """Motions (rad) and reactions (N m) per unit excitation by the compiled loop, (n_read, n_exc, n_points).
 
     Raises
     ------

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import control
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
-"""Size, over its terms, below which a coefficient that should vanish counts as zero. Smaller values refuse valid
+"""Size, over its terms, below which a coefficient that should vanish counts as zero, since smaller limits refuse valid
 models."""
 
 

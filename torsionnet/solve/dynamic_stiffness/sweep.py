@@ -14,10 +14,10 @@ from torsionnet.solve.dynamic_stiffness.lost_digits import Array, LostDigits
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
-"""Memory in bytes of the registers that numpy works on at once. More would leave the processor's cache."""
+"""Memory in bytes of the registers that numpy works on at once, since more would leave the processor's cache."""
 FEWEST_POINTS, MOST_POINTS = 1024, 4096
-"""Fewest and most frequency points that numpy works on at once. Fewer cost more in the interpreter than in arithmetic,
-more leave the cache."""
+"""Fewest and most frequency points that numpy works on at once, as fewer cost more in the interpreter than in
+arithmetic and more leave the cache."""
 
 
 @dataclass

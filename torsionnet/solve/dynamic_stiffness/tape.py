@@ -27,11 +27,11 @@ from numpy.typing import NDArray
 LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
 _READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
-"""Number of registers that an operation reads, by its code. Operations not listed read none."""
+"""Number of registers that an operation reads, by its code, where operations not listed read none."""
 
 
 class Operation(NamedTuple):
-    """One operation of an elimination, as code, target register, two source registers and a factor."""
+    """Operation of an elimination, as code, target register, two source registers and a factor."""
 
     code: int
     t: int

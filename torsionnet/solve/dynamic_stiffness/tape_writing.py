@@ -14,8 +14,8 @@ from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan,
 from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, PIVOT, SUM, Tape, TapeQuantity, Writer
 
 MOST_FORWARD_READINGS = 2
-"""Largest number of readings that are carried forward with the loads. For so few it takes fewer operations than
-back-substitution."""
+"""Largest number of readings that are carried forward with the loads, as that takes fewer operations than
+back-substitution for so few."""
 _ONE = TapeQuantity(-1, 1.0)
 
 
@@ -57,7 +57,10 @@ class _Taping:
         table[key] = self.writer.plus(table.get(key), term)
 
     def _link(self, slot: int) -> TapeQuantity:
-        """Dynamic stiffness of a row slot as a quantity of the tape. That of laws is not worked out before use."""
+        """Dynamic stiffness in N m/rad of a row slot, as a quantity of the tape.
+
+        That of laws is not worked out before use.
+        """
         if slot in self.fresh:
             self.fresh.discard(slot)
             self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)

@@ -16,9 +16,10 @@ from scipy import linalg
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 REST_POLE_RATIO = 1e-7
-"""Size of a pole, over the largest pole, below which it is grouped with the poles at zero of rigid rotation."""
+"""Size of a pole, over the largest pole, below which it is grouped with the poles at zero, as rounding moves those of
+rigid rotation that far."""
 MOST_EIGENVECTOR_CONDITION = 1e7
-"""Condition number of the eigenvectors up to which a block is made diagonal. Beyond it, too many digits are lost."""
+"""Condition number of the eigenvectors up to which a block is made diagonal, as too many digits are lost beyond it."""
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.dynamic_stiffness.many_digits import in_many_digits
 
 DIGITS = 60
-"""Decimal digits of all sums, against cancellation between stiff and soft springs. More take longer."""
+"""Decimal digits of all sums in a root's equation, enough against cancellation between stiff and soft springs."""
 MOST_ITERATIONS = 20
-"""Most steps of inverse iteration for a pole in many digits. A start with some right digits needs a few."""
+"""Most steps of inverse iteration for a pole in many digits, as a start with some right digits needs a few."""
 CONVERGED = 1e-15
 """Relative step at which a pole in many digits counts as found, since the result is rounded to double precision."""
 

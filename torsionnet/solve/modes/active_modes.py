@@ -1,4 +1,4 @@
-"""Poles and mode shapes of a drivetrain with controllers or negative damping, poles of controllers included.
+"""Poles in rad/s and mode shapes of a drivetrain with controllers or negative damping, with the controllers' poles.
 
 Starts come from the states of drivetrain and controllers together; each pole is then a root of the exact characteristic
 equation, delays included, with a bound on its rounding.
@@ -34,24 +34,25 @@ from torsionnet.solve.modes.eigen import (
 )
 
 LARGEST_SOLVED_EXACTLY = 150
-"""Number of coordinates and controllers up to which every pole is solved on the characteristic equation, and
-counted."""
+"""Number of coordinates and controllers up to which every pole is solved on the characteristic equation and counted, as
+time allows."""
 LARGEST_COUNTED = 200
-"""Number of coordinates and controllers up to which poles in a circle are counted. Counting takes their number
+"""Number of coordinates and controllers up to which poles in a circle are counted, since counting takes their number
 cubed."""
 LARGEST_UNCERTAIN = 1e-3
-"""Size of an uncertain start, over the radius of the searched circle, up to which slow poles are sought near it.
+"""Size of an uncertain start, over the radius of the circle, up to which slow poles are sought near it, as larger ones
+stem from the delay.
 
 Larger uncertain starts are poles of the delay that its points do not resolve.
 """
 MOST_POINTS = 160
-"""Most points by which a delay is approximated for start values. Each adds a state per controller."""
+"""Most points by which a delay is approximated for start values, as each adds a state per controller."""
 FEWEST_POINTS = 20
 """Fewest points by which a delay is approximated for start values, so that slow poles have good starts."""
 POINTS_PER_RADIAN = 0.75
 """Points of a delay per radian by which the fastest motion turns in the time of the delay."""
 SAME_POLE = 1e-7
-"""Relative distance below which two poles are one. Roots are far more accurate, distinct poles hardly as near."""
+"""Relative distance below which two poles are one, as roots are far more accurate and distinct poles hardly as near."""
 REAL_BELOW = 1e-10
 """Imaginary part of a pole, over its size, up to which the pole counts as real."""
 SOLVED_IN_MANY_DIGITS = 1e-11
@@ -59,8 +60,8 @@ SOLVED_IN_MANY_DIGITS = 1e-11
 MOST_WORK = 3e5
 """Most coordinates cubed times poles that are solved in many digits, which bounds the time."""
 LOSS_STEPS = 8
-"""Number of equal steps in which loss factors grow from 0 while poles are followed. More follow larger losses more
-safely."""
+"""Number of equal steps in which loss factors grow from 0 while poles are followed, as more steps follow larger losses
+more safely."""
 
 
 def is_active(system: RowSystem) -> bool:
@@ -333,6 +334,8 @@ def _real_shapes(shapes: ComplexArray) -> ComplexArray:
 
 def _scaled(shapes: Any) -> Any:
     """Shapes (n_q, n_modes) scaled to 1 at their largest angle, while shapes of zeros stay.
+
+    The pole of a controller that oscillates alone has such a shape.
 
     The pole of a controller that oscillates alone has such a shape.
     """

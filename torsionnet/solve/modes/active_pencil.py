@@ -26,18 +26,19 @@ from torsionnet.solve.modes.exact_pencil import ExactPencil
 from torsionnet.solve.modes.zero_chains import deflated_coefficient, null_vectors
 
 MOST_ITERATIONS = 30
-"""Most steps of inverse iteration for a pole in double precision. A start with some right digits needs a few."""
+"""Most steps of inverse iteration for a pole in double precision, as a start with some right digits needs a few."""
 CONVERGED = 1e-9
-"""Relative step below which a pole counts as found. Where rounding moves it by more, ten times its error is the
+"""Relative step below which a pole counts as found, unless rounding moves it by more and ten times its error is the
 limit."""
 EPS = float(np.finfo(float).eps)
 """Relative rounding of a number in double precision, 2.2e-16."""
 POINTS_ON_CIRCLE, POINTS_PER_ROW = 64, 8
-"""Fewest points on half a circle along which the phase of det P is followed, in all and for each row of P."""
+"""Fewest points on half a circle along which the phase of det P is followed, in all, and for each row of the matrix."""
 POINTS_PER_DELAY_RADIAN = 4
-"""Points on half a circle per radian by which delays turn the phase of det P. Fewer could miss whole turns."""
+"""Points on half a circle per radian by which delays turn the phase of det P(s), as fewer could miss whole turns."""
 MOST_HALVINGS = 1 << 16
-"""Most halvings of steps while the phase of det P is followed. A root on the circle would need infinitely many."""
+"""Most halvings of steps while the phase of det P is followed, since a root on the circle would need infinitely
+many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +164,7 @@ class ActivePencil:
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def slow_roots(self) -> ComplexArray:
-        """Slow roots in rad/s, approximate and by magnitude, from the first three terms of P(s) at zero."""
+        """Slow roots (n,) in rad/s, approximate and by magnitude, from the first three terms of P(s) at zero."""
         chains, n = {column.place: column.chain for column in self.columns}, self.size
         terms = np.zeros((3, n, n))
         for power, term in enumerate(terms):

@@ -15,7 +15,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import first_order
 from torsionnet.solve.modes.active_pencil import EPS, ActivePencil
 
 LARGEST_START_ERROR = 1e-3
-"""Relative error up to which an eigenvalue of the state matrix is a pole. With more it may be a rounded zero."""
+"""Relative error up to which an eigenvalue of the state matrix is a pole, as one with more may be a rounded zero."""
 SLOW_RANGE = 10.0
 """Range of slow roots that serve as starts, over the largest uncertain eigenvalue, which may be wrong by its size."""
 

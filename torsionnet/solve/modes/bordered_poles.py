@@ -30,9 +30,10 @@ from torsionnet.solve.modes.mode_descriptions import accuracy_warnings
 from torsionnet.solve.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
 
 BALANCING_ROUNDS = 10
-"""Number of rounds that bring the largest entries of rows and columns to one. Each takes the root of the distance."""
+"""Number of rounds that bring the largest entries of rows and columns to one, as each takes the root of the
+distance."""
 ERROR_FACTOR = 10.0
-"""Assumed backward error of the eigenvalue problem in units of rounding. A larger value refines more roots in
+"""Assumed backward error of the eigenvalue problem in units of rounding, a larger value of which refines more roots in
 mpmath."""
 _EPS = float(np.finfo(float).eps)
 

@@ -34,7 +34,7 @@ from torsionnet.solve.modes.modular_arithmetic import (
 )
 
 MAX_PRIMES = 40
-"""Most primes of 61 bits that are joined. They are enough for coefficients of repeated factors of some 700 digits."""
+"""Most primes of 61 bits that are joined, enough for coefficients of repeated factors of some 700 digits."""
 
 ExactRow: TypeAlias = dict[int, Fraction]
 

@@ -26,14 +26,15 @@ from torsionnet.solve.modes.frozen_stiffness import Eigenpairs, Mode
 from torsionnet.solve.modes.wittrick_williams import negative_pivots
 
 NEWTON_STEPS, CONVERGED = 30, 1e-14
-"""Most Newton steps for a damped mode, and the relative step at which these end."""
+"""Most Newton steps for a damped mode, and the relative step, near rounding, at which these end."""
 SMALLEST_DAMPING_STEP = 2.0**-12
-"""Smallest share of the damping that is added at a time. A mode that needs smaller steps counts as lost."""
+"""Smallest share of the damping that is added at a time, so that a mode which needs smaller steps counts as lost."""
 LEAST_MAC, LARGEST_MOVE = 0.5, 0.5
 """Least MAC of the shapes before and after a step of damping, and largest move of a pole over its distance to
 others."""
 REAL_GRID, REAL_DECADES = 900, (-9, 3)
-"""Number of points on the negative real axis, and their range in decades around the frequency of the modes.
+"""Number of points on the negative real axis, and their range in decades around the modes, so that real poles 3 % apart
+are told apart. Two real poles between neighbouring points are missed.
 
 Two real poles between neighbouring points, 3 % apart, are missed.
 """
@@ -47,7 +48,7 @@ BISECTIONS = 60
 
 @dataclass(frozen=True)
 class DampedSystem:
-    """Dynamic stiffness D(s) of a system of which only a share of the damping acts."""
+    """Dynamic stiffness D(s) in N m/rad of a system of which only a share of the damping acts."""
 
     system: RowSystem
 
@@ -76,7 +77,7 @@ class DampedSystem:
         return rows.T @ (kappa * rows), rows.T @ (along * rows), rows.T @ (across * rows), np.asarray(scale)
 
     def newton(self, s: complex, shape: ComplexArray, share: float) -> Mode:
-        """Mode by Newton steps from a pole (rad/s) and shape nearby, with Re s and Im s as two real unknowns."""
+        """Mode (pole in rad/s, shape) by Newton steps from one nearby, with Re s and Im s as two real unknowns."""
         q, previous = shape / np.linalg.norm(shape), np.inf
         for iteration in range(1, NEWTON_STEPS + 1):
             D, along, across, scale = self.matrices(s, share)
@@ -100,6 +101,8 @@ class DampedSystem:
 
 def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs, int]:
     """Shapes (n_q, n_rigid) of rigid motions, all other modes found, and the number of vibrations that were lost.
+
+    The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
 
     The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
 

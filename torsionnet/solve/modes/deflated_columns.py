@@ -23,7 +23,7 @@ from torsionnet.solve.modes.exact_pencil import DelayedRow, ExactPencil
 from torsionnet.solve.modes.zero_chains import ZeroChain, zero_chains
 
 SERIES_TERMS = 40
-"""Number of terms in the series of phi_r for arguments up to r + 1. The last ones are far below rounding."""
+"""Number of terms in the series of phi_r for arguments up to r + 1, the last of which are far below rounding."""
 
 
 @dataclass(frozen=True)

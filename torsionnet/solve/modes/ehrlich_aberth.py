@@ -35,7 +35,7 @@ CONVERGED = 1e-15
 RESTART_DISTANCE = 1e-6
 """Relative distance at which a root starts again after it has met another approximation."""
 MAX_ITERATIONS = 120
-"""Most steps of the iteration for each root. Clusters converge slowly, other roots in a few."""
+"""Most steps of the iteration for each root, as clusters converge slowly and other roots in a few."""
 ZERO_START = 1e-16
 """Start value, over the largest root, for a nonzero root that double precision has rounded to zero."""
 

@@ -1,4 +1,4 @@
-"""Eigenvalues and mode shapes of a drivetrain, complex with damping, natural frequencies without.
+"""Eigenvalues in rad/s and mode shapes of a drivetrain, complex with damping, natural frequencies without.
 
 Complex eigenvalues with damping, natural frequencies without.
 
@@ -87,7 +87,13 @@ class EigenSolution:
 def complex_modes(
     system: RowSystem, lowest: int | None = None, undamped: tuple[FloatArray, FloatArray] | None = None
 ) -> EigenSolution:
-    """Eigenvalues and shapes of a system with damping, all or the ``lowest`` so many.
+    """Eigenvalues in rad/s and shapes of a system with damping, all or the ``lowest`` so many modes.
+
+    An undamped system gets purely imaginary eigenvalues. With frequency-dependent laws the search starts from the modes
+    without damping, ``undamped`` or calculated here. Passive laws have a positive semidefinite damping matrix: a
+    positive real part is rounding and set to 0. A negative damping, also in a table, can make a mode grow. With
+    frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles use the real
+    part at rest.
 
     An undamped system gets purely imaginary eigenvalues. With frequency-dependent laws the search starts from the modes
     without damping, ``undamped`` or calculated here. Passive laws have a positive semidefinite damping matrix: a
@@ -137,7 +143,7 @@ def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
 
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
-    """Lowest modes of a large system by sparse methods, or None where these do not apply."""
+    """Eigenvalues and shapes of the lowest modes of a large system by sparse methods, or None if these fail."""
     if system.n_coordinates <= LARGE_SYSTEM or system.dynamic:
         return None
     damped = system.damping != 0
@@ -208,7 +214,7 @@ def unit_shapes(shapes: AnyArray) -> AnyArray:
 
 
 def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies in rad/s and shapes without damping, all or the ``lowest`` so many.
+    """Natural frequencies (n,) in rad/s and shapes (n_q, n) without damping, all or the ``lowest`` so many.
 
     Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
     frequency. With continuous shafts, which have infinitely many modes, ``lowest`` is 20 by default.

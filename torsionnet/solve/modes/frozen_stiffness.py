@@ -24,14 +24,15 @@ from torsionnet.solve.modes.spectrum import Spectrum, one_per_pair, refined_spec
 FREQUENCY_TOLERANCE = 1e-12
 """Relative change of the frequency of a mode at which the iteration over its frozen stiffness has converged."""
 REFINED_BELOW = 1e-6
-"""Relative change of a mode's frequency below which its uncertain eigenvalue is refined in many digits. The error of
-the eigenvalue counts where it is larger."""
+"""Relative change of a mode's frequency, or error of its eigenvalue if larger, below which the eigenvalue is refined in
+many digits."""
 MAX_ITERATIONS = 60
-"""Most eigenvalue problems for a mode. Secant steps converge in a few unless the frequency jumps."""
+"""Most eigenvalue problems for a mode, as secant steps converge in a few unless the frequency jumps."""
 SAME_EIGENVALUE = 1e-8
 """Relative difference below which eigenvalues are one multiple eigenvalue, or one mode found twice."""
 LEAST_SLOPE = 0.05
-"""Least slope, downwards, of (frequency found - frequency assumed) for a secant step. Flatter ones lead too far."""
+"""Least slope, downwards, of (frequency found - frequency assumed) for a secant step, since flatter ones lead too
+far."""
 
 Start: TypeAlias = tuple[float, ComplexArray]
 """Frequency in rad/s and shape (n_q,) from which a mode is tracked."""
@@ -96,7 +97,10 @@ class FrozenProblem:
         return np.asarray(total.real) if lossless else np.asarray(total)
 
     def at(self, omega: float) -> Spectrum:
-        """Eigenvalues and shapes with stiffness frozen at omega in rad/s. Equal stiffnesses are solved once."""
+        """Eigenvalues in rad/s and shapes with stiffness frozen at omega in rad/s.
+
+        Equal stiffnesses are solved only once.
+        """
         stiffness = self.stiffness(omega)
         key = stiffness.tobytes()
         if key not in self.known:
@@ -119,7 +123,7 @@ class FrozenProblem:
 def modes(
     system: RowSystem, spaces: Subspaces, starts: Iterable[Start] | None = None, *, undamped: bool = False
 ) -> Eigenpairs:
-    """Eigenvalues and shapes of all nonzero modes of a system with frequency-dependent stiffness.
+    """Eigenvalues in rad/s and shapes of all nonzero modes of a system with frequency-dependent stiffness.
 
     Real poles are those of the stiffness at rest, Re kappa(0+); other modes are oscillatory. Each is tracked from a
     start (frequency, shape), by default the undamped modes at rest, and where two starts lead to one mode, from the

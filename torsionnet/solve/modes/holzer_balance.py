@@ -20,7 +20,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 
 Coefficients = Mapping[str, float]
-"""Coefficients of a row by node."""
+"""Coefficients of the angles in one spring's twist or one rigid connection, by node."""
 
 
 @dataclass(frozen=True)

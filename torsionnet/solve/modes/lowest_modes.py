@@ -43,12 +43,13 @@ _RIGID_ECHO, _LARGEST_REFINED_ERROR = 1e-6, 1e-3
 """Polished eigenvalue over its start up to which that was a rigid body, and relative error of starts for many
 digits."""
 _KRYLOV_TOLERANCE = 1e-13
-"""Relative accuracy of eigenvalues that is asked of ARPACK. Polishing adds the last digits."""
+"""Relative accuracy of eigenvalues that is asked of ARPACK, which leaves the last digits to polishing."""
 _SAME_EIGENVALUE, _MISSED_MARGIN = 1e-6, 1e-9
-"""Relative distance of eigenvalues that are polished together, and by how much a later one may lie above the last one
-and count as missed."""
+"""Relative distance of eigenvalues that are polished together, and tolerance by which an eigenvalue found later counts
+as missed before."""
 _POLISHED, _POLISHING_STEPS = 1e-14, 4
-"""Relative change of an eigenvalue at which polishing ends, and most polishing steps. Each step squares the error."""
+"""Relative change of an eigenvalue at which polishing ends, and most polishing steps, few since each squares the
+error."""
 _BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)
 """Relative distances from an eigenvalue at which D is factored in turn, until it is not singular."""
 _RESOLVED, _SHIFT_ROUNDS = 0.1, 8
@@ -62,7 +63,7 @@ class _NotFoundError(Exception):
 
 @dataclass(frozen=True)
 class RigidMotions:
-    """Rigid-body shapes (n_q, n) without springs, and of these those without dampers, and the rank of M."""
+    """Rigid-body shapes (n_q, n) without springs, those of them without dampers, and rank of the mass matrix."""
 
     rigid: FloatArray
     undamped: FloatArray
@@ -85,7 +86,11 @@ class RigidMotions:
 
 
 def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs | None:
-    """Lowest modes by |lambda| without rigid bodies, at least ``count``, or None where sparse methods fail.
+    """Eigenvalues in rad/s and shapes of the lowest modes without rigid bodies, or None where sparse methods fail.
+
+    There are at least ``count``, by |lambda|. None with too few degrees of freedom for so many modes, or where the
+    sparse search is not accurate to within `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with
+    their errors.
 
     None with too few degrees of freedom for so many modes, or where the sparse search is not accurate to within
     `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with their errors.
@@ -212,7 +217,7 @@ class _Pencil:
         return sums, place % n, np.searchsorted(place // n, np.arange(n + 1))
 
     def gram(self, coefficients: AnyArray) -> Any:
-        """Sparse matrix rows^T diag(coefficients) rows, (n_q, n_q), such as M or C."""
+        """Sparse matrix (n_q, n_q) rows^T diag(coefficients) rows, such as the mass or damping matrix."""
         from scipy import sparse
 
         sums, rows, starts = self._pattern
@@ -250,7 +255,9 @@ class _Pencil:
         return splu(self.gram(self.laws(z)), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
 
     def value(self, shape: AnyArray, near: Any) -> Any:
-        """Eigenvalue z near a given one from a shape, as a root of q^T D(z) q.
+        """Eigenvalue z near a given one from a shape, as the root of q^T D(z) q next to it.
+
+        Its error is quadratic in that of the shape.
 
         Its error is quadratic in that of the shape.
         """
@@ -313,7 +320,7 @@ class _Symmetric:
         self.known = np.linalg.qr(self.rows @ (rigid / pencil.scale[:, None]))[0]
 
     def run(self, count: int, tolerance: float = _KRYLOV_TOLERANCE) -> tuple[FloatArray, FloatArray]:
-        """Largest ``count`` eigenvalues of the operator, and their vectors y orthogonal to the known vectors."""
+        """Largest ``count`` eigenvalues in s^2 of the operator, and their vectors y orthogonal to the known ones."""
         from scipy.sparse.linalg import eigsh
 
         def project(y: FloatArray) -> FloatArray:

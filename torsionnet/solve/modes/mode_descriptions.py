@@ -13,7 +13,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.modes.eigen import EigenSolution
 
 LEAST_SHARE = 0.1
-"""Share of the energy of a mode from which on a description names an element. A smaller one makes it longer."""
+"""Share of the energy of a mode from which on a description names an element, so that the description stays short."""
 STILL_NODE = 1e-6
 """Angle of a node, over its neighbours or the largest, up to which the node stands still."""
 LARGEST_ERROR = 1e-6

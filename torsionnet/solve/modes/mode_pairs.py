@@ -25,7 +25,8 @@ from torsionnet.solve.modes.modes import modes as damped_modes
 LEAST_SIMILARITY = 0.5
 """Similarity of strain, from 0 to 1, below which an undamped and a damped mode are no pair."""
 REPEATED_FREQUENCY = 1e-6
-"""Relative difference below which natural frequencies are one repeated frequency."""
+"""Relative difference below which natural frequencies are one repeated frequency, whose shapes may be mixed in any
+way."""
 
 
 def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[VibrationMode, ...]:
@@ -74,7 +75,10 @@ def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, Vibrat
 
 
 def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
-    """Number of the damped partner by undamped mode. Among undamped modes of one frequency partners are sorted."""
+    """Index of the damped partner by index of the undamped mode.
+
+    Among undamped modes of one frequency partners are sorted.
+    """
     found: dict[int, int] = {}
     for group in _groups(rates):
         paired = [place for place in group if place in partners]

@@ -42,7 +42,9 @@ def modes(
     lowest: int | None = None,
     up_to: float | None = None,
 ) -> Modes:
-    """Eigenvalues, shapes, energy shares and descriptions of the modes of a drivetrain.
+    """Eigenvalues in rad/s, shapes, energy shares and descriptions of the modes of a drivetrain.
+
+    See :meth:`torsionnet.Drivetrain.modes`.
 
     See :meth:`torsionnet.Drivetrain.modes`.
     """
@@ -76,7 +78,10 @@ def modes_against(
 def natural_modes(
     drivetrain: AssembledModel, lowest: int | None = None, up_to: float | None = None
 ) -> tuple[Modes, tuple[str, ...]]:
-    """Modes of the whole drivetrain, and texts of warnings. Nodes with an imposed angle are held."""
+    """Eigenvalues, shapes and energy shares of the whole drivetrain's modes, and texts of warnings.
+
+    Nodes with an imposed angle are held.
+    """
     assembly = drivetrain.assembly
     system = assembly.system
     passive = replace(system, actions=()) if system.actions else system
@@ -162,7 +167,7 @@ def energies(
 
 
 def _drawn(assembly: Assembly, action: ActionLaw, solution: EigenSolution) -> FloatArray:
-    """Power (n_modes,) in W that an action takes out of each mode, negative where it feeds the mode."""
+    """Power (n_modes,) that an action takes out of each mode, twice its mean in W for shapes in rad."""
     row, sensed = (over_coordinates(assembly, part) @ solution.vectors for part in (action.row, action.sensed))
     with np.errstate(all="ignore"):
         power = -(action.kappa(solution.eigenvalues) * sensed * np.conj(solution.eigenvalues * row)).real

@@ -19,9 +19,11 @@ from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, DIGITS, MatrixPolynomial, eliminate, size_of
 
 ISOLATION = 1e3
-"""Least distance of an isolated root from every other root, zero included, in uncertainties of either."""
+"""Least distance of an isolated root from every other root, zero included, in uncertainties of either, so that the
+others do not disturb it."""
 MOST_STEPS = 6
-"""Most steps of the iteration. Each triples the number of right digits, so that more mean a wrong start."""
+"""Most steps of the iteration for an isolated root, since each triples the number of right digits and more mean a wrong
+start."""
 
 
 def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:

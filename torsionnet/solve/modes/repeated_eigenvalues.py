@@ -15,12 +15,12 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.solve.modes.eigen import RIGID, EigenSolution
 
 EQUAL_EIGENVALUES = 1e-9
-"""Relative difference of eigenvalues below which they are one repeated eigenvalue."""
+"""Relative difference of eigenvalues below which they are one repeated eigenvalue, as rounding splits them that far."""
 LEAST_INDEPENDENCE = 1e-6
 """Ratio of singular values below which mode shapes are linearly dependent, as of a repeated pole with too few
 shapes."""
 EQUAL_MOTION = 1 - 1e-9
-"""Motion of a node, over the largest, from which on nodes move equally. The first in the model is then chosen."""
+"""Motion of a node, over the largest, from which on nodes move equally, so that the first in the model is chosen."""
 
 
 def with_chosen_shapes(

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from torsionnet.solve.modes.ehrlich_aberth import MatrixPolynomial
 
 REFINE_ABOVE = 1e-10
-"""Estimated relative error of an eigenvalue above which it is refined in mpmath."""
+"""Estimated relative error of an eigenvalue above which it is refined in mpmath, well below what results promise."""
 POLISH_ABOVE = 1e-11
 """Residual torque of a shape, over the sum of magnitudes of its terms, above which the shape is recomputed in
 mpmath."""
 REAL_BELOW = 1e-13
-"""Imaginary part of an eigenvalue, over its size, up to which it is real. Double precision cannot decide there, and
-several equal ones may be calculated as pairs. Rounding splits a double root with one shape by the square root of its
+"""Imaginary part of an eigenvalue, over its size, up to which it is real, since double precision cannot decide there.
+Several equal ones may be calculated as pairs. Rounding splits a double root with one shape by the square root of its
 size."""
 MAX_OPERATIONS = 60_000
 """Most multiplications of one sparse elimination times roots to refine, about ten seconds of mpmath."""
@@ -30,7 +30,7 @@ _EPS = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Nonzero eigenvalues in rad/s and shapes of a system with one set of stiffnesses, with errors.
+    """Nonzero eigenvalues (n,) in rad/s and shapes (n_q, n) of a system with one set of stiffnesses, with errors.
 
     Attributes
     ----------
@@ -54,7 +54,10 @@ class Spectrum:
 
 
 def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
-    """Nonzero eigenvalues and shapes in double precision, by singular values if undamped, else by the first-order form.
+    """Nonzero eigenvalues (n,) in rad/s and shapes (n_q, n) of a system, in double precision, with errors.
+
+    They come from singular values if undamped, else from eigenvalues of the first-order form. The error estimate of an
+    eigenvalue is eps ||A|| / |lambda| times its condition number.
 
     The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
 
@@ -89,7 +92,7 @@ def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
 
 
 def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
-    """Spectrum with the uncertain ones of the wanted eigenvalues solved in mpmath, as far as work allows."""
+    """Eigenvalues and shapes with the uncertain ones of the wanted solved in mpmath, as far as work allows."""
     squared = spectrum.undamped
     starts, coefficients = _polynomial_problem(spectrum)
     wanted = np.ones(len(starts), dtype=bool) if wanted is None else wanted
@@ -122,7 +125,7 @@ def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None
 def _with_isolated_roots(
     spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
 ) -> tuple[Spectrum, NDArray[np.bool_]]:
-    """Spectrum with the isolated ones of ``some`` eigenvalues exact to double precision, and a mask of these."""
+    """Spectrum with isolated ones of ``some`` eigenvalues exact to double precision, and mask (n,) of these."""
     from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, to_complex
     from torsionnet.solve.modes.rayleigh_quotient import isolated_root, isolation_radii
 
@@ -176,7 +179,10 @@ def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) ->
 
 
 def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
-    """Mask of the ``count`` most uncertain of the chosen eigenvalues. Equal errors, as of conjugates, go together."""
+    """Mask (n,) of the ``count`` most uncertain of the chosen eigenvalues.
+
+    Eigenvalues with equal errors, as conjugates, go together.
+    """
     if np.count_nonzero(chosen) <= count:
         return chosen
     limit = np.sort(errors[chosen])[::-1][count] if count else np.inf

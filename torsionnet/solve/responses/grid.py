@@ -12,7 +12,8 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 
 PEAK_PHASE_RANGE = 85.0
-"""Phase in degrees to either side of a resonance that gets dense points. Beyond it, the flanks of a peak are smooth."""
+"""Phase in degrees to either side of a resonance that gets dense points, beyond which the flanks of a peak are
+smooth."""
 UNDAMPED_HALF_WIDTH = 1e-6
 """Half width given to a peak without damping, as a share of its frequency, so that points stand on both sides of it."""
 RANGE_BELOW, RANGE_ABOVE = 10.0, 2.0
@@ -22,7 +23,8 @@ FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
 RANGE_WITHOUT_MODES = (0.1, 100.0)
 """Frequency range in Hz that is shown of a drivetrain without vibrations, where no mode says which."""
 EQUAL_FREQUENCY_DISTANCE = 1e-10
-"""Relative distance of frequencies below which two points count as one. Rounding would show as peaks between them."""
+"""Relative distance of frequencies below which two points count as one, since rounding would show as peaks between
+them."""
 
 
 @dataclass(frozen=True)

@@ -19,11 +19,11 @@ from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.modes.modes import natural_modes
 
 GRID_POINTS, POINTS_BESIDE_MARK = 2000, 60
-"""Number of frequencies of the open loop over its range, and to each side of a resonance. More find narrower
+"""Number of frequencies of the open loop over its range, and to each side of a resonance, enough to find narrow
 crossings."""
 BISECTIONS = 50
-"""Number of bisections of an interval in which the loop crosses a margin. The value 50 reaches the spacing of
-doubles."""
+"""Number of bisections of an interval in which the loop crosses a margin, 50 to reach the spacing of double
+precision."""
 
 
 def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> LoopMargins:

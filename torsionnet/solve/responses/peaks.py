@@ -17,9 +17,9 @@ Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
 """Function that returns the frequency response of a drivetrain at given frequencies in Hz."""
 
 REFINEMENT_ROUNDS, REFINEMENT_POINTS = 3, 41
-"""Number of rounds that refine a peak, and points in each. Every round divides the interval by twenty."""
+"""Number of rounds that refine a peak, and points in each, so that every round divides the interval by twenty."""
 PEAK_PROMINENCE = 1e-9
-"""Share of a magnitude by which a peak must exceed the valleys beside it. Less may be rounding."""
+"""Share of a magnitude by which a peak must exceed the valleys beside it, since less may be rounding."""
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 PROMISED_ERROR = 1e-9
 """Largest relative error of response values that are returned without a warning."""
 ACCEPTED_ERROR = PROMISED_ERROR / 5
-"""Estimated relative error up to which a value is kept. It is a fifth of the promised one, as the estimate is
-statistical."""
+"""Estimated relative error up to which a value is kept, a fifth of the promised one as the estimate is statistical."""
 PERTURBATIONS, PERTURBATION = 4, 8 * float(np.finfo(float).eps)
 """Number of perturbed solutions for an error estimate, and relative perturbation of the stiffnesses, a few
 roundings."""

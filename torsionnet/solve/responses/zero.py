@@ -19,7 +19,8 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 LIMIT_DIGITS = 400
 """Decimal digits for limits at 0 Hz, enough for several measured inputs at s of 10^-25 to its fifth power and more."""
 LIMIT_POWER = 25
-"""Power of ten by which s for a limit lies below the slowest rate. Several inputs may differ by its fifth power."""
+"""Power of ten by which s for a limit lies below the slowest rate, where several inputs may differ by its fifth
+power."""
 
 
 def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArray:

@@ -29,7 +29,7 @@ from torsionnet.solve.running.order_response import input_senses, order_response
 from torsionnet.solve.running.speed_peaks import with_speed_peaks
 
 LINE_FREQUENCY = "line frequency"
-"""Name under which order lines at 1 and 2 times the frequency of the electric grid are listed as an excitation."""
+"""Name of the excitation under which lines at 1 and 2 times the frequency of the electric grid are listed."""
 
 
 def critical_speeds(
@@ -166,7 +166,7 @@ class _CrossingSearch:
         return self._settled(self._crossing(mode, line), line)
 
     def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
-        """Lowest and highest speed in rad/s that the data of an excitation cover, out to ``reach`` beyond the range."""
+        """Lowest and highest operating speed in rad/s, widened by ``reach`` where the excitation's data cover that."""
         excitation = self.drivetrain.definition.excitations[name]
         low, high = (
             beyond if _has_torques(excitation, beyond * ratio) else end

@@ -28,7 +28,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import (
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 MOST_TIME_STEPS = 400_000
-"""Most time steps of all passes of a simulation with delays together. They bound its duration, since steps run one by
+"""Most time steps of all passes of a simulation with delays together, which bounds its duration since steps run one by
 one in Python."""
 FEWEST_STEPS_PER_DELAY = 3
 """Fewest time steps in the shortest delay, so that the cubic that reads a delayed torque ends before the current

@@ -40,7 +40,7 @@ class ExaminedSpeeds:
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
     ) -> ExaminedSpeeds:
-        """Speeds to examine, taken from the arguments of an order response and else from the model.
+        """Speeds in rad/s to examine, taken from the arguments of an order response and else from the model.
 
         ``refine`` None: speeds are added between them unless the model lists speeds.
         """

@@ -14,12 +14,13 @@ from torsionnet.solve.running.worst_case import contributions
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes
 
 NOT_EXCITED = 0.01
-"""Generalised force, over that of one cylinder at the largest angle of the shape, below which a mode is not excited.
+"""Generalised force, over that of one cylinder at the largest angle of the shape, below which a mode hardly responds
+and is not excited.
 
 A larger value hides weak crossings, a smaller one lists more that hardly respond.
 """
 CANCELLED = 1e-6
-"""Size of a sum of unit phase vectors below which these count as cancelling. Rounding leaves far less."""
+"""Size of a sum of unit phase vectors below which these count as cancelling, far above what rounding leaves."""
 
 
 @dataclass(frozen=True)

@@ -139,7 +139,7 @@ class _Examination:
         return {sensor: float(values[0]) for sensor, values in means.items()}
 
     def wanted(self, found: _Examined) -> FloatArray:
-        """Speeds in rad/s to add where the curves of the limits are not resolved yet."""
+        """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""
         lines = [line for group in found.lines for line in group if not line.why_not]
         used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
         tops = [column for line in lines for column in _tops(found.run.speeds, line)]

@@ -38,7 +38,7 @@ from torsionnet.solve.running.operating_groups import (
 )
 
 SUM_ROUNDING = 1e-13
-"""Size of a sum of mean torques, over the sizes of its terms, below which it is rounding and counts as 0."""
+"""Size of a sum of mean torques, over the sizes of its terms, below which the sum is rounding and counts as 0."""
 HELD_BYTES = 1_000_000
 """Size in bytes at which a kept drivetrain with its assembly is counted against the memory limit, with a margin."""
 

@@ -19,12 +19,13 @@ from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.operating_groups import drivetrains_at_speeds, values_at_speeds
 
 SPEED_TOLERANCE = 1e-6
-"""Relative difference up to which a critical speed agrees with the speed at which its mode was calculated.
+"""Relative difference up to which a critical speed agrees with the speed at which its mode was calculated, as speeds
+are shown in six figures.
 
 A smaller value costs more sets of modes; speeds are shown in six figures.
 """
 MOST_ITERATIONS = 60
-"""Most iterations for a critical speed before it is bracketed instead. More would only delay that."""
+"""Most iterations for a critical speed before it is bracketed instead, which more iterations would only delay."""
 
 MODE_BYTES = 100
 """Size in bytes of a mode per node, with shape and texts, as counted against the memory for kept results."""

@@ -99,7 +99,7 @@ def batch_over_speeds(
 
 
 SPEEDS_PER_BLOCK = 500
-"""Number of speeds that are solved in one call, which bounds the memory. A larger value makes fewer calls."""
+"""Number of speeds that are solved in one call, which bounds the memory."""
 
 
 def _nothing(_: AssembledModel) -> Hashable:

@@ -337,6 +337,8 @@ def _gains(
     """Responses per unit input (n_speeds, n_lines, n_out, n_inputs) at every order line, and output channels.
 
     A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
+
+    A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
     """
     frequencies = loads.frequencies
     still = frequencies == 0

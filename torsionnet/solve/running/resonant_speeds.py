@@ -28,7 +28,7 @@ A larger value adds speeds around resonances that the steps show already.
 SMALLEST_DAMPING_RATIO = 1e-7
 """Damping ratio that a mode is taken to have at least, since the half width of an undamped resonance would be 0."""
 MODE_SPEEDS = 9
-"""Number of speeds over the range at which modes that follow the speed are calculated. Between two they are
+"""Number of speeds over the range at which modes that follow the speed are calculated, between two of which they are
 interpolated."""
 LARGEST_FREQUENCY_CHANGE = 0.005
 """Relative change of a natural frequency between two neighbouring speeds up to which modes are interpolated.
@@ -42,7 +42,7 @@ Resonance = tuple[float, float]
 def around_resonances(
     drivetrain: AssembledModel, reference: str, lines: Sequence[OrderLine], speeds: FloatArray
 ) -> FloatArray:
-    """Speeds in rad/s to add around every resonance that is narrower than a step of the rising ``speeds``."""
+    """Speeds (n,) in rad/s to add around every resonance that is narrower than a step of the rising ``speeds``."""
     limits = float(speeds[0]), float(speeds[-1])
     over_speed = ModesOverSpeed(drivetrain, reference, limits)
     if over_speed.is_speed_dependent:
@@ -51,7 +51,7 @@ def around_resonances(
 
 
 def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatArray) -> FloatArray:
-    """Speeds in rad/s to add around resonances with poles (rad/s) that are the same at every speed."""
+    """Speeds (n,) in rad/s to add around resonances with poles (rad/s) that are the same at every speed."""
     found = (
         resonance
         for pole in poles[poles.imag > 0].tolist()

@@ -20,7 +20,7 @@ VALUE_TOLERANCE = 1e-8
 A larger value saves iterations and moves responses by about as much.
 """
 MOST_ITERATIONS = 100
-"""Most iterations, after which a speed counts as one without a solution. A larger value delays the refusal."""
+"""Most iterations of a parameter at one speed, after which that speed counts as one without a solution."""
 SLOW_CONVERGENCE = 0.7
 """Change of an iteration, over the change before, from which on steps are halved because the iteration swings."""
 

@@ -33,7 +33,8 @@ WIDTHS, LEAST_WIDTH, MOST_WIDTH = 8.0, 0.03, 0.35
 Wider searches find peaks that the damping shifts far, and mistake peaks of other orders for them.
 """
 SAME_PEAK = 1e-3
-"""Relative distance of speeds below which peaks of two crossings are one peak. The search is finer than that."""
+"""Relative distance of speeds below which peaks of two crossings are one peak, as the search places peaks more finely
+than that."""
 
 
 def with_speed_peaks(
@@ -125,7 +126,7 @@ class _Search:
 
     @staticmethod
     def _next_maximum(one: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
-        """Finer speeds in rad/s around the maximum nearest to the critical speed, or None without maximum."""
+        """Finer speeds (n,) in rad/s around the maximum nearest to the critical speed, or None without maximum."""
         inner = inner_maxima(sizes) if len(sizes) else []
         if not inner:
             return None

@@ -25,7 +25,7 @@ from torsionnet.response.worst_response import EQUAL_HALF_RANGE, EQUAL_SEARCHED_
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes, worst_combination
 
 MOST_CASES = 400
-"""Most combinations of alternatives that are examined. They bound time and memory, since each is a full response."""
+"""Most combinations of alternatives that are examined, which bounds time and memory since each is a full response."""
 Entry = TypeVar("Entry", bound=np.generic)
 
 
@@ -36,7 +36,7 @@ def contributions(
     lines: slice,
     columns: Mapping[str, tuple[int, float]],
 ) -> Contributions:
-    """Response amplitudes that each deviation of an excitation's torques adds to the nominal ones.
+    """Response amplitudes (n_shares, n_speeds, n_lines, n_out) that each deviation of torques adds to the nominal ones.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 @dataclass(frozen=True, eq=False)
 class LawCoefficients:
-    """One coefficient of every law, such as its inertia, as values (n_laws,) and derivatives (n_laws, n_p) in SI."""
+    """Coefficient of every law in SI units, such as its inertia, as values (n_laws,) and derivatives (n_laws, n_p)."""
 
     values: FloatArray
     slopes: FloatArray

@@ -253,13 +253,7 @@ class DerivativeProblem:
         z: ComplexArray,
         count: int,
     ) -> ComplexArray:
-        """Change z .
-
-        dK x of the equations by every parameter, between solutions x and z, shape (n_f, n_p). DK x of the equations by
-        every parameter, between solutions x and z, shape (n_f, n_p).
-
-        dK x for every parameter, (n_f, n_p).
-        """
+        """Derivatives (n_f, n_p) of the equations of motion to every parameter, z^T dK x for solutions x and z."""
         total = np.zeros((x.shape[1], count), dtype=complex)
         for law, slopes in stiffness.items():
             place = self.twists[law]

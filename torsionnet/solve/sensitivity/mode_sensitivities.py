@@ -188,7 +188,7 @@ class ModeSensitivities(NotebookResult):
         ]
 
     def record(self, configuration: str = "", modes: Sequence[int] = ()) -> SensitivityRecord:
-        """Effects on all modes, or on those with the given numbers, as plain data for JSON."""
+        """Effects on all modes, or on those with the given numbers, as plain data that JSON can hold."""
         every = range(len(self.poles))
         rows = tuple(
             SensitivityRow(
@@ -213,7 +213,7 @@ def mode_sensitivities(
     measured_input: str | Sensor | None = None,
     excitation: str | None = None,
 ) -> ModeSensitivities:
-    """Derivatives of all poles, natural frequencies and damping ratios with respect to parameters.
+    """Derivatives (n_modes, n_p) of all poles, natural frequencies and damping ratios with respect to parameters.
 
     Parameters
     ----------

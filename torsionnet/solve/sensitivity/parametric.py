@@ -151,7 +151,7 @@ class ParametricResponse:
         points: NDArray[np.intp],
         numbers: Sequence[float],
     ) -> ComplexArray:
-        """Transfer functions at uncertain points, solved by the drivetrain itself where rounding would show."""
+        """Transfer functions (n, n_out, n_in) at uncertain points, by the drivetrain itself if rounding would show."""
 
         def evaluate(some: LawStiffness, other_order: bool) -> ComplexArray:
             problem = derivatives.problem.in_other_order if other_order else derivatives.problem

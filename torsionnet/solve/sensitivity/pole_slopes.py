@@ -32,12 +32,13 @@ from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 CIRCLE_RADIUS, CIRCLE_RADIUS_MEASURED = 1e-6, 1e-4
-"""Radius of the circle around a pole on which responses are taken, as a share of the distance to the next pole.
+"""Radius of the circle around a pole on which responses are taken, over the distance to the next pole, larger against a
+measured input.
 
 Next to a pole small twists stand out best; what is left of a difference, as against a measured input, does farther off.
 """
 MEASURED_PROBES = 6
-"""Number of further nodes tried as probes against a measured input. More find the pole more surely, at more cost."""
+"""Number of further nodes tried as probes against a measured input, as more find the pole more surely, at more cost."""
 AXIS_ROUNDING = 1e-9
 """Share of a pole's derivative below which its real or imaginary part is rounding where only the other part can be."""
 DEFECTIVE_SHARE = 0.7
