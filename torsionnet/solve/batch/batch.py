@@ -58,7 +58,7 @@ class Batch:
         return np.flatnonzero(~(self.impossible | self.separate))
 
     def model(self, index: int) -> AssembledModel:
-        """Drivetrain model of the variant at this index, at the operating point of ``drivetrain``.
+        """Drivetrain model of the variant at this index, at the operating point of the batch's drivetrain.
 
         Raises
         ------

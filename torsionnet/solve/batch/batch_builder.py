@@ -37,7 +37,7 @@ class BatchBuilder:
         self.separate, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
 
     def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:
-        """Pass over the variants that have followed every decision of the first one in it."""
+        """Pass over a batch with the variants that have followed every decision of the first variant in it."""
         own = places[decisions.follows]
         self.known[own] = ~decisions.unsure[decisions.follows]
         return FollowingPass(self, own, decisions.follows)

@@ -32,13 +32,7 @@ Number = TypeVar("Number", np.float64, np.complex128)
 class BatchedModes:
     """Eigenvalues (n, n_modes) in rad/s and shapes of n variants, rigid bodies first, then by ``|lambda|``.
 
-    Each variant is in the order of :class:`~torsionnet.Modes`. There are as many columns as the variant with the most
-    modes needs; NaN stands after the last mode of the others. A vibration that some variant damps beyond critical
-    damping is two real poles there, so that their numbers differ.
-
-    Each variant is in the order of :class:`~torsionnet.Modes`. There are as many columns as the variant with the most
-    modes needs; NaN stands after the last mode of the others. A vibration that some variant damps beyond critical
-    damping is two real poles there, so that their numbers differ.
+    Each variant is in the order of :class:`~torsionnet.Modes`.
 
     There are as many columns as the variant with the most modes needs; NaN stands after the last mode of the others. A
     vibration that some variant damps beyond critical damping is two real poles there, so that their numbers differ.
@@ -116,13 +110,7 @@ def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
 def batched_modes(batch: Batch) -> BatchedModes:
     """Eigenvalues (n, n_modes) in rad/s and shapes of all variants of a batch, as single models have within 1e-9.
 
-    They equal those of ``batch.model(i).modes()``. Variants that are uncertain from stacks of matrices are solved
-    singly, and so are all of a drivetrain with torques that follow a motion elsewhere or with laws over frequency other
-    than hysteretic springs. The bits of a variant do not depend on what else is in the batch.
-
-    Variants that are uncertain from stacks of matrices are solved singly, and so are all of a drivetrain with torques
-    that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
-    not depend on what else is in the batch.
+    They equal those of ``batch.model(i).modes()``.
 
     Variants that are uncertain from stacks of matrices are solved singly, and so are all of a drivetrain with torques
     that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
@@ -174,7 +162,10 @@ def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None
 
 
 class _Gathered:
-    """Eigenvalues, shapes and undamped frequencies of n variants under construction, NaN where there are none."""
+    """Eigenvalues (rad/s), shapes and undamped frequencies (rad/s) of n variants, filled in variant by variant.
+
+    They are NaN where there are none.
+    """
 
     def __init__(self, n: int, n_nodes: int) -> None:
         self.eigenvalues = np.full((n, 0), np.nan, dtype=complex)

@@ -20,8 +20,7 @@ from torsionnet.solve.batch.batched_modes import BatchedModes, stacked_coefficie
 def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
     """Modes as vectors of energy over the laws, of length 1, shape (n, n_states, n_modes).
 
-    They are 0 for rigid bodies and missing modes. Variants whose laws are not those of the drivetrain itself, one to
-    one, have states of zeros.
+    They are 0 for rigid bodies and missing modes.
 
     Variants whose laws are not those of the drivetrain itself, one to one, have states of zeros.
     """

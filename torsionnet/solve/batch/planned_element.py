@@ -80,7 +80,10 @@ def planned_elements(
 
 
 def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | None]]]:
-    """Parts of a drivetrain by element, each with the number of its law, or None if it is no acting law."""
+    """Springs, dampers, inertias and constraints of a drivetrain by element, each with the number of its law.
+
+    It is None for what is no acting law.
+    """
     found: dict[str, list[tuple[Part, int | None]]] = {}
     count = 0
     for owned in drivetrain.assembly.kinematics.parts:

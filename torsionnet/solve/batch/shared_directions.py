@@ -52,7 +52,7 @@ class SharedDirections:
 
     @classmethod
     def of(cls, system: RowSystem) -> SharedDirections:
-        """Bases of rigid and massless motions of a system, of whose coefficients only the signs count.
+        """Bases (n_q, n) of rigid and massless motions of a system, of whose coefficients only the signs count.
 
         Raises
         ------

@@ -1,9 +1,6 @@
 """First-order equations of motion for a stack of variants that share rows.
 
-See :mod:`torsionnet.solve.dynamic_stiffness.reduction` for one system. The algebra is that of one system; numpy hands
-every matrix of a stack to LAPACK by itself. Sums over laws are products of stacked matrices too, not ``einsum`` and no
-product over the variants, which may add in another order when there are fewer of them: the bits of a variant do not
-depend on its neighbours.
+See :mod:`torsionnet.solve.dynamic_stiffness.reduction` for one system.
 
 The algebra is that of one system; numpy hands every matrix of a stack to LAPACK by itself. Sums over laws are products
 of stacked matrices too, not ``einsum`` and no product over the variants, which may add in another order when there
@@ -58,10 +55,7 @@ class StackedForm:
 
 
 def stacked_form(directions: SharedDirections, given: Coefficients) -> StackedForm:
-    """First-order forms x' = A x of all variants, for the coefficients ``given``.
-
-    Damping may be below zero where no damper holds a massless direction, and springs hysteretic where neither these nor
-    loops of springs nor springs alone hold one: see ``is_stackable``.
+    """First-order forms x' = A x of all variants, x = (scaled velocities, spring forces), from their coefficients.
 
     Damping may be below zero where no damper holds a massless direction, and springs hysteretic where neither these nor
     loops of springs nor springs alone hold one: see ``is_stackable``.
@@ -104,7 +98,7 @@ class _Split(NamedTuple):
 
 
 def _dissipated(directions: SharedDirections, damping: FloatArray, moving: FloatArray, pull: AnyArray) -> _Split:
-    """Damping blocks of all variants by square roots of dampings.
+    """Damping blocks of variants, once massless motions are eliminated, by square roots of dampings.
 
     The ``pull`` (n, n_1, n_u) are the forces of springs on N_1.
     """
@@ -147,12 +141,15 @@ def _moving(directions: SharedDirections, inertia: FloatArray) -> FloatArray:
 
 
 def _complement(columns: AnyArray) -> AnyArray:
-    """Orthonormal bases of the orthogonal complements of the columns of every matrix in a stack."""
+    """Orthonormal bases (n, size, m) of the orthogonal complements of the columns of every matrix in a stack."""
     return np.asarray(np.linalg.qr(columns, mode="complete")[0][:, :, columns.shape[2] :])
 
 
 def _force_basis(directions: SharedDirections, springs: AnyArray, held: AnyArray) -> AnyArray | None:
-    """Bases Y of spring forces that balance on massless held motions, or None if all forces do. See ``reduction``."""
+    """Bases of spring forces that balance on massless held motions, (n, n_k, n_u), or None if all forces do.
+
+    See ``reduction``.
+    """
     rank = directions.spring_rank
     if springs.shape[1] == rank:
         return _complement(held) if held.shape[2] else None

@@ -93,7 +93,7 @@ def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> 
 
 
 def _alike(given: Coefficients, variants: Places) -> list[Places]:
-    """Groups of indices of variants in which the same laws act."""
+    """Groups of indices of variants in which the same springs, dampers and inertias act."""
     signs = _signs(given)[variants]
     if not len(variants) or (signs == signs[0]).all():
         return [variants] if len(variants) else []
@@ -124,7 +124,10 @@ class _Directions(NamedTuple):
 
 
 def _of_one_kind(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
-    """Modes of variants in which the same laws act. The stack is halved where LAPACK fails on one of them."""
+    """Eigenvalues (rad/s) and shapes of variants in which the same springs, dampers and inertias act.
+
+    The stack is halved where LAPACK fails on one of them.
+    """
     try:
         return _solved(system, nodes, given)
     except (np.linalg.LinAlgError, SolveError):
@@ -158,7 +161,7 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
 def _judged(
     directions: SharedDirections, nodes: FloatArray, given: Coefficients, found: StackedVibrations, rates: FloatArray
 ) -> StackedModes:
-    """Modes of variants with rigid bodies first, and a mask of the variants whose modes are uncertain."""
+    """Eigenvalues (rad/s) and shapes of variants, rigid bodies first, and mask (n,) of uncertain variants."""
     n, rigid = given.n_variants, unit_shapes(nodes @ directions.rigid)
     sure = _settled(found.errors) & ~_close(np.abs(found.values))
     sure &= (residuals(directions.rows, given, found) <= POLISH_ABOVE).all(axis=1)
@@ -189,7 +192,7 @@ def _close(sizes: FloatArray) -> Flags:
 
 
 def _nothing(n_nodes: int, n: int) -> StackedModes:
-    """Modes of n variants without any entry, which marks all of them to be solved singly."""
+    """Modes (none) of n variants that all have to be solved singly, as a result without eigenvalues or shapes."""
     none = np.zeros((n, 0))
     return StackedModes(none.astype(complex), np.zeros((n, n_nodes, 0), complex), none, np.ones(n, bool))
 

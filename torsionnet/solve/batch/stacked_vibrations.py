@@ -35,7 +35,7 @@ class StackedVibrations(NamedTuple):
     errors: FloatArray
 
     def columns_of(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
-        """Eigenvalues, shapes and errors of some variants in these columns (n, m)."""
+        """Eigenvalues, shapes and relative errors of some variants in these columns (n, m)."""
         return StackedVibrations(
             np.take_along_axis(self.values[some], columns, axis=1),
             np.take_along_axis(self.vectors[some], columns[:, None, :], axis=2),
@@ -56,7 +56,7 @@ def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> St
 
 
 def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """Yield indices of variants and their modes with viscous damping, grouped by number of modes."""
+    """Yield indices of variants and their damped modes (eigenvalues, shapes, errors), grouped by number of modes."""
     found = _every(directions, given)
     real = on_real_axis(found.values)
     kept = (found.values.imag > 0) | real
@@ -73,9 +73,7 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
     """Yield indices of variants and their modes with hysteretic springs, grouped by number of real poles.
 
-    They are those of ``frozen_stiffness``. Real poles are those of the elastic springs. There are as many vibrations as
-    these have; of the eigenvalues above the real axis they are the least damped ones, since the loss moves real poles
-    off that axis.
+    They are those of ``frozen_stiffness``.
 
     Real poles are those of the elastic springs. There are as many vibrations as these have; of the eigenvalues above
     the real axis they are the least damped ones, since the loss moves real poles off that axis.

@@ -40,10 +40,7 @@ class Decisions:
         self.unsure = np.zeros(count, dtype=bool)
 
     def decide(self, answers: Any) -> bool:
-        """Answer of the first variant to a question on values.
-
-        Variants that answer otherwise are marked as not following.
-        """
+        """Yes or no of the first variant to a comparison of its values, while variants that differ are marked."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first
@@ -150,7 +147,7 @@ def variant_column(number: Any, count: int) -> FloatArray:
 
 
 def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
-    """Yield indices of variants and their record of decisions, until each variant has followed a first one.
+    """Yield indices of variants and a record of their decisions, until each variant has followed a first one.
 
     Variants of a combination of decisions beyond :data:`MOST_PASSES` come in no pass.
     """

@@ -32,7 +32,7 @@ rounding hardly counts."""
 
 @dataclass(frozen=True, eq=False)
 class VariedModel:
-    """Drivetrain at varying values of its unknowns, of which all that does not depend on them is worked out once."""
+    """Drivetrain at varying values of its unknowns, of which what does not depend on them is worked out once."""
 
     unknowns: Unknowns
 
@@ -62,8 +62,6 @@ class Levels(Protocol):
 
     def maxima(self, values: FloatArray) -> FloatArray:
         """Frequencies (Hz) or speeds (rad/s), shape (n,), of the local maxima of the level, the highest first.
-
-        The ends of the range count.
 
         The ends of the range count.
         """

@@ -18,7 +18,7 @@ overlap."""
 
 @dataclass(frozen=True, eq=False)
 class WorstLevels:
-    """Vibration levels over the points of all conditions of a drivetrain, one condition behind the other.
+    """Vibration levels of all conditions of a drivetrain at one set of values, one condition behind the other.
 
     Attributes
     ----------

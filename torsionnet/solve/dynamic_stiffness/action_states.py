@@ -30,7 +30,7 @@ HIGHEST_POWER = 2
 class LawStates:
     """State matrices of an action, z' = F z + G_0 y + G_1 y', T = P(s) y + H z, from angle y in rad to T in N m.
 
-    The coefficients of P are ``at_once``; ``row`` and ``sensed`` (n_q,) are where T drives, and the motion y.
+    The coefficients of P are ``at_once``.
 
     ``row`` and ``sensed`` (n_q,) are where T drives, and the motion y.
     """
@@ -117,8 +117,6 @@ def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) ->
     """Companion matrices F (n, n) and h (n,) of R(s)/D(s), and their scale w in 1/s, above which no coefficient is.
 
     The form is z' = F z + w e y, T = h z with e the last state.
-
-    z' = F z + w e y, T = h z. Here e is the last state, and no coefficient is above w.
     """
     d, r = ([float(value) for value in part] for part in (denominator, numerator))
     n = len(d) - 1

@@ -23,9 +23,10 @@ from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem
 
 
 class ClosedLoops(NamedTuple):
-    """Readings (n_read, n_exc, n_points) per unit excitation with actions at work, action torques, uncertain points.
+    """Readings (n_read, n_exc, n_points) with controllers at work, torques of these in N m, and uncertain points.
 
-    The torques (n_act, n_exc, n_points) are in N m; ``uncertain`` (n_points,) marks points that lost digits.
+    Readings are per unit excitation; the torques are (n_act, n_exc, n_points); ``uncertain`` (n_points,) marks points
+    that lost digits.
     """
 
     values: ComplexArray
@@ -36,7 +37,7 @@ class ClosedLoops(NamedTuple):
 def close_loops(
     reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray, uncertain: NDArray[np.bool_]
 ) -> ClosedLoops:
-    """Readings per unit excitation with the torques of controllers at work, from ``values`` calculated without them.
+    """Readings per unit excitation with controllers at work, from ``values`` calculated without their torques.
 
     These ``values`` are responses to the excitations, then to a unit torque of each action.
     """

@@ -83,8 +83,7 @@ def _registers(tape: Tape) -> FloatArray:
 def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
     """Arrays for the compiled loop, which are J, c, k of laws in SI, sampled stiffnesses and omega in rad/s.
 
-    J, c and k are (n_variants, n_laws); then come places of sampled laws (-1: none) and the samples. Omega has one row,
-    or one for each variant.
+    J, c and k are (n_variants, n_laws); then come places of sampled laws (-1: none) and the samples.
 
     Omega has one row, or one for each variant.
     """
@@ -104,8 +103,7 @@ def _walk(
 ) -> None:  # fmt: skip
     """Run all operations of a tape for a block of frequency points of one variant and write its outputs into ``y``.
 
-    The first ``n`` of the points count. ``left`` falls below zero where a sum is smaller than its terms by more than
-    LARGE, or a share is larger than SHARE.
+    The first ``n`` of the points count.
 
     ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
     """

@@ -20,8 +20,6 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by dense matrices.
 
     It does not check for lost digits.
-
-    It does not check for lost digits.
     """
     by_law, n_points = kappa.by_law, kappa.n_points
     values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)

@@ -144,9 +144,9 @@ class _Planner:
         return tuple(tuple(source) for source in sources)
 
     def _law(self, row: Row) -> tuple[int, float] | None:
-        """Stiffness slot of a law's row and factor of the row on it, or None if no unknown motion or reaction needs it.
+        """Number of a law's stiffness in the elimination, and factor of its row, or None if that is not needed.
 
-        Such a law resists only given motions that are not read.
+        A law is not needed if it resists only given motions that are not read.
         """
         row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven or j in self.open}
         between_given = any(j in self.driven for j in row) and any(j in self.open for j in row)
@@ -166,7 +166,7 @@ class _Planner:
         return self._motion(row) or (-1, 0.0)
 
     def _given(self) -> Iterable[tuple[int, tuple[float, ...]]]:
-        """Yield motion slot and angles in rad under every excitation, for motions of imposed angles alone."""
+        """Yield motions of imposed angles alone, as number of the motion and angles in rad under every excitation."""
         for slot, row in enumerate(self.motions.rows):
             if min(row) >= self.n_free:
                 yield slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving)
@@ -252,7 +252,7 @@ class _Planner:
         return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
 
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Yield row slots that links and grounds replace, with targets and weights, on a coordinate with too many rows.
+        """Yield numbers of rows that links and grounds replace, with these and weights, on a coordinate with many rows.
 
         Rows along the common motion are not split.
         """
@@ -268,7 +268,7 @@ class _Planner:
                 yield self._handed_on(number, shares)
 
     def _handed_on(self, slot: int, shares: Iterable[tuple[Row, float]]) -> tuple[int, tuple[tuple[int, float], ...]]:
-        """Replace a row by weighted rows, and return its stiffness slot with the slots and weights that take over."""
+        """Replace a row by weighted rows, and return its number with numbers and weights of those that take over."""
         self.laws.remove(slot)
         found = ((self._law(row), weight) for row, weight in shares)
         return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in found if there)
@@ -276,7 +276,7 @@ class _Planner:
     # --- reactions --------------------------------------------------------------------------------------------------
 
     def _settled(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Take reactions that depend on a single row, and yield the slots of rows that drop the given column."""
+        """Take reactions that depend on a single row, and yield the numbers of rows that drop the given column."""
         for column in sorted(self.open):
             slots = self.laws.touching.get(column, set())
             if len(slots) == 1 and not self.loads.touching.get(column):

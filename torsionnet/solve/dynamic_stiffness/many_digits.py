@@ -94,7 +94,7 @@ class ManyDigits:
 
 
 def _accuracy() -> Accuracy:
-    """Accuracy of row coefficients (tolerance, rounding) at the present number of digits of mpmath."""
+    """Accuracy of row coefficients (tolerance, rounding) at the number of digits that mpmath now has."""
     import mpmath
 
     digits = round(KNOWN_SHARE * mpmath.mp.dps)

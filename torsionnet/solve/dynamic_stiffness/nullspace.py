@@ -57,7 +57,7 @@ class NullSpace:
         return len(self.columns)
 
     def first(self, count: int) -> NullSpace:
-        """Null space that the first ``count`` directions of motion of this one span."""
+        """Null space that the first ``count`` directions of this null space span."""
         return replace(self, columns=self.columns[:count])
 
     def basis(self) -> FloatArray:
@@ -160,7 +160,7 @@ class _Parts:
         self.members.append(members)
 
     def over_parts(self, row: SparseRow) -> dict[int, Any]:
-        """Row over the groups of tied coordinates that can turn, made from a row over coordinates."""
+        """Row over the groups of tied coordinates that can turn, made from a row over single coordinates."""
         result: dict[int, Rounded] = {}
         for column, value in row.items():
             part, factor = self.part[column], value * self.angle[column]

@@ -45,9 +45,10 @@ class FrequencyPoints:
 def transfer_functions(
     request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, other_order: bool = False
 ) -> FrequencyPoints:
-    """Transfer functions of a request at all frequency points of ``kappa``, with mask of points that lost digits.
+    """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the stiffness ``kappa``.
 
-    With ``other_order`` another order of elimination is used.
+    They come with conditioning and a mask of points that lost digits. With ``other_order`` another order of elimination
+    is used.
     """
     reading_problem, n_out = (
         request.reading_problem.in_other_order if other_order else request.reading_problem,
@@ -74,7 +75,7 @@ def transfer_functions(
 
 
 def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
-    """Transfer functions at frequency points by one compiled loop, or None for requests it cannot handle."""
+    """Transfer functions (n_points, n_out, n_in) by one compiled loop, or None for requests it cannot handle."""
     import torsionnet.solve.dynamic_stiffness.compiled as compiled
 
     parts, n_out = reading_problem.problem.parts, len(request.outputs)
@@ -119,8 +120,6 @@ def _shares(
 
 def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
     """Quotient Y_out Y_in^-1, mask of points that lose digits, and reciprocal condition of Y_in, at every point.
-
-    The last is 1 at best and 0 where Y_in has no inverse; there the quotient is inf.
 
     The last is 1 at best and 0 where it does not at all; there the quotient is inf.
     """

@@ -108,7 +108,7 @@ class ReadingProblem:
 
     @cached_property
     def in_other_order(self) -> ReadingProblem:
-        """Copy of the problem that is eliminated in another order, so that its rounding errors differ."""
+        """Copy of the response problem that is eliminated in another order, so that its rounding errors differ."""
         return replace(self, problem=self.problem.in_other_order)
 
 
@@ -197,7 +197,7 @@ def _torque(
 
 @dataclass
 class _Rows:
-    """Rows of the motions to be solved for, in which each motion stands once whatever number of readings share it."""
+    """Rows of the motions to be solved for, in which each motion stands once however many readings share it."""
 
     assembly: Assembly
     number: Number

@@ -40,7 +40,10 @@ class ReadingTable:
 
 
 def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
-    """Arrays for the compiled loop, for excitations solved together, or None for several measured inputs or actions."""
+    """Arrays for the compiled loop to form readings by, or None for several measured inputs or with controllers.
+
+    They are for excitations that are solved together.
+    """
     n_measured = len(reading_problem.parts) - n_out
     if reading_problem.sensed or n_measured > 1:
         return None

@@ -248,9 +248,9 @@ def first_order(
 
 
 class _Split(NamedTuple):
-    """Damping blocks of the moving motions and spring forces, once the massless damped motions N_1 are eliminated.
+    """Damping blocks of motions with inertia and of spring forces, after elimination of massless damped motions.
 
-    F are the forces of springs on N_1.
+    F are the forces of springs on them, N_1.
     """
 
     drag: AnyArray  # C_xx - C_x1 C_11^-1 C_1x
@@ -277,7 +277,7 @@ def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, force
 
 
 def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
-    """Damping blocks after elimination of the massless damped motions, where a damping is negative.
+    """Damping blocks after elimination of the massless damped motions, for dampings of which one is negative.
 
     Raises
     ------

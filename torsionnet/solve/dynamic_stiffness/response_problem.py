@@ -29,8 +29,6 @@ class Loading:
     """Unit excitation, torques ``load`` in N m by column and angles ``motion`` in rad of given columns.
 
     All other given columns are at rest.
-
-    others are at rest.
     """
 
     load: Row = field(default_factory=dict)
@@ -72,7 +70,7 @@ class ResponseProblem:
 
     @cached_property
     def parts(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
-        """Groups of excitations that one elimination solves, each with its problem.
+        """Groups of excitation numbers that one elimination solves, each group with its response problem.
 
         Few torques are solved one by one, and all imposed motions at once.
         """
@@ -86,7 +84,7 @@ class ResponseProblem:
 
     @cached_property
     def in_other_order(self) -> ResponseProblem:
-        """Copy of the problem with another elimination order and other scales, so that rounding errors differ.
+        """Copy of the response problem with another elimination order and scales, so that rounding errors differ.
 
         Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
         however the stiffnesses are moved. In other sizes it is no longer 1.

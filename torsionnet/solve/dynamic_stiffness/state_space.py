@@ -37,10 +37,7 @@ models."""
 
 @dataclass(frozen=True)
 class StateSpaceForm:
-    """State equations x' = A x + B u in SI units with coordinates q = X x + U u.
-
-    The ``states`` are the names of x. The torque of each of ``actions`` is P(s) (its motion sensed) + (its row of
-    ``torques``) x.
+    """State equations x' = A x + B u in SI units, with coordinates q = X x + U u and the names of the states x.
 
     The torque of each of ``actions`` is P(s) (its motion sensed) + (its row of ``torques``) x.
     """
@@ -208,7 +205,7 @@ def _matrices(
 
 
 def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
-    """State equations with the actions at work, from those in which their torques are the last inputs."""
+    """State equations with controllers at work, from those in which their torques are the last inputs."""
     n_act, n_x = len(actions), len(form.A)
     n_u = form.B.shape[1] - n_act
     sizes = np.cumsum([0, *(len(one.F) for one in actions)])
@@ -300,7 +297,7 @@ def output_matrices(
 ) -> tuple[FloatArray, FloatArray]:
     """Matrices C (n_out, n_x) and D (n_out, n_in) from states and torques in N m to readings in SI units.
 
-    Readings in which u' or u'' remain are refused. The torques of the actions ``opened`` are inputs after the others.
+    The coefficients of u' and u'' have to vanish.
 
     The torques of the actions ``opened`` are inputs after the others.
 

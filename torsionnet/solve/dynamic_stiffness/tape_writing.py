@@ -35,7 +35,7 @@ def make_tape(plan: EliminationPlan) -> Tape:
 
 @dataclass(frozen=True)
 class _Eliminated:
-    """Elimination step with its shares kappa_i / S by place, and f_v / S in rad by loaded excitation."""
+    """Elimination step with the shares kappa_i / S of its rows, and the motion f_v / S in rad by excitation."""
 
     step: EliminationStep
     shares: dict[int, TapeQuantity]
@@ -102,7 +102,7 @@ class _Taping:
         return _Eliminated(step, shares, loads)
 
     def _pivot(self, step: EliminationStep, terms: Sequence[TapeQuantity]) -> TapeQuantity:
-        """Pivot S of an elimination step, the stiffness against its coordinate alone, as a quantity of the tape.
+        """Pivot S of an elimination step in N m/rad, the total stiffness on its coordinate, as a quantity of the tape.
 
         Small pivots show in its shares, or in the sum itself where more than one term has none.
         """
@@ -212,7 +212,7 @@ class _Forward(_Taping):
         self._add(self.carried.setdefault(slot, {}), reading, weight)
 
     def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
-        """Weights by reading of the motion in a slot, including those of reactions that depend on the motion."""
+        """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             for law, factor, motion in reaction.laws:
                 if motion == slot:

@@ -26,8 +26,6 @@ class TransferRequest:
     """Outputs and inputs of transfer functions, where inputs are measured ones or the excitations themselves.
 
     ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
-
-    ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
     """
 
     outputs: tuple[Functional, ...]
@@ -49,7 +47,7 @@ class TransferRequest:
 
     @cached_property
     def reading_problem(self) -> ReadingProblem:
-        """Response problem in rows for the outputs and measured inputs of the request, made once."""
+        """Response problem in rows for the outputs and measured inputs of the request, made once and kept."""
         return make_reading_problem(
             self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
         )
@@ -167,7 +165,7 @@ def resolve_inputs(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """Request of transfer functions with its inputs and excitations resolved and without outputs yet.
+    """Request of transfer functions with inputs and excitations resolved, and with no outputs yet.
 
     See :func:`resolve_request`.
     """

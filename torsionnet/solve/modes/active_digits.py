@@ -20,10 +20,9 @@ CONVERGED = 1e-15
 
 
 class ManyDigitPencil:
-    """Matrix P(s) of the characteristic equation, of a drivetrain with controllers, in mpmath numbers.
+    """Matrix P(s) of a controlled drivetrain's characteristic equation det P(s) = 0, in mpmath numbers.
 
-    It is that of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil`. To be used within
-    ``mpmath.workdps(DIGITS)``.
+    It is that of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil`.
 
     To be used within ``mpmath.workdps(DIGITS)``.
     """

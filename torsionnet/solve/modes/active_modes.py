@@ -70,7 +70,7 @@ def is_active(system: RowSystem) -> bool:
 
 
 def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
-    """Modes of a drivetrain with controllers, texts of warnings about uncertain modes, and notes.
+    """Modes of a drivetrain with controllers (eigenvalues in rad/s, shapes), texts of warnings, and notes.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
 
 
 def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
-    """Modes, warnings and notes of a drivetrain with controllers and with loss factors of springs.
+    """Modes, warnings and notes of a drivetrain with controllers, where springs have loss factors.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
 
 
 def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
-    """Pole that a pole without losses becomes as all laws get their losses k eta (n_laws,), or None where lost."""
+    """Pole in rad/s that one without losses becomes as all laws get losses k eta (n_laws,), or None where lost."""
     value, vector, error = pole.value, pole.vector, pole.error
     for share in np.linspace(0, 1, LOSS_STEPS + 1)[1:]:
         met = ActivePencil(elastic, share * loss).root_near(value, vector)
@@ -139,7 +139,7 @@ def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
 
 
 def _distinct_poles(poles: Sequence[Pole]) -> list[Pole]:
-    """Poles without those that repeat another one together with its shape."""
+    """Poles without those that repeat another one together with its mode shape."""
     found: list[Pole] = []
     for pole in poles:
         if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) or _differ(pole, other) for other in found):
@@ -153,7 +153,7 @@ def _differ(one: Pole, other: Pole) -> bool:
 
 
 def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
-    """All nonzero poles of a drivetrain with controllers and without delays, warnings, and notes."""
+    """All nonzero poles in rad/s of a drivetrain with controllers without delays, texts of warnings, and notes."""
     starts = state_eigenvalues(pencil, 0)
     total = sum(pole.count for pole in starts)
     small = pencil.size <= LARGEST_SOLVED_EXACTLY
@@ -186,7 +186,7 @@ def _count_warning(counted: int, found: int, where: str = "") -> tuple[str, ...]
 
 
 def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
-    """Pole on the exact characteristic equation near a start, or None where the iteration leaves the start."""
+    """Pole in rad/s on the exact characteristic equation near a start, or None where the iteration leaves it."""
     found = pencil.root_near(pole.value, pole.vector)
     if found is None or abs(found[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
         return None
@@ -195,7 +195,7 @@ def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
 
 
 def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
-    """Poles with the uncertain ones solved in many digits as time allows, as slow poles of stiff drivetrains are."""
+    """Poles of which the uncertain ones are solved in many digits as time allows, as slow ones of stiff drivetrains."""
     size = assembly.system.n_coordinates + len(assembly.system.actions)
     most = int(MOST_WORK // max(size, 1) ** 3)
     blurred = sorted((pole.error, place) for place, pole in enumerate(poles) if pole.error > SOLVED_IN_MANY_DIGITS)[
@@ -221,9 +221,7 @@ def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
 
 
 def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
-    """Poles of a drivetrain with delays, all within a circle and those near modes outside, warnings, and notes.
-
-    The circle holds the modes without control and the poles of controllers, as far as the delay is resolved there.
+    """Poles of a drivetrain with delays, all in a circle and those near modes outside, warnings, and notes.
 
     The circle holds the modes without control and the poles of controllers, as far as the delay is resolved there.
     """
@@ -271,7 +269,7 @@ def _corner(pencil: ActivePencil) -> list[float]:
 
 
 def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
-    """Poles to which inverse iteration leads from the starts, each once."""
+    """Poles in rad/s with Im >= 0 to which inverse iteration leads from the starts, each once."""
     found: list[Pole] = []
     for start in starts:
         met = pencil.root_near(start.value, start.vector)
@@ -334,8 +332,6 @@ def _real_shapes(shapes: ComplexArray) -> ComplexArray:
 
 def _scaled(shapes: Any) -> Any:
     """Shapes (n_q, n_modes) scaled to 1 at their largest angle, while shapes of zeros stay.
-
-    The pole of a controller that oscillates alone has such a shape.
 
     The pole of a controller that oscillates alone has such a shape.
     """

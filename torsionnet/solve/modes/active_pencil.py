@@ -43,9 +43,9 @@ many."""
 
 @dataclass(frozen=True, eq=False)
 class ActivePencil:
-    """Matrix P(s) of the characteristic equation of a drivetrain with controllers, and its roots in rad/s.
+    """Characteristic equation det P(s) = 0 of a drivetrain with controllers, and its roots (poles) in rad/s.
 
-    Coefficients are constant. ``loss`` (n_laws,) are the k eta of hysteretic laws, for roots with Im s > 0.
+    Coefficients are constant.
 
     ``loss`` (n_laws,) are the k eta of hysteretic laws, for roots with Im s > 0.
     """
@@ -60,7 +60,7 @@ class ActivePencil:
 
     @cached_property
     def _rows(self) -> tuple[FloatArray, FloatArray]:
-        """Coefficients (n_act, n_q) of the rows on which the actions act, and of the rows that they sense."""
+        """Coefficients (n_act, n_q) of the motions that controllers drive, and of those that they sense."""
         actions, n = self.assembly.system.actions, self.n_coordinates
         driven = [over_coordinates(self.assembly, one.row) for one in actions]
         sensed = [over_coordinates(self.assembly, one.sensed) for one in actions]
@@ -68,16 +68,16 @@ class ActivePencil:
 
     @property
     def n_coordinates(self) -> int:
-        """Number of coordinates in P(s), after which come the torques of the actions."""
+        """Number of coordinates in the characteristic equation, after which come the torques of the actions."""
         return self.assembly.system.n_coordinates
 
     @property
     def size(self) -> int:
-        """Number of rows of P(s), which is that of coordinates and actions together."""
+        """Number of rows of the characteristic equation, which is that of coordinates and controllers together."""
         return self.n_coordinates + len(self.assembly.system.actions)
 
     def at(self, s: complex) -> ComplexArray:
-        """Matrix P(s) at s in rad/s with its roots at zero taken out, shape (size, size)."""
+        """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero taken out."""
         whole = self._whole(s)
         for column in self.columns:
             whole[:, column.place] = column.at(s)
@@ -87,7 +87,7 @@ class ActivePencil:
         return whole
 
     def _whole(self, s: complex) -> ComplexArray:
-        """Matrix P(s) at s in rad/s with its roots at zero left in, shape (size, size)."""
+        """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero left in."""
         K, C, M = self._laws
         laws = K + s * (C + s * M)
         if self.loss is not None:
@@ -96,7 +96,7 @@ class ActivePencil:
         return self._with(laws, [self._law(s, number) for number in range(len(self._rows[0]))], -1.0)
 
     def derivative(self, s: complex) -> ComplexArray:
-        """Derivative of the matrix :meth:`at` by s, shape (size, size)."""
+        """Derivative of the characteristic equation's matrix :meth:`at` by s in rad/s, shape (size, size)."""
         _, C, M = self._laws
         whole = self._with(C + 2 * s * M, [self._law_rate(s, number) for number in range(len(self._rows[0]))], 0.0)
         for column in self.columns:
@@ -104,7 +104,7 @@ class ActivePencil:
         return whole
 
     def term_sizes(self, s: complex) -> FloatArray:
-        """Sums of the magnitudes of the terms in the matrix :meth:`at`, (size, size), to estimate rounding by."""
+        """Sums (size, size) of the magnitudes of the terms in the matrix :meth:`at`, to estimate rounding by."""
         whole = self._term_sizes(s)
         for column in self.columns:
             whole[:, column.place] = column.size(s)
@@ -135,7 +135,7 @@ class ActivePencil:
 
     @cached_property
     def columns(self) -> tuple[DeflatedColumn, ...]:
-        """Columns of P(s) from which roots at zero are taken out, as functions of s."""
+        """Columns of the characteristic equation's matrix with roots at zero taken out, as functions of s."""
         _, right = equilibrated(self._term_sizes(complex(self._typical)))
         return deflated_columns(self.assembly, self.exact, 1 / right)
 
@@ -183,7 +183,7 @@ class ActivePencil:
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def null_vector(self, s: complex) -> ComplexArray:
-        """Coordinates and torques (size,) of the mode at a root, from P(s) for an s next to the root."""
+        """Coordinates and torques (size,) of the mode shape at a pole, from the matrix at an s next to the pole."""
         P = self.at(s)
         left, right = equilibrated(np.abs(P))
         start = np.cos(np.arange(self.size) + 1.0)
@@ -193,7 +193,7 @@ class ActivePencil:
             return self._from_columns(s, start.astype(complex))
 
     def _from_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
-        """Coordinates and torques (size,) that a vector over the columns of :meth:`at` stands for."""
+        """Coordinates and action torques (size,) that a vector over the columns of :meth:`at` stands for."""
         found = np.array(vector, dtype=complex)
         found[[column.place for column in self.columns]] = 0.0
         for column in self.columns:

@@ -41,7 +41,7 @@ class Pole:
 
 
 def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
-    """Eigenvalues of the state matrix as poles with Im >= 0, by magnitude, with estimated relative errors.
+    """Eigenvalues of the state matrix as poles in rad/s, Im >= 0, by magnitude, with estimated relative errors.
 
     Delays have ``points``.
     """
@@ -74,7 +74,7 @@ def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
 
 
 def slow_starts(pencil: ActivePencil, loose: list[Pole]) -> list[Pole]:
-    """Slow roots as starts for poles, in the range of the uncertain starts ``loose``, without rounded zeros."""
+    """Slow poles in rad/s as start values, in the range of the uncertain starts ``loose``, without rounded zeros."""
     fastest = max((abs(pole.value) for pole in loose), default=0.0)
     values = [complex(value) for value in pencil.slow_roots() if abs(value) <= SLOW_RANGE * fastest and value.imag >= 0]
     return [Pole(value, pencil.null_vector(value), 0.1) for value in values]

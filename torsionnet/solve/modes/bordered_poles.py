@@ -48,7 +48,7 @@ class Roots:
 
 
 def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
-    """Poles against measured inputs that do not cut the drivetrain in two, and texts of warnings.
+    """Modes whose poles let the measured inputs stay zero, where these cut no drivetrain in two, and warnings.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def _dense(block: list[dict[int, Fraction]]) -> FloatArray:
 
 
 def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roots:
-    """Approximate roots in double precision, ``count`` eigenvalues of a pencil after the ``zeros`` smallest."""
+    """Approximate nonzero roots of det P(s) in rad/s, ``count`` of them, in double precision with estimated errors."""
     import scipy.linalg
 
     powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
@@ -166,7 +166,7 @@ def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
-    """Roots with the uncertain ones solved in mpmath, as far as the limit on work allows."""
+    """Roots of det P(s) in rad/s with the uncertain ones solved in mpmath, as far as the limit on work allows."""
     if not np.any(roots.errors > REFINE_ABOVE):
         return roots
     repeated = bordered.repeated()

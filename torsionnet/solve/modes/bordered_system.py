@@ -51,7 +51,7 @@ class Bordered:
 
     @classmethod
     def of(cls, assembly: Assembly, request: TransferRequest) -> Bordered:
-        """Bordered matrix of an assembly with the excitations and measured inputs of a request."""
+        """Bordered matrix P(s) for the poles of an assembly against the measured inputs of a request."""
         index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
         n, m = len(index), len(request.excitations)
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
@@ -78,17 +78,17 @@ class Bordered:
 
     @property
     def size(self) -> int:
-        """Number of rows of P(s), which is that of coordinates and excitations together."""
+        """Number of rows of the bordered matrix, which is that of coordinates and excitations together."""
         return len(self.powers[0])
 
     @property
     def entries(self) -> dict[tuple[int, int], tuple[Fraction, ...]]:
-        """Coefficients of s^0, s^1 and s^2 of every nonzero entry of P(s), by row and column."""
+        """Coefficients of s^0, s^1 and s^2 of every nonzero entry of the bordered matrix, by row and column."""
         places = dict.fromkeys((i, j) for block in self.powers for i, row in enumerate(block) for j in row)
         return {(i, j): tuple(block[i].get(j, Fraction(0)) for block in self.powers) for i, j in places}
 
     def determinant(self, prime: int) -> Coefficients:
-        """Coefficients of the polynomial det P(s) modulo a prime, ascending."""
+        """Coefficients of the bordered matrix's determinant, a polynomial in s, modulo a prime, ascending."""
         order, _ = minimum_degree_order(self.size, self.entries)
         blocks = [[{order[j]: residue(x, prime) for j, x in row.items()} for row in block] for block in self.powers]
         return interpolating_polynomial(
@@ -96,12 +96,14 @@ class Bordered:
         )
 
     def roots(self) -> tuple[int, int] | None:
-        """Number of roots of det P(s) with multiplicity, and of these at zero, or None where det P vanishes."""
+        """Number of poles against the measured inputs, and of these at zero, or None if the determinant vanishes."""
         coefficients = self.determinant(next(primes()))
         return (len(coefficients) - 1, _zeros(coefficients)) if coefficients else None
 
     def repeated(self) -> dict[int, list[Fraction]] | None:
-        """Monic polynomials of the repeated nonzero roots of det P, exact, by multiplicity, or None if primes run out.
+        """Polynomials of the poles that are repeated and not zero, exact and monic, by multiplicity, or None.
+
+        It is None where primes do not suffice.
 
         The polynomials modulo several primes are joined until one prime more does not change them.
         """

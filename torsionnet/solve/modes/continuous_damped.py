@@ -34,7 +34,7 @@ LEAST_MAC, LARGEST_MOVE = 0.5, 0.5
 others."""
 REAL_GRID, REAL_DECADES = 900, (-9, 3)
 """Number of points on the negative real axis, and their range in decades around the modes, so that real poles 3 % apart
-are told apart. Two real poles between neighbouring points are missed.
+are told apart.
 
 Two real poles between neighbouring points, 3 % apart, are missed.
 """
@@ -70,7 +70,10 @@ class DampedSystem:
         return kappa, rate, across + 1j * rate
 
     def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray]:
-        """Matrix D(s) in N m/rad, its derivatives by Re s and Im s, and scales (n_q,) to make its terms of one size."""
+        """Matrix D(s) in N m/rad, (n_q, n_q), its derivatives by Re s and Im s, and scales (n_q,) for its terms.
+
+        The scales make the terms of one size.
+        """
         rows = self.system.rows
         kappa, along, across = (part[:, None] for part in self.stiffness(s, share))
         scale = 1 / np.sqrt(rows.T**2 @ np.abs(kappa[:, 0]) + 1e-300)
@@ -101,10 +104,6 @@ class DampedSystem:
 
 def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs, int]:
     """Shapes (n_q, n_rigid) of rigid motions, all other modes found, and the number of vibrations that were lost.
-
-    The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
-
-    The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
 
     The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
     """
@@ -147,7 +146,7 @@ def _followed(
 
 
 def _without_repetitions(found: list[Mode]) -> int:
-    """Number of repetitions among the modes, which are taken out of the list ``found``."""
+    """Number of modes that were found twice, after the repetitions are taken out of the list ``found``."""
     kept: list[Mode] = []
     for mode in found:
         same = [one.shape for one in kept if abs(one.value - mode.value) <= SAME_FREQUENCY * abs(mode.value)]
@@ -171,7 +170,10 @@ def _split_by_damping(damped: DampedSystem, rate: float, shapes: ComplexArray) -
 
 
 def _follow(damped: DampedSystem, start: complex, shape: ComplexArray, room: float) -> Mode | None:
-    """Mode with full damping that a mode without damping becomes, or None where lost, as on the real axis."""
+    """Mode (pole in rad/s, shape) with full damping that an undamped one becomes, or None where lost.
+
+    It is lost also on the real axis.
+    """
     mode, share, step = Mode(start, shape), 0.0, 1.0
     while share < 1:
         trial = damped.newton(mode.value, mode.shape, min(1.0, share + step))
@@ -188,7 +190,7 @@ def _follow(damped: DampedSystem, start: complex, shape: ComplexArray, room: flo
 
 
 def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
-    """Modes of the poles on the negative real axis, with the stiffnesses that springs have at rest."""
+    """Modes (pole in rad/s, shape) on the negative real axis, with the stiffnesses that springs have at rest."""
     low, high = REAL_DECADES
     sizes = rate * np.logspace(low, high, REAL_GRID)
     counts = _negative_on_axis(system, sizes)

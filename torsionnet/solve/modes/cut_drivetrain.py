@@ -53,11 +53,7 @@ def poles_against_measured(
 
 
 def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
-    """Names of the elements on the side without excitation when the drivetrain is cut at the measured torque.
-
-    None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both
-    sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does
-    an imposed relative motion; ground does not.
+    """Names of the elements left without the excited side when the drivetrain is cut at the measured torque.
 
     None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both
     sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does

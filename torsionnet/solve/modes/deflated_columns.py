@@ -28,9 +28,9 @@ SERIES_TERMS = 40
 
 @dataclass(frozen=True)
 class DelayedSum:
-    """Delayed part of one row of a column, -sum of p_m s^(m - k) e^(-s delay), without terms that cancel.
+    """Delayed terms in one row of the column for a controller, -sum of p_m s^(m - k) e^(-s delay).
 
-    The ``terms`` are m - k and p_m.
+    Terms that cancel are left out.
 
     ``terms`` are m - k and p_m.
     """
@@ -144,7 +144,7 @@ class DeflatedColumn:
 
 
 def deflated_columns(assembly: Assembly, exact: ExactPencil, weights: FloatArray) -> tuple[DeflatedColumn, ...]:
-    """Columns without roots at zero, one for every chain of such roots.
+    """Columns of the characteristic equation with roots at zero taken out, one for every chain of roots.
 
     The ``weights`` (n,) choose the columns that are replaced.
     """

@@ -49,9 +49,6 @@ class MatrixPolynomial:
 
     The coordinates are renumbered in the order of elimination; `place[j]` is the new number of coordinate j.
     `operations` counts the multiplications of one elimination without pivoting.
-
-    The coordinates are renumbered in the order of elimination; `place[j]` is the new number of coordinate j.
-    `operations` counts the multiplications of one elimination without pivoting.
     """
 
     size: int
@@ -230,7 +227,7 @@ def refine_roots(
     zeros: int,
     spread: FloatArray,
 ) -> tuple[list[Any], bool]:
-    """Roots of det P with the uncertain ones iterated to convergence, and whether all converged.
+    """Roots of det P as mpmath numbers, the uncertain ones iterated to convergence, and whether all converged.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ class EigenSolution:
     missing: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
-        """Copy of the solution with only its first ``count`` modes, or with all of them for None."""
+        """Copy of the modes with only the first ``count`` of them, or with all of them for None."""
         whole = ("kinds", "missing")
         parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
         return replace(self, kinds=self.kinds[:count], **parts)
@@ -89,17 +89,7 @@ def complex_modes(
 ) -> EigenSolution:
     """Eigenvalues in rad/s and shapes of a system with damping, all or the ``lowest`` so many modes.
 
-    An undamped system gets purely imaginary eigenvalues. With frequency-dependent laws the search starts from the modes
-    without damping, ``undamped`` or calculated here. Passive laws have a positive semidefinite damping matrix: a
-    positive real part is rounding and set to 0. A negative damping, also in a table, can make a mode grow. With
-    frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles use the real
-    part at rest.
-
-    An undamped system gets purely imaginary eigenvalues. With frequency-dependent laws the search starts from the modes
-    without damping, ``undamped`` or calculated here. Passive laws have a positive semidefinite damping matrix: a
-    positive real part is rounding and set to 0. A negative damping, also in a table, can make a mode grow. With
-    frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles use the real
-    part at rest.
+    An undamped system gets purely imaginary eigenvalues.
 
     With frequency-dependent laws the search starts from the modes without damping, ``undamped`` or calculated here.
 
@@ -181,7 +171,7 @@ def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Eigenpairs, *, p
 
 
 def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]) -> AnyArray:
-    """Shapes (n_q, n_modes), made real where eigenvalues are real.
+    """Mode shapes (n_q, n_modes), made real where eigenvalues are real.
 
     A pair on the axis gets real and imaginary part of its shape.
     """
@@ -202,7 +192,7 @@ def with_zero_damping(values: ComplexArray, errors: FloatArray) -> ComplexArray:
 
 
 def unit_shapes(shapes: AnyArray) -> AnyArray:
-    """Shapes (n, n_modes) scaled so that the largest component of each is 1, the first of equal ones."""
+    """Mode shapes (n, n_modes) scaled so that the largest component of each is 1, the first of equal ones."""
     if not shapes.size:
         return shapes
     size = np.abs(shapes)

@@ -34,7 +34,7 @@ class DelayedRow:
     delay: Fraction
 
     def coefficient(self, power: int) -> Fraction:
-        """Coefficient of s^power in the series of N(s) e^(-s delay)."""
+        """Coefficient, a rational, of s^power in the series of a controller's N(s) e^(-s delay)."""
         total = Fraction(0)
         for m, value in enumerate(self.numerator[: power + 1]):
             total += value * (-self.delay) ** (power - m) / factorial(power - m)
@@ -55,7 +55,7 @@ class ExactPencil:
 
     @classmethod
     def of(cls, assembly: Assembly) -> ExactPencil:
-        """Exact P(s) of an assembly, over coordinates and, after them, torques of actions."""
+        """Matrix P(s) of an assembly with controllers, exact, over coordinates and then torques of actions."""
         index = {name: place for place, name in enumerate(assembly.kinematics.coordinates)}
         entries: dict[tuple[int, int], list[Fraction]] = {}
 
@@ -107,7 +107,7 @@ class ExactPencil:
         return found
 
     def counts(self, most: int) -> tuple[int, int]:
-        """Number of roots of det P, and of these at zero up to ``most``, with multiplicity.
+        """Number of poles of a controlled drivetrain, and of these at zero up to ``most``, with multiplicity.
 
         With delays only the number at zero has a meaning.
         """

@@ -51,7 +51,7 @@ class Eigenpairs:
 
     @classmethod
     def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Eigenpairs:
-        """Eigenvalues and shapes of a spectrum at the indices ``kept``, all marked as converged."""
+        """Eigenvalues (rad/s) and shapes of a spectrum at the indices ``kept``, all marked as converged."""
         count = len(kept)
         return cls(
             spectrum.values[kept],
@@ -109,7 +109,7 @@ class FrozenProblem:
         return self.known[key]
 
     def resemblance(self, shapes: ComplexArray, shape: ComplexArray) -> FloatArray:
-        """Modal assurance criterion (n,), weighted with inertia, of each of the shapes with one shape.
+        """Modal assurance criterion (n,), weighted with inertia, of each of n shapes with one shape.
 
         It is |a^H M b|^2 / (a^H M a  b^H M b).
         """
@@ -178,7 +178,7 @@ def _candidates(spectrum: Spectrum, count: int) -> NDArray[np.intp]:
 
 
 def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int) -> list[Mode]:
-    """Mode whose stiffness is frozen at its own frequency, found from a start, or all modes of a multiple eigenvalue.
+    """Mode whose stiffness is frozen at its own frequency, found from a start, or several of equal frequency.
 
     Its frequency is the fixed point of omega = |Im lambda(omega)|.
     """

@@ -101,7 +101,10 @@ class _HolzerWalk:
     """Torques in N m that branches bring to the node they join, by node."""
 
     def branches(self, order: Sequence[HolzerLine]) -> list[HolzerBranch]:
-        """Branches of the table in the given order. Each is summed before the line that it joins."""
+        """Branches of the Holzer table, with angles and torques by station, in the order of the lines.
+
+        Each is summed before the line that it joins.
+        """
         self._add_other_torques()
         found = {line: self._branch(line) for line in reversed(order)}
         return [found[line] for line in order]

@@ -27,8 +27,7 @@ Coefficients = Mapping[str, float]
 class NodeLoad:
     """Torque of one spring or rigid connection, of which each node takes ``torque`` (N m) times its coefficient.
 
-    Each node of its row loses that much. ``stiffness`` is infinite for a constraint; ``housing`` is the node that takes
-    the reaction torque of a gear stage, if that node moves.
+    Each node of its row loses that much.
 
     ``stiffness`` is infinite for a constraint; ``housing`` is the node that takes the reaction torque of a gear stage,
     if that node moves.

@@ -33,7 +33,7 @@ class HolzerLine:
 def holzer_lines(
     nodes: Sequence[str], loads: Iterable[NodeLoad], first: str | None
 ) -> tuple[list[HolzerLine], Neighbours]:
-    """Main lines and branches, each branch after the line it joins, and the loads between neighbouring nodes."""
+    """Main lines and branches of a Holzer table, each branch after its line, and torques between neighbours."""
     tree = _tree(nodes, loads)
     found: list[HolzerLine] = []
     seen: set[str] = set()
@@ -47,7 +47,7 @@ def holzer_lines(
 
 
 def _tree(nodes: Sequence[str], loads: Iterable[NodeLoad]) -> dict[str, dict[str, tuple[NodeLoad, ...]]]:
-    """Loads between neighbouring nodes, by node and neighbour, without loads that would close a loop."""
+    """Torques between neighbouring nodes, by node and neighbour, without elements that would close a loop."""
     tree: dict[str, dict[str, tuple[NodeLoad, ...]]] = {node: {} for node in nodes}
     home = {node: node for node in nodes}
     for load in loads:
@@ -70,7 +70,7 @@ def _root(home: dict[str, str], node: str) -> str:
 
 
 def _first_end(tree: Neighbours, node: str, nodes: Sequence[str]) -> str:
-    """First free end, in the order of the model, among the nodes connected to a node."""
+    """Name of the first free end, in the order of the model, among the nodes connected to a node."""
     there = set(_connected(tree, node))
     return next((one for one in nodes if one in there and len(tree[one]) == 1), node)
 
@@ -84,7 +84,7 @@ def _connected(tree: Neighbours, node: str) -> Iterator[str]:
 
 
 def _farthest(tree: Neighbours, start: str, barred: set[str]) -> list[str]:
-    """Nodes of the longest path from a node that passes no barred node."""
+    """Names of the nodes on the longest path from a node that passes no barred node."""
     before = {start: ""}
     order = [start]
     for node in order:

@@ -71,7 +71,7 @@ class RigidMotions:
 
     @classmethod
     def of(cls, system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_], count: int) -> RigidMotions:
-        """Rigid-body shapes of a system, at most ``count`` of each kind.
+        """Rigid-body shapes (n_q, n) of a system without springs and without dampers, at most ``count`` of each kind.
 
         Raises
         ------
@@ -88,9 +88,7 @@ class RigidMotions:
 def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs | None:
     """Eigenvalues in rad/s and shapes of the lowest modes without rigid bodies, or None where sparse methods fail.
 
-    There are at least ``count``, by |lambda|. None with too few degrees of freedom for so many modes, or where the
-    sparse search is not accurate to within `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with
-    their errors.
+    There are at least ``count``, by |lambda|.
 
     None with too few degrees of freedom for so many modes, or where the sparse search is not accurate to within
     `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with their errors.
@@ -140,7 +138,7 @@ def _search(system: RowSystem, motions: RigidMotions, count: int, *, undamped: b
 def _refined(
     system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
 ) -> tuple[Any, Any, Any]:
-    """Eigenvalues, shapes and errors with the uncertain modes solved in many digits, as far as time allows."""
+    """Eigenvalues, shapes and relative errors, the uncertain modes solved in many digits as far as time allows."""
     import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
     from torsionnet.solve.modes.rayleigh_quotient import isolated_root
 
@@ -168,8 +166,7 @@ def _eigenpairs(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> E
 class _Pencil:
     """Sparse matrix D(z) of a system over scaled coordinates, z = s, or omega^2 without damping.
 
-    With q = scale * (coordinates used here), without damping the variable is z = omega^2 and D = K - z M, else z = s
-    and D = z^2 M + z C + K.
+    The coordinates are q = scale * (those used here).
 
     Without damping the variable is z = omega^2 and D = K - z M, else z = s and D = z^2 M + z C + K.
     """
@@ -183,7 +180,7 @@ class _Pencil:
 
     @classmethod
     def of(cls, system: RowSystem, *, undamped: bool, at: float | None = None) -> _Pencil:
-        """Sparse D(z) of a system, with coordinates scaled so that the diagonal of D(at) is about 1."""
+        """Sparse matrix D(z) of a system, in coordinates scaled so that the diagonal of D(at) is about 1."""
         from scipy import sparse
 
         damping = np.zeros_like(system.damping) if undamped else system.damping
@@ -258,8 +255,6 @@ class _Pencil:
         """Eigenvalue z near a given one from a shape, as the root of q^T D(z) q next to it.
 
         Its error is quadratic in that of the shape.
-
-        Its error is quadratic in that of the shape.
         """
         squares = (self.rows @ shape) ** 2
         m, c, k = self.inertia @ squares, self.damping @ squares, self.stiffness @ squares
@@ -271,7 +266,7 @@ class _Pencil:
         return min(roots, key=lambda z: abs(z - near))
 
     def split(self, shapes: AnyArray, center: Any) -> tuple[AnyArray, AnyArray]:
-        """Steps from ``center`` to the eigenvalues of a cluster, and the combinations of shapes that are theirs."""
+        """Steps in z from ``center`` to the eigenvalues of a cluster, and combinations of shapes that are theirs."""
         motion = self.rows @ shapes
         here, slope = (motion.T @ (law[:, None] * motion) for law in (self.laws(center), self.slopes(center)))
         steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
@@ -312,7 +307,7 @@ def _slowest(pencil: _Pencil, rigid: FloatArray) -> float:
 
 
 class _Symmetric:
-    """Symmetric operator y -> P S (K + sigma M)^-1 S^T P y, with eigenvalues 1/(omega^2 + sigma)."""
+    """Symmetric operator P S (K + sigma M)^-1 S^T P for undamped modes, with eigenvalues 1/(omega^2 + sigma)."""
 
     def __init__(self, pencil: _Pencil, rigid: FloatArray, sigma: float) -> None:
         self.rows, self.sigma = _inertia_rows(pencil), sigma
@@ -362,7 +357,7 @@ def _undamped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float
 
 
 class _Companion:
-    """Operator x = (q, s q / unit) -> (A - sigma E)^-1 E x, with eigenvalues 1/(lambda - sigma).
+    """Operator (A - sigma E)^-1 E on x = (q, s q / unit) for damped modes, with eigenvalues 1/(lambda - sigma).
 
     Eigenvectors are orthogonal in the symmetric form x^T G x with G = [[C, M], [M, 0]].
     """

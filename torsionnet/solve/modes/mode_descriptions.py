@@ -114,8 +114,7 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
 class Links:
     """Elastic elements between two coordinates, by whose twist the vibration nodes of a mode are counted.
 
-    They twist by a * first - b * second. Nodes that are rigidly geared together are one coordinate. ``wide`` says that
-    a law ties three coordinates, or that a continuous shaft has nodes of vibration inside.
+    They twist by a * first - b * second.
 
     Nodes that are rigidly geared together are one coordinate. ``wide`` says that a law ties three coordinates, or that
     a continuous shaft has nodes of vibration inside.
@@ -142,9 +141,6 @@ class Links:
 
     def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
         """Vibration nodes of a motion (n_q,) in words, ``in shaft``, or ``at wheel`` where a wheel stands still.
-
-        Angles at both ends of an elastic element are compared over its ratio, after a complex shape was rotated to its
-        main phase. None where they cannot be counted: an element ties three coordinates, or is a continuous shaft.
 
         Angles at both ends of an elastic element are compared over its ratio, after a complex shape was rotated to its
         main phase. None where they cannot be counted: an element ties three coordinates, or is a continuous shaft.

@@ -101,7 +101,7 @@ def _mode(
 
 
 def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
-    """Share (n_undamped, n_damped) of each damped mode's strain energy in the shapes of each undamped mode."""
+    """Share (n_undamped, n_damped) of each damped mode's strain energy that lies in each undamped mode's shape."""
     found = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows
     for group in _groups(rates):
@@ -129,7 +129,7 @@ def _groups(rates: FloatArray) -> Iterator[list[int]]:
 
 
 def _assigned(similarity: FloatArray) -> Iterator[tuple[int, int]]:
-    """Yield pairs (undamped, damped) of mode indices with the largest sum of similarities, similar ones only."""
+    """Yield index pairs (undamped, damped) of modes with the largest sum of strain similarities, similar ones only."""
     from scipy.optimize import linear_sum_assignment
 
     clear = np.where(similarity >= LEAST_SIMILARITY, similarity, 0)

@@ -45,8 +45,6 @@ def modes(
     """Eigenvalues in rad/s, shapes, energy shares and descriptions of the modes of a drivetrain.
 
     See :meth:`torsionnet.Drivetrain.modes`.
-
-    See :meth:`torsionnet.Drivetrain.modes`.
     """
     if up_to is not None and not 0 < up_to < math.inf:
         raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
@@ -118,7 +116,10 @@ def natural_modes(
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
-    """Product (n_rows, n_modes) of rows and vectors, sparse where that pays for the import of scipy."""
+    """Motions (n_rows, n_modes) of rows, such as node angles, in mode shapes over coordinates.
+
+    They are sparse products where that pays for the import of scipy.
+    """
     return np.asarray((rows.csr if rows.n_columns > LARGE_SYSTEM else rows.dense) @ vectors)
 
 

@@ -27,7 +27,7 @@ start."""
 
 
 def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:
-    """Radius (n,) around each root that certainly holds no other, 0 where the root is too uncertain.
+    """Radius (n,) in rad/s around each root that certainly holds no other, 0 where the root is too uncertain.
 
     That is where its uncertainty is near the distance.
 

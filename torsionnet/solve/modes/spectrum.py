@@ -56,10 +56,7 @@ class Spectrum:
 def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
     """Nonzero eigenvalues (n,) in rad/s and shapes (n_q, n) of a system, in double precision, with errors.
 
-    They come from singular values if undamped, else from eigenvalues of the first-order form. The error estimate of an
-    eigenvalue is eps ||A|| / |lambda| times its condition number.
-
-    The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
+    They come from singular values if undamped, else from eigenvalues of the first-order form.
 
     The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
     """
@@ -160,7 +157,7 @@ def on_real_axis(values: ComplexArray) -> NDArray[np.bool_]:
 
 
 def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
-    """Roots z and coefficients of the laws, z = lambda with (k, c, J), or z = omega^2 with (k, -J) if undamped."""
+    """Roots z and coefficients (n_laws,) of laws, z = lambda with (k, c, J), or omega^2 with (k, -J) undamped."""
     system = spectrum.system
     if spectrum.undamped:
         return spectrum.values.imag**2, [spectrum.stiffness, -system.inertia]
@@ -190,7 +187,7 @@ def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) ->
 
 
 def one_per_pair(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Indices of one eigenvalue per conjugate pair and of all real ones, and mask of the real ones."""
+    """Indices of one eigenvalue per conjugate pair and of every real one, and mask of the real ones among them."""
     real = on_real_axis(spectrum.values)
     kept = np.flatnonzero(real | (spectrum.values.imag > 0))
     return kept, np.asarray(real[kept])

@@ -68,7 +68,7 @@ def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n
 
 
 def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
-    """Laws on the other coordinates that replace the laws on v when coordinate v is eliminated."""
+    """Laws (row, stiffness in N m/rad) on other coordinates that replace those on v when v is eliminated."""
     found: Laws = []
     for place, (first, kappa) in enumerate(acting):
         for second, other in acting[place + 1 :]:
@@ -79,7 +79,7 @@ def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
 
 
 def _merged(laws: Laws) -> Laws:
-    """Laws merged to one on each coordinate and one between any two.
+    """Laws (row, stiffness in N m/rad) merged to one on each coordinate and one between any two.
 
     Beside an edge on the row (a_i, a_j) a law y on (b_i, b_j) is t y on that row, t = b_i b_j / (a_i a_j), and
     y (b^2 - t a^2) on each of both coordinates.
@@ -111,7 +111,7 @@ class ModeCount:
         self.members = [(law, table.with_loss(0)) for law, table in system.dynamic]
 
     def real_stiffness(self, omega: FloatArray) -> FloatArray:
-        """Dynamic stiffness (n_laws, n_points) of every law in N m/rad without damping, real, at omega in rad/s."""
+        """Dynamic stiffness (n_laws, n_points) of every law in N m/rad, real, at omega in rad/s without damping."""
         kappa = self.system.stiffness[:, None] - self.system.inertia[:, None] * omega**2
         for law, table in self.members:
             kappa[law] += table.kappa(omega).real

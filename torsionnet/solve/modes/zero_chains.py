@@ -22,17 +22,16 @@ from torsionnet.solve.modes.exact_pencil import ExactPencil, ExactVector, is_sin
 
 @dataclass(frozen=True)
 class ZeroChain:
-    """Motion x(s), as ascending vectors over coordinates and torques, and the power k with which P(s) x(s) begins."""
+    """Motion x(s) of a root at zero, as vectors by power of s, and the power k with which P(s) x(s) begins."""
 
     motion: tuple[ExactVector, ...]
     order: int
 
 
 def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, ZeroChain]:
-    """Chains of motions for roots at zero, by the index of the column of P(s) that each replaces.
+    """Chains of motions for poles at zero, by the index of the column of P(s) that each replaces.
 
-    The sum of their orders is the number of roots at zero. Each replaces the column whose entry in a null vector is
-    largest by ``weights`` (n,).
+    The sum of their orders is the number of roots at zero.
 
     Each replaces the column whose entry in a null vector is largest by ``weights`` (n,).
 
@@ -59,7 +58,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
 
 
 def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
-    """Rows of the coefficient matrix of s^power in P(s), with some columns replaced by chains."""
+    """Rows (column -> rational) of the s^power term of P(s) once chains of motions replace some columns."""
     rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.coefficient_rows(power)]
     for j, chain in chains.items():
         for m, vector in enumerate(chain.motion):
@@ -84,7 +83,7 @@ def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
 def _next_chain(
     vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]
 ) -> tuple[int, ZeroChain]:
-    """Index of the column that a null vector replaces, and the chain that replaces the column."""
+    """Index of the column of P(s) that a null vector replaces, and the chain of motions that replaces it."""
     orders = {i: chains[i].order if i in chains else 0 for i in vector}
     highest = max(orders.values())
     column = max((i for i in vector if orders[i] == highest), key=lambda i: abs(float(vector[i])) * weights[i])

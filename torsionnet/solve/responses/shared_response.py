@@ -46,7 +46,7 @@ def mechanics_key(drivetrain: AssembledModel) -> Hashable:
 def shared_by_conditions(
     drivetrain: AssembledModel, kind: type[T], question: Hashable, answer: Callable[[], T], size: Callable[[T], int]
 ) -> T:
-    """Answer to a question about the drivetrain without its excitations, worked out once for all such conditions.
+    """Answer to a question about a drivetrain without its excitations, worked out once for all such conditions.
 
     ``question`` holds all that the answer depends on besides, what excitations contribute included; ``size`` gives
     the bytes of an answer.

@@ -82,7 +82,7 @@ class Evaluated(NamedTuple):
 
 
 def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
-    """Transfer functions in SI units of drivetrains with the same rows at frequencies f >= 0 in Hz."""
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of n drivetrains with the same rows at f >= 0 in Hz."""
     assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
     if moving.all():
         return evaluate(assemblies, request, f, method)
@@ -96,7 +96,7 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 
 
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
-    """Transfer functions (n_out, n_in) in SI units at 0 Hz, static where finite and certain, else as a limit."""
+    """Transfer functions (n_out, n_in) in SI units at 0 Hz, static if finite and certain, else as a limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.uncertain[0]:

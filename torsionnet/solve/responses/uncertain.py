@@ -37,7 +37,7 @@ def refine_uncertain_points(
     found: FrequencyPoints,
     method: str = "auto",
 ) -> FrequencyPoints:
-    """Transfer functions in which uncertain points are checked, and solved in many digits where rounding shows.
+    """Transfer functions whose uncertain points are checked, and solved in many digits where rounding shows.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def expected_errors(
 
 
 class _ManyPoints:
-    """Transfer functions of single frequency points of some variants, calculated in many digits."""
+    """Transfer functions (n_out, n_in) of single frequency points of some variants, in many digits."""
 
     def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
         self.assemblies, self.request = assemblies, request

@@ -155,14 +155,14 @@ class _CrossingSearch:
         }
 
     def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
-        """Critical speeds of one excitation's order lines with every mode, near the operating range."""
+        """Critical speeds at which order lines of one excitation meet modes, near the operating range."""
         blank = [self.met(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
         return near if excitation is None else list(self._with_forces(near, excitation, self.known[name]))
 
     def met(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
-        """Critical speed of an order line with a mode, near the operating range or not."""
+        """Critical speed at which an order line meets a mode, near the operating range or not."""
         return self._settled(self._crossing(mode, line), line)
 
     def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
@@ -190,7 +190,10 @@ class _CrossingSearch:
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
     def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
-        """Crossing with the mode calculated at the critical speed itself, where parameters follow the speed."""
+        """Crossing of an order line with a mode, by the mode at the critical speed itself if that depends on speed.
+
+        It does where parameters follow the operating point.
+        """
         if not self.over_speed.is_speed_dependent or not one.order:
             return one
         return self._crossing(self.over_speed.at_critical_speed(one.mode, self._natural(one)), line)
@@ -272,7 +275,7 @@ def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
 
 
 def _distance(natural: float, low: float, high: float) -> float:
-    """Relative distance of a natural frequency from the range low to high in Hz, over its nearer end; 0 inside."""
+    """Distance of a natural frequency in Hz from the range low to high, over the range's nearer end; 0 inside."""
     if natural < low:
         return 1 - natural / low
     return natural / high - 1 if natural > high else 0.0

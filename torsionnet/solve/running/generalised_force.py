@@ -46,7 +46,7 @@ class GeneralisedForce:
 def star_diagram(
     excitation: OrderExcitation, name: str, order: float, shape: Mapping[str, complex], title: str = "", out: str = ""
 ) -> StarDiagram:
-    """Phase vectors of the cylinders of one order, weighted by a mode shape, for a star diagram.
+    """Star diagram of one order, with phase vectors of the cylinders weighted by a mode shape.
 
     The part ``out`` is out of action.
     """

@@ -112,7 +112,7 @@ class _Examination:
     speeds: ExaminedSpeeds
 
     def at(self, speeds: FloatArray) -> _Examined:
-        """Order responses, mean values and curves of the limits at speeds (n_speeds,) in rad/s."""
+        """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
         run = order_response(
             self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
         )

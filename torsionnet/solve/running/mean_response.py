@@ -83,7 +83,7 @@ def mean_response(
 def _solved(
     held: AssembledModel, reference: str, at: FloatArray, wanted: Sequence[Functional], nodes: Sequence[str]
 ) -> Iterator[tuple[FloatArray, SpeedIndices]]:
-    """Yield readings per torque on a node (n, n_readings, n_nodes), and indices of the speeds they are for."""
+    """Yield readings in SI units per N m on a node (n, n_readings, n_nodes), and indices of their speeds."""
     everywhere = np.arange(len(at))
     if held.definition.load is None:  # the one speed at which the parameters have their values already
         groups: Iterable[tuple[AssembledModel, SpeedIndices]] = [(held, everywhere)]
@@ -166,7 +166,7 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
 
 
 def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
-    """Request for the outputs, and after them the torques on clamped nodes, per torque on each node."""
+    """Request for responses per torque on each node, of the outputs and then of torques on clamped nodes."""
     sensors = [one.sensor for one in outputs if one.sensor]
     sensors += [Sensor("torque", name) for name in _held_in(held)]
     readings = tuple(functional(held, sensor) for sensor in sensors)

@@ -38,7 +38,7 @@ A larger ratio may step over two crossings at once, a smaller one needs more set
 
 
 class ModesOverSpeed:
-    """Vibration modes at any speed of a reference node, which outside the range of speeds are those of its ends.
+    """Vibration modes at any speed of a reference node, beyond the range of speeds those at its ends.
 
     Where no parameter follows the operating point there is one set of modes. ``numbers`` are the numbers of the modes
     at the operating point, by rising undamped frequency: a mode keeps its number at every speed.
@@ -82,7 +82,7 @@ class ModesOverSpeed:
         return shared_by_conditions(self.drivetrain, tuple, tuple(values.items()), found, lambda _: size)
 
     def at_critical_speed(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
-        """Mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.
+        """Vibration mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.
 
         Raises
         ------
@@ -112,7 +112,7 @@ class ModesOverSpeed:
     def _bracketed(
         self, mode: VibrationMode, speed: float, speed_of: Callable[[VibrationMode], float]
     ) -> VibrationMode:
-        """Mode at its own critical speed, found by bracketing where iteration fails.
+        """Vibration mode at its own critical speed, found by bracketing where iteration fails.
 
         Modes may rise nearly with the line, as those of pendulums do.
 

@@ -81,8 +81,6 @@ def batch_over_speeds(
 ) -> Batch | None:
     """Batch with one variant of the drivetrain per speed, or None if operating values change more than coefficients.
 
-    It is also None where no parameter follows the operating point.
-
     None where no parameter follows the operating point, or where these change more than coefficients of laws.
     """
     following = tuple(drivetrain.definition.following)

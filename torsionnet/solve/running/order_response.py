@@ -318,7 +318,7 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
 def _worst(
     nominal: OrderResponse, acting: Sequence[ExcitationLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
-    """Order response with the worst misfire and the worst spread between cylinders that the excitations allow."""
+    """Order response with the worst misfire and the worst spread between cylinders that excitations allow."""
     alternatives: list[Contributions] = []
     scatter: list[Contributions] = []
     first = 0
@@ -335,8 +335,6 @@ def _gains(
     drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
     """Responses per unit input (n_speeds, n_lines, n_out, n_inputs) at every order line, and output channels.
-
-    A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
 
     A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
     """
@@ -382,7 +380,7 @@ def _at_own(
 
 
 def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
-    """Responses at frequencies of either sign, which are conjugates of those at their magnitudes if negative."""
+    """Responses at line frequencies of either sign, conjugates of those at the magnitude where it is negative."""
     backward = hertz < 0
     if backward.any():
         gains[backward] = gains[backward].conj()

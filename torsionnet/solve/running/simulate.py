@@ -85,7 +85,7 @@ def response_over_time(
 
 
 def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
-    """Contribution of one uncoupled block of states to the outputs in SI units over time, shape (n_out, n)."""
+    """Contribution (n_out, n) of one uncoupled block of states to the outputs over time, in SI units."""
     from scipy.signal import lfilter
 
     step, before, after = first_order_hold(block.T, block.B, h)

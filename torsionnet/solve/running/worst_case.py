@@ -61,7 +61,7 @@ def contributions(
 def worst_case(
     nominal: OrderResponse, alternatives: Sequence[Contributions], scatter: Sequence[Contributions]
 ) -> OrderResponse:
-    """Order response of the case, signs and engine angles that give the largest half range at each output and speed."""
+    """Order response with the case, signs and engine angles of the largest half range, by output and speed."""
     if not alternatives and not scatter and not has_unknown_angles(nominal.lines):
         return nominal
     cases = _cases(nominal, alternatives)
@@ -97,7 +97,7 @@ def worst_case(
 def _at_its_worst(
     case: OrderResponse, scatter: Sequence[Contributions]
 ) -> tuple[OrderResponse, NDArray[np.int8], tuple[EngineAngle, ...]]:
-    """Order response of a case with the worst deviations, their signs +1 or -1, and the engine angles.
+    """Order response of a case with the worst deviations, their signs +1 or -1, and the worst engine angles.
 
     The signs are (n_speeds, n_out, n_contributions).
     """
@@ -110,7 +110,7 @@ def _at_its_worst(
 
 
 def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
-    """Labels of the deviations, with the name of the excitation where there are several."""
+    """Labels of the torque deviations, with the name of the excitation where there are several."""
     return [label if len(among) == 1 else f"{one.excitation}: {label}" for label in one.labels]
 
 
@@ -118,8 +118,6 @@ def _cases(
     nominal: OrderResponse, alternatives: Sequence[Contributions]
 ) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
     """Order response of every combination of one alternative per excitation, by label, and the parts it changes.
-
-    What it changes is a set of pairs of an excitation and its part, such as a cylinder.
 
     What it changes is a set of pairs of an excitation and its part, such as a cylinder.
     """

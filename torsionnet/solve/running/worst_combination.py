@@ -60,7 +60,7 @@ class Contributions:
     parts: tuple[str, ...]
 
     def without(self, parts: Container[tuple[str, str]]) -> Contributions:
-        """Copy in which the amplitudes of some parts, named by excitation and part, are zero."""
+        """Copy in which the amplitudes of parts, such as a cylinder, named by excitation and part, are zero."""
         kept = np.array([(self.excitation, part) not in parts for part in self.parts], dtype=float)
         return replace(self, values=self.values * kept[:, None, None, None])
 

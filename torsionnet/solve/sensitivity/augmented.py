@@ -131,7 +131,7 @@ class Augmented:
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
-    """Equations of motion with constraints for these values of the unknowns, without redundant conditions."""
+    """Equations of motion with constraints at these parameter values, without redundant conditions."""
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:

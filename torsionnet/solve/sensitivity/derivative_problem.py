@@ -164,7 +164,7 @@ class DerivativeProblem:
     # --- the problem ------------------------------------------------------------------------------------------------
 
     def _place(self, loads: Sequence[Loading]) -> None:
-        """Set up the response problem, and note the places of twists, derivatives and motions among its outputs."""
+        """Set up the response problem, and note the numbers of twists, derivatives and motions among its outputs."""
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
         laws = [self._law_row(law) for law in range(len(system.law_owners))]

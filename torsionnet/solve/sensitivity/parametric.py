@@ -106,7 +106,7 @@ class ParametricResponse:
         return found
 
     def _problem(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
-        """Derivative problem for these rows, kept for all values where no parameter changes a row."""
+        """Response problem that gives readings and derivatives, kept while no parameter changes a row."""
         slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
@@ -123,7 +123,7 @@ class ParametricResponse:
     def _stressed(
         self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Readings and derivatives, converted from torque to stress or referred to another shaft where requested.
+        """Readings and their derivatives, converted from torque to stress or referred to another shaft on request.
 
         The section is no law, nor is the shaft referred to: they move readings, and nothing in the equations.
         """

@@ -113,7 +113,7 @@ class ResponsesAroundPoles:
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
     def _probes(self, shapes: ComplexArray) -> DerivativeProblem:
-        """Response problem with probes, loads and readings, at nodes that move in the mode shapes.
+        """Response problem with probes, that is loads and readings at nodes which move in the mode shapes.
 
         Few different ones serve all modes.
 
@@ -137,8 +137,6 @@ class ResponsesAroundPoles:
 
     def _responses(self, probes: DerivativeProblem, s: ComplexArray, at: FloatArray) -> Responses:
         """Responses of probes at s, with derivatives to parameters, to s and to the frequency for tables.
-
-        A measured input is given, and its drive read.
 
         A measured input is given, and its drive read.
         """

@@ -46,7 +46,7 @@ def reading_on_duals(
 
 
 def derivative_of(read: Reading, system: Augmented, nodes: Sequence[str]) -> ReadingDerivative:
-    """Derivatives of a reading's coefficients to parameters as arrays, from a reading on dual numbers."""
+    """Derivatives of a reading's coefficients by node, law and condition to parameters, from dual numbers."""
     new, count = ReadingDerivative.nothing(system), system.inertia.slopes.shape[1]
     places = {node: place for place, node in enumerate(nodes)}
     motion = {places[node]: number for node, number in (read.row or {}).items() if node in places}
