@@ -21,7 +21,10 @@ from torsionnet.solve.batch.variant_numbers import Decisions, variant_column
 
 
 class BatchBuilder:
-    """Batch under construction, with coefficients that are at first the drivetrain's, and the state of each variant."""
+    """Batch under construction, with coefficient arrays in SI units and a state for every variant.
+
+    The coefficients are at first those of the drivetrain.
+    """
 
     def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
         self.drivetrain: AssembledModel = drivetrain

@@ -1,4 +1,4 @@
-"""Eigenvalues and shapes of many variants of a drivetrain, from stacks of matrices, or singly where uncertain."""
+"""Eigenvalues in rad/s and shapes of many variants of a drivetrain, from stacks of matrices, or singly if uncertain."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class BatchedModes:
 
     @classmethod
     def of_drivetrain(cls, drivetrain: AssembledModel, modes: Modes) -> BatchedModes:
-        """Modes of a drivetrain at its own values, in the form of a batch of one variant."""
+        """Eigenvalues in rad/s and shapes of a drivetrain at its own values, in the form of a batch of one variant."""
         return cls(
             drivetrain,
             {},
@@ -137,7 +137,10 @@ def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -
 
 
 def stacked_coefficients(batch: Batch) -> Coefficients | None:
-    """Coefficients (n, n_laws) of the laws of all variants, or None with actions or stiffness tables."""
+    """Inertia, damping, stiffness and loss (n, n_laws) of all laws in SI units, or None with actions or tables.
+
+    It is None for torques that follow a motion elsewhere, and for stiffness tables over frequency.
+    """
     if batch.drivetrain.assembly.system.actions:
         return None
     stiffness, loss = batch.stiffness.copy(), np.zeros_like(batch.stiffness)

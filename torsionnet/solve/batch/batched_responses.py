@@ -24,7 +24,7 @@ POINTS_AT_ONCE = 100_000
 
 
 class SingleAssemblies(Sequence[Assembly]):
-    """Sequence of the assemblies of all variants of a batch, each made when it is indexed."""
+    """Sequence of the assembled models of all variants of a batch, each made when it is indexed."""
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch

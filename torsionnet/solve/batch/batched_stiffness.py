@@ -1,4 +1,4 @@
-"""Frequency-dependent stiffness of one law in many variants of a drivetrain."""
+"""Frequency-dependent stiffness in N m/rad of one law in many variants of a drivetrain."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class BatchedStiffness:
     coefficients: FloatArray
 
     def single(self, place: int) -> DynamicStiffness:
-        """Frequency-dependent stiffness of the law in the variant at this place."""
+        """Frequency-dependent stiffness in N m/rad of the law in the variant at this place."""
         values = self.coefficients[:, place].tolist()
         if not values:
             return self.of
@@ -55,7 +55,7 @@ class BatchedStiffness:
         return np.array([self.single(place).kappa(omega) for place in range(n)]).reshape(n, len(omega))
 
     def part(self, which: NDArray[np.intp], count: int) -> BatchedStiffness:
-        """Frequency-dependent stiffness for the variants ``which`` out of ``count``, renumbered from 0."""
+        """Frequency-dependent stiffness in N m/rad for the variants ``which`` out of ``count``, renumbered from 0."""
         places = np.full(count, -1)
         places[self.places] = np.arange(len(self.places))
         mine = places[which]

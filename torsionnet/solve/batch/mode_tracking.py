@@ -94,7 +94,7 @@ class TrackedModes:
 
     @cached_property
     def shapes(self) -> ComplexArray:
-        """Angles of all nodes in the tracked modes, 1 at the node that moves most, shape (n, n_nodes, n_modes)."""
+        """Mode shapes (n, n_nodes, n_modes) of the tracked modes at all nodes, 1 at the node that moves most."""
         return take_columns(self.found.shapes, self.columns[:, None, :])
 
     @cached_property
@@ -104,7 +104,7 @@ class TrackedModes:
 
 
 def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
-    """Modes of variants in the order of the modes of their drivetrain, tracked along their eigenvalues.
+    """Modes of variants (eigenvalues, shapes) in the order of their drivetrain's modes, tracked along eigenvalues.
 
     Parameters
     ----------

@@ -78,7 +78,10 @@ class ModeWalk:
         return columns
 
     def _at(self, places: NDArray[np.intp], shares: FloatArray, arrived: FollowedModes) -> FollowedModes:
-        """Modes of variants at ``shares`` (n,) of the ways to their parameter values, 1 at the ends."""
+        """Eigenvalues (rad/s) and energy vectors of variants at ``shares`` (n,) of the ways to their parameter values.
+
+        The share is 1 at the end.
+        """
         ended = shares >= 1
         between = self._solved(places[~ended], shares[~ended])
         width = max(between.values.shape[1], arrived.values.shape[1])

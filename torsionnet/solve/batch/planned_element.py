@@ -58,7 +58,7 @@ class _RecordedLookups(dict[str, Any]):
 def planned_elements(
     drivetrain: AssembledModel, numbers: Mapping[str, Any], moved: frozenset[str]
 ) -> list[PlannedElement] | None:
-    """Elements that depend on the parameters ``moved``, or None if a row or an action depends on them.
+    """Elements that depend on the parameters ``moved``, or None if a row or a controller's law depends on them.
 
     ``numbers`` are the values of all parameters, those ``moved`` as :class:`VariantNumber`.
     """

@@ -33,11 +33,11 @@ class Coefficients(NamedTuple):
         return len(self.inertia)
 
     def of(self, variants: NDArray[np.generic] | slice) -> Coefficients:
-        """Coefficients of the laws for the selected variants."""
+        """Inertia, damping, stiffness and loss of the laws in SI units for the selected variants."""
         return Coefficients(*(part[variants] for part in self))
 
     def lossless(self) -> Coefficients:
-        """Coefficients of the laws in which hysteretic springs have no loss."""
+        """Copy of the coefficients of all laws in which hysteretic springs have no loss."""
         return self._replace(loss=np.zeros_like(self.loss))
 
     def undamped(self) -> Coefficients:
@@ -46,7 +46,7 @@ class Coefficients(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StackedForm:
-    """First-order forms x' = A x of n variants with x = (scaled velocities, spring forces)."""
+    """First-order forms x' = A x of n variants in SI units, with x = (scaled velocities, spring forces)."""
 
     matrix: AnyArray  # (n, n_x + n_u, n_x + n_u), complex with hysteretic springs
     coupling: AnyArray  # (n, n_u, n_x)

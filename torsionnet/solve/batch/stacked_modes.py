@@ -106,7 +106,7 @@ def _signs(given: Coefficients) -> NDArray[np.int8]:
 
 
 class _Directions(NamedTuple):
-    """Bases of rigid and massless motions with dampers, and those of inertias and springs alone.
+    """Bases (n_q, n) of rigid and massless motions with dampers, and those of inertias and springs alone.
 
     The latter are without massless damped coordinates.
     """
@@ -198,7 +198,7 @@ def _nothing(n_nodes: int, n: int) -> StackedModes:
 
 
 def _together(parts: Sequence[StackedModes], places: Sequence[Places]) -> StackedModes:
-    """Eigenvalues and shapes of all variants put together from parts, each at the places of its variants."""
+    """Eigenvalues (rad/s) and shapes of all variants put together from parts, each at the places of its variants."""
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, places))

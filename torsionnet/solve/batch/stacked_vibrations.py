@@ -1,4 +1,4 @@
-"""Nonzero eigenvalues and shapes of a stack of first-order forms, each with an estimate of its error.
+"""Nonzero eigenvalues in rad/s and shapes of a stack of first-order forms, each with an estimate of its error.
 
 The error is estimated as in :mod:`torsionnet.solve.modes.spectrum`, from the size of the form and the condition of the
 eigenvalue, which its symmetry gives without left vectors: with x = (velocities, forces) and S = diag(I, -I) the matrix
@@ -71,9 +71,9 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
 
 
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """Yield indices of variants and their modes with hysteretic springs, grouped by number of real poles.
+    """Yield indices of variants and their modes (eigenvalues, shapes, errors) with hysteretic springs, grouped.
 
-    They are those of ``frozen_stiffness``.
+    They are grouped by number of real poles, and defined as in ``frozen_stiffness``.
 
     Real poles are those of the elastic springs. There are as many vibrations as these have; of the eigenvalues above
     the real axis they are the least damped ones, since the loss moves real poles off that axis.

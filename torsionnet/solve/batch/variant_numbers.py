@@ -1,4 +1,4 @@
-"""Numbers that hold the value of a parameter in all variants, with which elements evaluate their laws at once.
+"""Numbers that hold a parameter's value in all variants, with which elements evaluate their laws at once.
 
 Elements decide by values now and then. Such a decision falls as the first variant has it; those of which it would fall
 otherwise are left for another pass, in which one of them is the first. No decision is guessed at.
@@ -40,7 +40,7 @@ class Decisions:
         self.unsure = np.zeros(count, dtype=bool)
 
     def decide(self, answers: Any) -> bool:
-        """Yes or no of the first variant to a comparison of its values, while variants that differ are marked."""
+        """Truth of a comparison for the first variant, while variants for which it differs are marked."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first

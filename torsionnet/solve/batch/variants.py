@@ -81,7 +81,10 @@ def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> 
 def _grouped(
     copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
 ) -> Evaluated:
-    """Transfer functions of variants made one by one. Neighbours with the same request are solved together."""
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of variants that are made one by one.
+
+    Neighbours with the same request are solved together.
+    """
     parts: list[Evaluated] = []
     requests = [ask(copy) for copy in copies]
     for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
@@ -91,7 +94,7 @@ def _grouped(
 
 
 def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
-    """Values (n,) in SI units by parameter, where one value alone holds for all variants."""
+    """Parameter values (n,) in SI units by name, one for each variant, where a single value holds for all variants."""
     try:
         columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in variants.items()}
         spread = list(np.broadcast_arrays(*columns.values()))

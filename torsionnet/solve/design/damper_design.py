@@ -178,7 +178,10 @@ def _number(name: str, written: Any, unit: str) -> float:
 
 
 def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
-    """Peaks (point, level) of the curve at parameter ``values`` within a thousandth of the highest one."""
+    """Peaks, as point and level, of the curve at parameter ``values`` within a thousandth of the highest one.
+
+    Points are in the unit of display.
+    """
     points = levels.maxima(values)
     sizes = levels.at(values, points)
     found = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
@@ -186,7 +189,7 @@ def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
 
 
 def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArray:
-    """Value of one parameter (SI) and the largest level there, over the range of its bounds, shape (n, 2)."""
+    """Parameter value in SI units and largest level there, over the range of one parameter's bounds, shape (n, 2)."""
     own = box.place(best)
     along = np.union1d(np.linspace(0.0, 1.0, EFFECT_POINTS), own[place])
     every = [box.inside(np.where(np.arange(len(own)) == place, x, own)) for x in along]
@@ -201,7 +204,10 @@ def _curve(levels: Levels, label: str, values: FloatArray) -> LevelCurve:
 def _fixed_points(
     levels: Levels, free: FloatArray, locked: FloatArray, films: Sequence[FloatArray]
 ) -> tuple[FixedPoint, ...]:
-    """Fixed points, highest first, where dampings from none to infinite give nearly the same level."""
+    """Fixed points (point, level, spread), highest first, where all dampings give nearly the same level.
+
+    The dampings go from none to infinite.
+    """
 
     def apart(points: FloatArray) -> FloatArray:
         return np.log(levels.at(free, points) / levels.at(locked, points))

@@ -39,7 +39,7 @@ less is rounding."""
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Bounds of the parameters in SI units, mapped to the unit cube in which the search runs.
+    """Bounds (n_p,) of the parameters in SI units, mapped to the unit cube in which the search runs.
 
     >>> Box(np.array([1.0, -1.0]), np.array([100.0, 1.0])).inside(np.array([0.5, 0.25])).tolist()
     [10.0, -0.5]

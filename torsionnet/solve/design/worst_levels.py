@@ -75,7 +75,7 @@ class WorstLevels:
         return self.parts[0].shown(points - self._room * self.condition(points))
 
     def _split(self, points: FloatArray) -> list[tuple[Levels, NDArray[np.bool_], FloatArray]]:
-        """Levels of each condition with some of the points, mask of these points, and the points in that condition."""
+        """Levels of each condition that has some of the points, mask (n,) of these, and the points within it."""
         places = self.condition(points)
         return [
             (part, places == at, points[places == at] - at * self._room)

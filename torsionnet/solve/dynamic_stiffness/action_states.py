@@ -105,7 +105,7 @@ def refuse_delayed_acceleration(law: LawStates) -> None:
 
 
 def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatArray:
-    """Coefficients (n_q,) of a row given by names of coordinates, as an array in which imposed angles are left out."""
+    """Coefficients (n_q,) by coordinate of a row that is given by names, where imposed angles are left out."""
     found = np.zeros(assembly.system.n_coordinates)
     for column, value in assembly.columns_of(row).items():
         if column < len(found):  # imposed angles stand still
@@ -131,9 +131,9 @@ def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) ->
 def _delayed(
     P: FloatArray, F: FloatArray, G: FloatArray, h: FloatArray, delay: float, points: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """State matrices F, G (n, 2) and H (n,) of an action whose torque reaches its end after ``delay`` seconds.
+    """State matrices F, G (n, 2) and H (n,) of an action with a delay of ``delay`` seconds, by collocation points.
 
-    The torque travels along a line of collocation points, whose values are states after those of the action.
+    The torque travels along a line of these points, whose values are states after those of the action.
     """
     along = _derivative(points) / delay
     n, m = len(F), points

@@ -47,8 +47,8 @@ SPLIT_ROW_MULTIPLE = 2
 """Rows on one coordinate, over the links and grounds that would replace them, above which they are split into these, as
 elimination then takes fewer operations."""
 MOST_UNSPLIT_ROWS = 30
-"""Number of rows on a coordinate up to which rows are never split into links and grounds, since splitting subtracts,
-which costs digits."""
+"""Number of rows on a coordinate up to which rows are never split into links and grounds, as splitting subtracts and
+costs digits."""
 
 
 def make_plan(
@@ -144,7 +144,7 @@ class _Planner:
         return tuple(tuple(source) for source in sources)
 
     def _law(self, row: Row) -> tuple[int, float] | None:
-        """Number of a law's stiffness in the elimination, and factor of its row, or None if that is not needed.
+        """Number of the row that holds a law's stiffness, and factor of the law's own row on it, or None if not needed.
 
         A law is not needed if it resists only given motions that are not read.
         """

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[Any]
-"""Real array for systems without damping, else complex, with frequency points on the last axis."""
+"""Real array for systems without damping, else complex, of stiffnesses or motions with frequency points on the last
+axis."""
 
 LARGE_CANCELLATION = 1e4
 """Ratio of a term to a sum of two above which the frequency point is uncertain, as four digits or more are lost
@@ -29,7 +30,7 @@ class LostDigits:
         self._ratio = np.empty(n_points)
 
     def check_share(self, share: Array, factor: float = 1.0) -> None:
-        """Mark frequency points where a term, ``factor`` times ``share`` of its sum, is large against that sum."""
+        """Mark frequency points where a term of a sum, ``factor`` times ``share`` of it, is large against that sum."""
         limit, flat = LARGE_SHARE / factor, share.view(float)
         if not (np.vdot(flat, flat) < limit * limit or -0.7 * limit < flat.min() <= flat.max() < 0.7 * limit):
             self.marked |= ~(np.abs(share) < limit)

@@ -196,7 +196,10 @@ def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[
 
 
 def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
-    """Determinants of the rows on each choice of as many columns, by the bits of the columns; those missing are 0."""
+    """Determinants of the rows on each choice of as many columns, by the bits of the chosen columns.
+
+    Those missing are 0.
+    """
     found = {0: in_many_digits(1)}
     for row in rows:
         terms: dict[int, list[Any]] = {}

@@ -1,4 +1,4 @@
-"""Null spaces of sparse rows, that is motions of a drivetrain that strain none of some springs or dampers.
+"""Null spaces of sparse rows, that is the motions of a drivetrain that strain none of some springs or dampers.
 
 A row with one entry holds its coordinate. Rows with two entries tie coordinates to parts that turn as one, found by
 walking from ratio to ratio; the few wider rows are then solved over the parts. All of it costs about as much as there
@@ -36,7 +36,7 @@ WIDE_ROW_ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class NullSpace:
-    """Directions of motion, as values by coordinate, in which every row is zero.
+    """Motions, as values by coordinate, in which every row of a set is zero, such as those that strain no spring.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Rounded:
 
     @staticmethod
     def of(number: Rounded | float) -> Rounded:
-        """Rounded number made from a float, which is taken as exact, or returned as it is if rounded already."""
+        """Number with rounding bound made from a float taken as exact, or returned as it is if it has one."""
         return number if isinstance(number, Rounded) else Rounded(number, 0.0)
 
     def __add__(self, other: Rounded | float) -> Rounded:
@@ -109,7 +109,7 @@ class Rounded:
 
 
 def unresisted_motions(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
-    """Null space of the motions of a system that none of the selected laws, mask (n_laws,), resists."""
+    """Motions of a system, as a null space, that none of the selected laws resists, mask (n_laws,)."""
     return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
 
@@ -127,7 +127,7 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
 
 
 class _Parts:
-    """Groups of coordinates that rows with two entries tie to each other, as gears and rigid connections do.
+    """Groups of coordinates that rows with two entries, as of gears and rigid connections, tie to each other.
 
     ``angle`` of each coordinate is per that of the first one of its part; ``held`` are the parts that cannot turn.
     """
@@ -160,7 +160,7 @@ class _Parts:
         self.members.append(members)
 
     def over_parts(self, row: SparseRow) -> dict[int, Any]:
-        """Row over the groups of tied coordinates that can turn, made from a row over single coordinates."""
+        """Coefficients by group of tied coordinates that can turn, from a row over single coordinates."""
         result: dict[int, Rounded] = {}
         for column, value in row.items():
             part, factor = self.part[column], value * self.angle[column]
@@ -171,5 +171,5 @@ class _Parts:
         return result
 
     def part_angles(self, part: int, ratio: float) -> dict[int, float]:
-        """Angles by coordinate of a group of tied coordinates whose first coordinate turns by ``ratio``."""
+        """Angles by coordinate, of a group of tied coordinates, when its first coordinate turns by ``ratio``."""
         return {column: ratio * self.angle[column] for column in self.members[part]}

@@ -108,7 +108,7 @@ def _readings(reading_problem: ReadingProblem, kappa: LawStiffness, loops: Close
 def _shares(
     reading_problem: ReadingProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray
 ) -> FloatArray:
-    """Magnitude of measured inputs over the sum of their terms' magnitudes, shape (n_points, n_in, n_exc)."""
+    """Magnitude of measured inputs over the sum of the magnitudes of their terms, shape (n_points, n_in, n_exc)."""
     sizes = np.zeros(measured.shape)
     first = len(reading_problem.parts) - measured.shape[1]
     with np.errstate(all="ignore"):

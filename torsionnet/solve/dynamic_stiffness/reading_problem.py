@@ -20,7 +20,7 @@ from torsionnet.solve.dynamic_stiffness.response_problem import Loading, Respons
 from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
 
 Number: TypeAlias = Callable[[Any], Any]
-"""Function that makes a coefficient of a row from a rational, as a float or as a number with many digits."""
+"""Function that makes the coefficient of a row from a rational, as a float or as a number with many digits."""
 
 
 class ReadingPart(NamedTuple):
@@ -98,7 +98,7 @@ class ReadingProblem:
 
     @cached_property
     def _reached(self) -> dict[int, frozenset[int]]:
-        """Numbers of the excitations that reach each row of the solution, by the number of the row."""
+        """Numbers of the excitations that reach each solved motion or reaction, by the number of that."""
         found: dict[int, set[int]] = {}
         for excitations, part in self.problem.parts:
             for value in part.tape.reached:
@@ -120,7 +120,7 @@ def make_reading_problem(
     number: Number = float,
     accuracy: Accuracy = DOUBLE,
 ) -> ReadingProblem:
-    """Response problem in rows for outputs and measured inputs under excitations, at this accuracy of rows."""
+    """Response problem for outputs and measured inputs under excitations, with coefficients at this accuracy."""
     readings = [*outputs, *measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
     twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
@@ -158,7 +158,7 @@ def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
 
 
 def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
-    """Row of every law over the columns of coordinates, imposed angles, imposed twists and gaps."""
+    """Coefficients of every law's twist, by column of coordinates, imposed angles, imposed twists and gaps."""
     exact = number is not float
     laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
     for column, gap in gaps.items():
@@ -197,7 +197,7 @@ def _torque(
 
 @dataclass
 class _Rows:
-    """Rows of the motions to be solved for, in which each motion stands once however many readings share it."""
+    """Motions to be solved for as rows, in which each motion stands once however many readings share it."""
 
     assembly: Assembly
     number: Number
@@ -213,7 +213,7 @@ class _Rows:
         return ReadingPart(self.number_of(row), term)
 
     def number_of(self, row: Row) -> int:
-        """Number of a row among the motions to be solved for, appended if it is new."""
+        """Number of a motion among those to be solved for, which is appended if it is new."""
         number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
         if number == len(self.rows):
             self.rows.append(row)
@@ -231,7 +231,7 @@ class _Gaps:
     numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
 
     def part(self, reading: Functional) -> ReadingPart:
-        """Reading of a torque as one reaction on a gap, so that exact coefficients of its terms cancel beforehand."""
+        """Summand by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
         laws: dict[int, Fraction] = {}
         for term in reading.terms:
             if term.law is not None:

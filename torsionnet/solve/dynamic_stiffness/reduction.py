@@ -129,7 +129,7 @@ def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
 
 
 def without_empty_laws(system: RowSystem) -> RowSystem:
-    """Copy of a system without laws whose row is empty. On clamped nodes alone they neither move nor load anything."""
+    """Copy of a system without springs, dampers and inertias on clamped nodes alone, which have no effect."""
     rows = system.law_rows
     kept = [index for index, row in enumerate(rows.maps) if row]
     if len(kept) == len(rows):
@@ -168,7 +168,7 @@ def resisted_coordinates(system: RowSystem) -> list[int]:
 
 
 def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
-    """Raise SolveError for a system in which a motion is free of all the selected laws (mask (n_laws,))."""
+    """Raise SolveError if some coordinate is free of all the selected springs, dampers and inertias, mask (n_laws,)."""
     free = unresisted_motions(system, laws).dimension
     if free:
         raise SolveError(

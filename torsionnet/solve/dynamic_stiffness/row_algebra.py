@@ -127,7 +127,7 @@ class RowTable:
         return sorted(numbers, key=lambda number: (len(self.rows[number]) == 1, number))
 
     def remove(self, number: int) -> None:
-        """Remove the row of this number from the table. Its number is not used again."""
+        """Remove the row of this number from the table, where the number is not used again."""
         for j in self.rows[number]:
             self.touching[j].discard(number)
         del self.numbers[normalised(self.rows[number], self.accuracy)[0]]

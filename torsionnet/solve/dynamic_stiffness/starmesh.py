@@ -37,10 +37,7 @@ it takes."""
 
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
-    """Name of the solver that is used.
-
-    For ``auto`` it is the compiled loop for many points wherever numba works, else numpy.
-    """
+    """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
     if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < COMPILED_WORK:
         return method
     return "compiled" if compiled_works() else "graph"

@@ -111,7 +111,7 @@ def state_space(drivetrain: AssembledModel) -> StateSpace:
 
 @dataclass(frozen=True)
 class Channels:
-    """Inputs and sensors, by name, that act in the present configuration of a drivetrain."""
+    """Inputs and sensors by name that act in the present configuration of a drivetrain."""
 
     inputs: dict[str, Input]
     sensors: dict[str, Sensor]
@@ -257,7 +257,7 @@ def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _upright(basis: FloatArray) -> FloatArray:
-    """Basis (n_q, n) with columns turned so that the largest entry of each is positive."""
+    """Basis (n_q, n) of motions in which the largest entry of each column is made positive."""
     largest = np.abs(basis).argmax(axis=0) if basis.size else np.zeros(0, dtype=int)
     return np.asarray(basis * np.where(basis[largest, np.arange(len(largest))] < 0, -1.0, 1.0))
 
@@ -347,7 +347,7 @@ def _output_rows(
 
 
 def _share(assembly: Assembly, reading: Functional, action: LawStates) -> float:
-    """Factor of an action's torque in a reading, where it is read itself or applied to nodes that are read."""
+    """Factor of an action's torque in a reading, as it is read itself or applied to nodes that are read."""
     nodes = action.action.nodes.items()
     applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))
     number = next(place for place, one in enumerate(assembly.system.actions) if one is action.action)

@@ -29,7 +29,7 @@ class Sweep:
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
-    """Output values (n_values, n_points) of a tape, and mask (n_points,) of points that lost digits, by numpy.
+    """Output values (n_values, n_points) of a tape by numpy, and mask (n_points,) of points that lost digits.
 
     Parameters
     ----------

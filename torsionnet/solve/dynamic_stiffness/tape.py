@@ -50,7 +50,7 @@ class Operation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and of output values."""
+    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and output values."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]

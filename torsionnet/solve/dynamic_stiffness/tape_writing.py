@@ -115,7 +115,7 @@ class _Taping:
     def _load(
         self, step: EliminationStep, weights: dict[int, TapeQuantity], shares: dict[int, TapeQuantity]
     ) -> TapeQuantity | None:
-        """Pass the loads of one excitation on, and return their sum on the coordinate itself, or None without load."""
+        """Pass an excitation's loads on to other rows, and return their sum on the eliminated coordinate, or None."""
         writer = self.writer
         for slot, i, factor, target in step.passed:
             if slot in weights:

@@ -42,7 +42,7 @@ class TransferRequest:
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
-        """Sensors of the outputs, then of the measured inputs; readings without a sensor are left out."""
+        """Sensors of the outputs, then of the measured inputs, without readings that have no sensor."""
         return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
 
     @cached_property
@@ -219,10 +219,7 @@ def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
 
 
 def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
-    """The torque input itself if it acts on nodes that can move, else UsageError.
-
-    Every response would silently be zero on others.
-    """
+    """The given torque input if it acts on nodes that can move, else UsageError, as every response would be zero."""
     kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
     same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
     if (driven := next(same, None)) is not None:
@@ -283,7 +280,7 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
 
 
 def _given(drivetrain: AssembledModel, channel: Input) -> Input:
-    """Excitation given as an object, checked to act in this drivetrain.
+    """Excitation given as an object, returned if it can act in this drivetrain, else UsageError.
 
     It is a torque or twist anywhere, or an imposed angle where the model declares one.
     """
@@ -311,7 +308,7 @@ def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
-    """Names or channels given singly or as a list, as a list. Other types are refused with a message."""
+    """List of names or channels that were given singly or as a list, where other types are refused."""
     entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
     for entry in entries:
         if not isinstance(entry, kinds):

@@ -285,7 +285,7 @@ def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
 
 
 def _between(radius: float, sizes: Sequence[float]) -> float:
-    """Radius in rad/s, 0.8 to 1 times the given one, in the widest gap between magnitudes of poles."""
+    """Radius in rad/s, from 0.8 to 1 times the given one, in the widest gap between magnitudes of poles."""
     marks = sorted([0.8 * radius, *(size for size in sizes if 0.8 * radius < size < radius), radius])
     gaps = [(b / a, math.sqrt(a * b)) for a, b in pairwise(marks)]
     return max(gaps)[1]

@@ -288,7 +288,7 @@ class ActivePencil:
         return (s, self._from_columns(s, w), max(error, last / abs(s))) if kept else None
 
     def _error(self, s: complex, w: ComplexArray) -> float:
-        """Relative error of a pole, from the rounding of all terms times the condition of the pole."""
+        """Relative error of a pole, as rounding of all terms of its equation times the condition of the pole."""
         for beside in (s, s * (1 + 8 * EPS)):
             P, rate = self.at(beside), self.derivative(beside)
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
@@ -305,7 +305,7 @@ class ActivePencil:
     # --- counting ---------------------------------------------------------------------------------------------------
 
     def counts(self) -> tuple[int, int]:
-        """Number of roots without delays, and of these at zero, counted exactly modulo a large prime."""
+        """Number of poles without delays, and of those at zero, counted exactly modulo a large prime."""
         return self.exact.counts(self.zeros + 1)
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left

@@ -110,7 +110,7 @@ def _rate(assembly: Assembly) -> float:
 
 
 def _still(bordered: Bordered) -> FloatArray:
-    """Basis (size, n) of motions and torques at rest that leave the readings at zero, found exactly."""
+    """Basis (size, n) of motions and torques at rest that leave the measured inputs at zero, found exactly."""
     solved = reduce_rows([row for row in bordered.powers[0] if row], {i: i for i in range(bordered.size)}).solved
     free = [column for column in range(bordered.size) if column not in solved]
     basis = np.zeros((bordered.size, len(free)))

@@ -126,7 +126,7 @@ def equal_rates(rates: FloatArray) -> list[list[int]]:
 
 
 def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int) -> FloatArray:
-    """Shapes (n_q, count) that D(omega) resists least, the mode shapes at a natural frequency in rad/s."""
+    """Shapes (n_q, count) of the modes at a natural frequency in rad/s, which D(omega) resists least."""
     kappa = modes.real_stiffness(np.array([omega]))[:, 0]
     rows = system.rows
     D = rows.T @ (kappa[:, None] * rows)

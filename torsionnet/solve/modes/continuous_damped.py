@@ -1,4 +1,4 @@
-"""Poles and mode shapes of a drivetrain with continuous shafts and damping.
+"""Poles in rad/s and mode shapes of a drivetrain with continuous shafts and damping.
 
 Each mode without damping is followed while the damping grows to its value, by Newton steps on D(s) q = 0 with the exact
 D(s). Real poles are where the number of negative pivots of the real D(s) changes along the negative real
@@ -207,7 +207,7 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
 
 
 def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
-    """Whether D changes sign at a real pole (size in rad/s) by more than rounding, so that the pole exists.
+    """Whether the dynamic stiffness changes sign at a real pole (its size in rad/s) by more than rounding.
 
     No pole is there where a damper absorbs all waves that arrive.
     """

@@ -44,7 +44,7 @@ class DelayedSum:
         return -sum(value * self._factor(power, s) for power, value in self.terms)
 
     def derivative(self, s: complex) -> complex:
-        """Derivative of the delayed part by the Laplace variable, at s in rad/s."""
+        """Derivative of the delayed part by the Laplace variable s, at s in rad/s."""
         total = 0j
         for power, value in self.terms:
             slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
@@ -138,7 +138,7 @@ class DeflatedColumn:
         return found
 
     def strain(self, s: complex) -> ComplexArray:
-        """Motions (n_laws,) of the laws in x(s)/s^k, which loss factors resist. They may hold negative powers of s."""
+        """Twists (n_laws,) of the laws in x(s)/s^k, which loss factors resist. They may hold negative powers of s."""
         powers = np.complex128(s) ** (np.arange(len(self.strains)) - self.order)
         return np.asarray(powers @ self.strains)
 

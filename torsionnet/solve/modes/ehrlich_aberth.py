@@ -57,7 +57,7 @@ class MatrixPolynomial:
     operations: int
 
     def at(self, z: Any) -> list[dict[int, Any]]:
-        """Rows of the matrix P(z) at z, each as a map from column to mpmath number."""
+        """Rows of the matrix polynomial at z, each as a map from column to mpmath number."""
         matrix: list[dict[int, Any]] = [{} for _ in range(self.size)]
         for i, j, coefficients in self.entries:
             value = coefficients[-1]
@@ -67,7 +67,7 @@ class MatrixPolynomial:
         return matrix
 
     def slope(self, z: Any, vector: Sequence[Any]) -> list[Any]:
-        """Product P'(z) @ vector of the derivative at z and a vector, as mpmath numbers."""
+        """Derivative of the matrix polynomial at z times a vector, as a list of mpmath numbers."""
         result = [z * 0] * self.size
         for i, j, coefficients in self.entries:
             value = sum(d * c * z ** (d - 1) for d, c in enumerate(coefficients) if d)
@@ -211,7 +211,7 @@ def _substitute(matrix: list[dict[int, Any]], right: list[Any], order: list[int]
 
 
 def _inverse_newton(p: MatrixPolynomial, z: Any) -> Any:
-    """Inverse Newton step p'(z)/p(z) of p = det P at z, or None exactly on a root."""
+    """Inverse Newton step p'(z)/p(z) of the determinant p = det P at z, or None exactly on a root."""
     here, _ = eliminate(p.at(z))
     if here == 0:
         return None
@@ -279,7 +279,7 @@ def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
 def _set_apart(
     roots: NDArray[np.float64] | ComplexArray, uncertain: NDArray[np.bool_], spread: FloatArray
 ) -> NDArray[np.generic]:
-    """Start values (n,) for the roots, pairwise distinct and, if complex, not symmetric to the real axis."""
+    """Start values (n,) of roots, pairwise distinct and, if complex, not symmetric to the real axis."""
     angles = 0.7 + np.arange(len(roots)) * 2.4
     turn = np.cos(angles) if np.isrealobj(roots) else np.exp(1j * angles)
     nonzero = np.where(roots == 0, -ZERO_START * np.max(np.abs(roots)), roots)

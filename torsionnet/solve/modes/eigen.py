@@ -48,7 +48,7 @@ RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 
 @dataclass(frozen=True)
 class EigenSolution:
-    """Eigenvalues in rad/s and shapes of the modes, rigid bodies first, then by |lambda| ascending.
+    """Eigenvalues (n_modes,) in rad/s and shapes of the modes, rigid bodies first, then by |lambda| ascending.
 
     Attributes
     ----------

@@ -83,7 +83,7 @@ class ExactPencil:
         return cls(len(index) + len(assembly.system.actions), found, tuple(delayed))
 
     def coefficient_rows(self, k: int) -> list[dict[int, Fraction]]:
-        """Rows of the coefficient matrix of s^k in P(s), each as a map from column to rational."""
+        """Rows of the coefficient matrix of s^k in the exact P(s), each as a map from column to rational."""
         if k not in self._powers:
             rows: list[dict[int, Fraction]] = [{} for _ in range(self.size)]
             for (i, j), values in self.undelayed.items():
@@ -97,7 +97,7 @@ class ExactPencil:
         return self._powers[k]
 
     def coefficient_times(self, k: int, vector: ExactVector) -> dict[int, Fraction]:
-        """Product of the coefficient matrix of s^k in P(s) and a vector, as a map from row to rational."""
+        """Coefficient matrix of s^k in the exact P(s) times a vector, as a map from row to rational."""
         found = {}
         for i, row in enumerate(self.coefficient_rows(k)):
             shorter, longer = (row, vector) if len(row) < len(vector) else (vector, row)

@@ -203,7 +203,7 @@ def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int
 
 
 def _next_frequency(omega: float, found: float, last: tuple[float, float] | None) -> float:
-    """Next frequency in rad/s to freeze the stiffness at, by a secant step where safe, else ``found`` itself."""
+    """Frequency in rad/s to freeze the stiffness at next, by a secant step where safe, else ``found`` itself."""
     if last is None or last[0] == omega:
         return found
     slope = (found - omega - last[1]) / (omega - last[0])

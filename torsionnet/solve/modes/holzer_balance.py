@@ -25,7 +25,7 @@ Coefficients = Mapping[str, float]
 
 @dataclass(frozen=True)
 class NodeLoad:
-    """Torque of one spring or rigid connection, of which each node takes ``torque`` (N m) times its coefficient.
+    """Torque of a spring or rigid connection on the nodes of its row, ``torque`` in N m times the coefficient there.
 
     Each node of its row loses that much.
 
@@ -56,7 +56,7 @@ class NodeLoad:
 
 @dataclass(frozen=True, eq=False)
 class HolzerBalance:
-    """Angles (rad), inertias (kg m^2) and inertia torques (N m) by node, and torques of springs and rigid links."""
+    """Angles (rad), inertias (kg m^2), inertia torques (N m) by node, and torques of springs and rigid links."""
 
     angles: Mapping[str, float]
     inertias: Mapping[str, float]
@@ -89,7 +89,7 @@ def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str
 
 
 def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
-    """Balance of all inertia and connection torques in a motion with these angles (n_nodes,) in rad.
+    """Angles, inertias and torques by node in a motion with these angles (n_nodes,) in rad, at omega in rad/s.
 
     One torque may remain on ``last``.
     """

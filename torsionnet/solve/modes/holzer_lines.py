@@ -17,7 +17,7 @@ Neighbours = Mapping[str, Mapping[str, tuple[NodeLoad, ...]]]
 
 @dataclass(frozen=True)
 class HolzerLine:
-    """Nodes of a line of a Holzer table from its free end, and the node that a branch joins.
+    """Names of the nodes on a line of a Holzer table from its free end, and of the node that a branch joins.
 
     ``joins`` is empty for a main line.
     """

@@ -339,7 +339,7 @@ def _operator(apply: Apply, size: int) -> Any:
 
 
 def _undamped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float) -> tuple[FloatArray, FloatArray]:
-    """Squares omega^2 in (rad/s)^2 of the lowest natural frequencies, and shapes (n_q, n), at least ``count``."""
+    """Squares omega^2 in (rad/s)^2 of the lowest natural frequencies and shapes (n_q, n), at least ``count``."""
     problem = _Symmetric(pencil, motions.rigid, slowest**2 / 2)
     values, vectors = problem.run(count + 1)
     for _ in range(count):
@@ -401,7 +401,7 @@ class _Companion:
         return self.sigma + 1 / values, vectors
 
     def add_known(self, values: ComplexArray, vectors: ComplexArray) -> None:
-        """Add vectors x to the known ones, which the operator projects out."""
+        """Add vectors x to the known modes, which are projected out of the operator."""
         with_pair = vectors[:, values.imag > 0]
         real = vectors[:, values.imag == 0].real
         known = np.hstack([self.known, with_pair.real, with_pair.imag, real])

@@ -32,7 +32,7 @@ def describe(
     strain: FloatArray,
     dissipated: FloatArray,
 ) -> tuple[str, ...]:
-    """Description of each mode in words, from its shape and the shares of elements in its energies.
+    """Description in words of each mode, from its shape and the shares of elements in its energies.
 
     Shapes are (n_nodes, n_modes), ``strain`` and ``dissipated`` (n_elements, n_modes).
     """

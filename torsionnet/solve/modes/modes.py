@@ -59,7 +59,7 @@ def modes(
 def modes_against(
     drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None, up_to: float | None = None
 ) -> Modes:
-    """Modes of a drivetrain, or its poles against the measured inputs of a request, with warnings if uncertain."""
+    """Modes of a drivetrain, or its poles against the measured inputs of a request, warning if they are uncertain."""
     if request is None:
         found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
@@ -182,6 +182,6 @@ def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArra
 
 
 def _shares(parts: FloatArray) -> FloatArray:
-    """Shares of the sum of magnitudes in each column, negative where an element drives the vibration."""
+    """Shares (n_elements, n_modes) of the magnitudes' sum in each column, negative where an element drives the mode."""
     total = np.abs(parts).sum(axis=0)
     return np.asarray(np.divide(parts, total, out=np.zeros_like(parts), where=total != 0))

@@ -49,9 +49,9 @@ def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:
 def isolated_root(
     p: MatrixPolynomial, start: complex, shape: ComplexArray, space: float
 ) -> tuple[Any, ComplexArray] | None:
-    """Root of det P near a start, alone within ``space``, and its shape (n,), or None where not reached.
+    """Root of det P, as an mpmath number, near a start and alone within ``space``, and its shape (n,), or None.
 
-    P is symmetric.
+    It is None where not reached. P is symmetric.
     """
     import mpmath
 

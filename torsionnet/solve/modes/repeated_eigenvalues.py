@@ -26,7 +26,7 @@ EQUAL_MOTION = 1 - 1e-9
 def with_chosen_shapes(
     solution: EigenSolution, motion: ComplexArray, nodes: Sequence[str]
 ) -> tuple[EigenSolution, tuple[str, ...]]:
-    """Solution with chosen shapes of modes that share an eigenvalue, and a note for every such eigenvalue.
+    """Modes with chosen shapes where several share an eigenvalue, and a note for every such eigenvalue.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""All nonzero eigenvalues and shapes of a system with fixed coefficients, each with a bound on its error."""
+"""All nonzero eigenvalues in rad/s and shapes of a system with fixed coefficients, each with an error bound."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def _with_isolated_roots(
 
 
 def has_pairs(values: ComplexArray) -> bool:
-    """Whether as many eigenvalues lie above the real axis as below."""
+    """Whether as many eigenvalues lie above the real axis as below, as those of a real system do."""
     sides = np.sign(values.imag)[~on_real_axis(values)]
     return bool(np.sum(sides) == 0)
 

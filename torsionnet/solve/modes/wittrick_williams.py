@@ -104,7 +104,7 @@ def _merged(laws: Laws) -> Laws:
 
 
 class ModeCount:
-    """Count N(omega) of the natural frequencies below omega in rad/s of a system without damping."""
+    """Count of the natural frequencies below omega in rad/s of a system without damping."""
 
     def __init__(self, system: RowSystem) -> None:
         self.system = system

@@ -1,4 +1,4 @@
-"""Chains of motions for roots at s = 0, by which these are taken out of the characteristic equation.
+"""Chains of motions for poles at zero, by which these are taken out of the characteristic equation.
 
 A motion x(s) = x_0 + s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan
 chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) replaces a coordinate,
@@ -58,7 +58,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
 
 
 def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
-    """Rows (column -> rational) of the s^power term of P(s) once chains of motions replace some columns."""
+    """Rows (column -> rational) of the s^power coefficient in P(s), with some poles at zero taken out."""
     rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.coefficient_rows(power)]
     for j, chain in chains.items():
         for m, vector in enumerate(chain.motion):
@@ -69,7 +69,7 @@ def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], p
 
 
 def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
-    """Basis of the null space of a square matrix of rationals, exact, each vector as a map from column to value."""
+    """Vectors (column -> rational) that span the null space of a square matrix of rationals, exactly."""
     size = len(rows)
     solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
     found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}

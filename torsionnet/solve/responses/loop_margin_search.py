@@ -113,7 +113,7 @@ def _met(
     at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray,
     what: Callable[[ComplexArray], NDArray[np.float64]],
 ) -> FloatArray:  # fmt: skip
-    """Frequencies in Hz at which a real property of the open loop changes its sign, by bisection."""
+    """Frequencies (n,) in Hz at which a real property of the open loop changes its sign, by bisection."""
     sign = np.sign(what(loop))
     places = np.flatnonzero(sign[:-1] * sign[1:] < 0)
     low, high, below = f[places], f[places + 1], sign[places]

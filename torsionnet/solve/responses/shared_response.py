@@ -32,7 +32,7 @@ class _Same:
 
 
 def mechanics_key(drivetrain: AssembledModel) -> Hashable:
-    """Key of all that rows and their coefficients depend on, equal in conditions that differ only in excitations."""
+    """Key of all that the equations of motion depend on, equal in conditions that differ only in excitations."""
     definition = drivetrain.definition
     return (
         tuple(map(_Same, definition.active)),
@@ -56,7 +56,7 @@ def shared_by_conditions(
 
 
 def named(outputs: str | Sensor | Sequence[str | Sensor]) -> Hashable:
-    """Output or outputs of a request, in a hashable form for the key of its result."""
+    """Output, or outputs as a tuple, of a request, which can be part of the key of its result."""
     return outputs if isinstance(outputs, str | Sensor) else tuple(outputs)
 
 
@@ -66,7 +66,7 @@ def shared_response(
     inputs: Sequence[Any],
     frequencies: FloatArray,
 ) -> FrequencyResponse:
-    """Frequency response in SI units at frequencies in Hz, solved once for repeated requests with the same values."""
+    """Frequency response in SI units at frequencies (n_f,) in Hz, solved once for repeated requests of equal values."""
 
     def solved() -> FrequencyResponse:
         return frequency_response(drivetrain, outputs, inputs, frequencies)

@@ -122,7 +122,7 @@ class _ManyPoints:
         self.asked: dict[int, ManyDigits] = {}
 
     def transfer_function(self, point: int) -> ComplexArray | None:
-        """Transfer functions (n_out, n_in) of a point, exact to double precision, or None where digits run out.
+        """Transfer functions (n_out, n_in) of a point, exact to double precision, or None if digits run out.
 
         Raises
         ------

@@ -129,7 +129,7 @@ def _with_dampers(drivetrain: AssembledModel, state: str, names: Iterable[str] |
 
 
 class _CrossingSearch:
-    """Search for crossings of a drivetrain's modes with order lines, with operating range, margin and reach."""
+    """Search for critical speeds of a drivetrain's modes, with operating range in rad/s, margin and reach."""
 
     def __init__(
         self,

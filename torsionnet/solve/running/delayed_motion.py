@@ -170,7 +170,7 @@ class _Between:
 
 
 def _lagrange(x: float) -> FloatArray:
-    """Weights (4,) of values at 0, 1, 2 and 3 in the cubically interpolated value at x."""
+    """Weights (4,) of the values at 0, 1, 2 and 3 in the value at x, interpolated by a cubic."""
     return np.array([
         -(x - 1) * (x - 2) * (x - 3) / 6,
         x * (x - 2) * (x - 3) / 2,
@@ -182,7 +182,7 @@ def _lagrange(x: float) -> FloatArray:
 def first_order_hold(
     A: FloatArray | ComplexArray, B: FloatArray | ComplexArray, h: float
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Matrices exp(A h), G_0 and G_1 that step a state by h seconds, with torques linear in between."""
+    """Matrices exp(A h), G_0 and G_1 by which a state steps on by h seconds, under torques linear in between."""
     n, n_in = B.shape
     whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
     whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h

@@ -85,7 +85,7 @@ def generalised_force(
 
 
 def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:
-    """Generalised force in N m, label and part out of action of every case, each with the worst cylinder spread."""
+    """Generalised force in N m, label and part out of action of every case, each at the worst cylinder spread."""
     speed, line = at
     gains = np.array([shape[node] for node in found.nodes])[None, None, None, :]
     columns = {node: (place, 1.0) for place, node in enumerate(found.nodes)}

@@ -36,9 +36,9 @@ from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.running.refined_response import merged_responses
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
-"""Note of a limit check in which orders repeat only after many revolutions, so that half ranges are added."""
+"""Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
 MISFIRING = "a cylinder misfires in this condition"
-"""Note of a limit check in a condition with a misfiring cylinder."""
+"""Text of the note of a limit check in a condition with a misfiring cylinder."""
 
 
 def check_limits(
@@ -91,7 +91,7 @@ def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterab
 
 @dataclass(frozen=True, eq=False)
 class _Examined:
-    """Order responses and mean values at some speeds, and from them the curves of every limit over speed."""
+    """Order responses and mean values at some speeds in rad/s, and from them each limit's curves over speed."""
 
     evidence: Evidence
     lines: tuple[tuple[LimitLine, ...], ...]
@@ -164,7 +164,7 @@ class _Examination:
 
 
 def _tops(speeds: FloatArray, line: LimitLine) -> list[FloatArray]:
-    """Curves of a limit (n_speeds,), one per range of speeds above the allowed value, and NaN outside it."""
+    """Curves (n_speeds,) of a limit, one for each range of speeds above the allowed value, NaN outside that range."""
     if line.in_passing:
         return []
     return [

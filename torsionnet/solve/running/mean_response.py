@@ -183,7 +183,7 @@ def _refuse_actions(rig: AssembledModel) -> None:
 
 
 def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
-    """Readings in SI units per N m on a node, shape (n_variants, n_readings, n_nodes), at 0 Hz.
+    """Readings (n_variants, n_readings, n_nodes) in SI units at 0 Hz, per N m on a node.
 
     Variants of equal stiffness are solved once.
     """
@@ -217,7 +217,7 @@ def _holders(elements: Mapping[str, Element], nodes: Sequence[str]) -> list[_Hol
 
 
 def _at_rest(kappa: LawStiffness) -> LawStiffness:
-    """Copy of the law stiffnesses at 0 Hz, real and in N m/rad, without inertias and dampers."""
+    """Copy of the stiffnesses (n_variants, n_laws) at 0 Hz, real and in N m/rad, without inertias and dampers."""
     stiffness = kappa.stiffness.copy()
     for law, values in kappa.sampled:
         stiffness[:, law] += values[:, 0].real

@@ -123,7 +123,7 @@ class OrderRequest:
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
     ) -> OrderRequest:
-        """Order request from the arguments of :func:`order_response`, refused where these cannot be answered."""
+        """Order request made from the arguments of :func:`order_response`, or UsageError if it cannot be answered."""
         reference, at = _speeds(drivetrain, speeds, speed_of)
         acting = _acting(drivetrain.definition.excitations, excitations)
         for name, one in acting.items():
@@ -226,7 +226,10 @@ class ExcitationLines:
 
 
 def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ExcitationLines:
-    """Order lines and complex amplitudes of an excitation, made from a template ``line`` without an order."""
+    """Order lines of an excitation and their complex amplitudes in N m or rad, made from a template ``line``.
+
+    The template is without an order.
+    """
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
     pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
     lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
@@ -291,14 +294,14 @@ class OrderLoads:
 def _block(
     rigs: Sequence[AssembledModel], outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> OrderResponse:
-    """Order response at the speeds of ``loads``, of one drivetrain for all speeds or one drivetrain per speed."""
+    """Order response at the speeds of ``loads``, from one drivetrain for all speeds or one for each speed."""
     inputs = list(loads.inputs)
     gains, channels = _gains(rigs[0], outputs, loads) if len(rigs) == 1 else _each(rigs, outputs, inputs, loads.hertz)
     return loads.response(gains, channels)
 
 
 def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads) -> OrderResponse:
-    """Order response at the speeds of ``loads``, of a batch with one variant per speed."""
+    """Order response at the speeds of ``loads``, from a batch that has one variant per speed."""
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         values = tuple((name, column.tobytes()) for name, column in batch.values.items())

@@ -67,7 +67,7 @@ class _Sized:
     sizes: FloatArray
 
     def with_more(self, other: _Sized) -> _Sized:
-        """Order response at the speeds of both, sorted by speed, with half ranges and amplitudes."""
+        """Order response at the speeds of both, sorted by speed, with its half ranges and amplitudes."""
         run, order = merged_responses(self.run, other.run)
         half_range, sizes = (
             np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")

@@ -134,7 +134,7 @@ class _Search:
         return np.linspace(grid[best - 1], grid[best + 1], FINER_POINTS)
 
     def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
-        """Speed in rad/s and amplitude of each maximum by number of its crossing, found on ever finer grids."""
+        """Speed in rad/s and amplitude at each maximum, by number of its critical speed, found on ever finer grids."""
         found: dict[int, tuple[float, float]] = {}
         for _ in range(ROUNDS if grids else 0):
             sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
@@ -146,7 +146,10 @@ class _Search:
         return found
 
     def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
-        """Peaks, by number of the crossing, that are not nearer to another critical speed of the same order."""
+        """Speed in rad/s and amplitude of peaks, by number of the critical speed to which each peak is nearest.
+
+        They are not nearer to another critical speed of the same order.
+        """
         kept = {}
         for number, (speed, size) in peaks.items():
             one = self.crossings[number]

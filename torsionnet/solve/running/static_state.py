@@ -50,7 +50,7 @@ def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
 
 
 def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) -> tuple[list[Sensor], list[str]]:
-    """Sensors of torque, twist and stress that mean torques determine, and notes on the others."""
+    """Sensors of torque, twist and stress that mean torques determine, and notes on those that they do not."""
     sensors: list[Sensor] = []
     notes: list[str] = []
     for element, node in ports:

@@ -151,5 +151,5 @@ def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[n
 
 
 def _picked(several: Sequence[NDArray[Entry]], chosen: NDArray[np.int64]) -> NDArray[Entry]:
-    """Rows (n_speeds, n_out, n), each taken from the array of the worst case at its speed and output."""
+    """Rows (n_speeds, n_out, n) that are each taken from the worst case's array at its speed and output."""
     return np.asarray(np.take_along_axis(np.array(several), chosen[None, :, :, None], axis=0)[0])

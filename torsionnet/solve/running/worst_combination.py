@@ -25,7 +25,8 @@ than 1 %.
 With a stride of 8 half ranges were missed by up to 7 %, with 2 by less than 1 %; a stride of 1 found no more.
 """
 ROUNDS = 3
-"""Rounds that improve the places of the highest and lowest value in turn, after which more seldom find more."""
+"""Rounds that improve the places of the highest and lowest value in turn, few since each costs time, though more may
+find more."""
 SPEEDS_PER_SEARCH = 50
 """Number of speeds for which signs are searched together, which bounds the memory."""
 PARALLEL = 1e-9
@@ -104,7 +105,7 @@ def _repeats_soon(case: OrderResponse) -> bool:
 
 
 def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> NDArray[np.int8]:
-    """Signs +1 or -1 of the deviations with the largest half range, (n_speeds, n_out, n), for ``part`` of speeds.
+    """Signs +1 or -1, (n_speeds, n_out, n), of the deviations with the largest half range, at ``part`` of the speeds.
 
     They are found from values along the cycle of all lines or of one shaft.
     """
@@ -115,7 +116,7 @@ def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> list[FloatArray]:
-    """Waveforms (n_speeds, n_out, n_points) along the cycle, of the case and then of every deviation.
+    """Waveforms (n_speeds, n_out, n_points) along the cycle, of the case and then of every torque deviation.
 
     Where all lines have a short common cycle they all count, else only the lines of the shaft of the excitation.
     """
@@ -140,7 +141,7 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Indices along the cycle of the highest and lowest value with the worst signs, each (n_speeds, n_out)."""
+    """Indices (n_speeds, n_out) along the cycle of the highest and of the lowest value with the worst signs."""
     best = np.full(base.shape[:2], -np.inf)
     high, low = np.zeros(base.shape[:2], dtype=np.int64), np.zeros(base.shape[:2], dtype=np.int64)
     for start in range(0, base.shape[2], START_STRIDE):

@@ -79,7 +79,7 @@ class Augmented:
         return tuple(map(_exact, self.condition_rows))
 
     def kappa(self, s: ComplexArray, at: FloatArray) -> ComplexArray:
-        """Dynamic stiffness of all laws in N m/rad, shape (n_laws, n_points).
+        """Dynamic stiffness (n_laws, n_points) of all laws in N m/rad, at s in rad/s.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class Augmented:
 
     @cached_property
     def varied(self) -> tuple[int, ...]:
-        """Numbers of the laws whose row or coefficients depend on a varied parameter."""
+        """Numbers of the springs, dampers and inertias (laws) that depend on a varied parameter."""
         slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
         moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.law_slopes.any(axis=(1, 2))
         moved[[law for law, gradients in self._gradients.items() if gradients.any()]] = True
@@ -121,7 +121,7 @@ class Augmented:
         }
 
     def kappa_slopes(self, law: int, s: ComplexArray, at: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
-        """Yield parameter number and derivative (n_points,) of a law's dynamic stiffness, for each parameter in it."""
+        """Yield number of a parameter, and derivative (n_points,) of a law's dynamic stiffness to it, if not zero."""
         J, c, k, loss = (part.slopes[law] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
         table, gradients = dict(self.tables).get(law), self._gradients.get(law, np.zeros((0, len(J))))
         slopes = None if table is None else table.slopes(s, at)
@@ -131,7 +131,7 @@ class Augmented:
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
-    """Equations of motion with constraints at these parameter values, without redundant conditions."""
+    """Equations of motion with constraints at these parameter values, without conditions that follow from others."""
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:
@@ -162,7 +162,7 @@ def _exact(row: Row) -> dict[str, Fraction]:
 
 
 def _conditions(unknowns: Unknowns, parts: Sequence[OwnedPart], nodes: Sequence[str]) -> tuple[list[Row], list[str]]:
-    """Rows of rigid conditions and their owners, imposed angles first, then those of the elements."""
+    """Rows of rigid conditions by node and their owners, imposed angles first, then those of the elements."""
     imposed = imposed_rows(unknowns.definition, nodes)
     owned = constraints_of(parts)
     rows: list[Any] = [*imposed.values(), *(row for _, row in owned)]

@@ -140,7 +140,7 @@ class DerivativeProblem:
         return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes, load)
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
-        """Row over the columns of the problem from a row over nodes, less ``own`` in the columns of gaps."""
+        """Coefficients by column of the problem of a row over nodes, less ``own`` in the columns of gaps."""
         found = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
         for number, gap in enumerate(self.gaps):
             opened = sum((a * gap.motion[node] for node, a in row.items() if node in gap.motion), start=Fraction(0))
@@ -278,7 +278,7 @@ class _Outputs:
 
 
 def law_stiffness_of(system: Augmented, omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness of the laws of an augmented system at omega (n_f,) in rad/s, as the solver takes it."""
+    """Dynamic stiffness (n_laws, n_f) of an augmented system at omega (n_f,) in rad/s, as the solver takes it."""
     sampled: dict[int, ComplexArray] = {
         law: np.full((1, len(omega)), 1j * system.hysteretic.values[law])
         for law in np.flatnonzero(system.hysteretic.values).tolist()

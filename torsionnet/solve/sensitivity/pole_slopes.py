@@ -136,7 +136,7 @@ class ResponsesAroundPoles:
         return self.known[nodes]
 
     def _responses(self, probes: DerivativeProblem, s: ComplexArray, at: FloatArray) -> Responses:
-        """Responses of probes at s, with derivatives to parameters, to s and to the frequency for tables.
+        """Responses (n_points, n, n) of probes at s, with derivatives to parameters, to s and to table frequency.
 
         A measured input is given, and its drive read.
         """
@@ -152,7 +152,7 @@ class ResponsesAroundPoles:
 
 
 def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
-    """Derivatives of an undamped pole without the rounding beside the real or the imaginary axis."""
+    """Derivatives of an undamped pole (rad/s per SI unit) without rounding beside the real or imaginary axis."""
     if pole.real:
         return slopes
     least = AXIS_ROUNDING * np.abs(slopes)
@@ -177,7 +177,7 @@ class Responses:
     slopes: ComplexArray
 
     def with_imposed_reading(self) -> Responses:
-        """Responses with the first reading imposed in place of the first load, which becomes the first reading.
+        """Responses (n_points, n, n) with the first reading imposed and the torque for it read in place of it.
 
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.
         """
@@ -196,7 +196,7 @@ class Responses:
 
 
 def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[list[int], list[int]]:
-    """Rows and columns of the ``count`` largest pivots of residues, where the pole has a large share."""
+    """Indices of the rows and columns of the ``count`` largest pivots of residues, where the pole counts most."""
     left = np.where(shares > shares.max() / 10, residues, 0.0)
     for axis in (0, 1):
         largest = np.abs(left).max(axis=axis, keepdims=True)
