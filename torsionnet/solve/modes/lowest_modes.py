@@ -40,16 +40,13 @@ SPARSE_TOLERANCE = 1e-10
 LARGEST_DENSE = 2000
 """Number of coordinates beyond which dense arrays of n by n cost hours and gigabytes."""
 _RIGID_ECHO, _LARGEST_REFINED_ERROR = 1e-6, 1e-3
-"""Polished eigenvalue over its start up to which that was a rigid body, and relative error of starts for many
-digits."""
+"""Polished over started eigenvalue up to which a mode was a rigid body, and largest start error for many digits."""
 _KRYLOV_TOLERANCE = 1e-13
 """Relative accuracy of eigenvalues that is asked of ARPACK, which leaves the last digits to polishing."""
 _SAME_EIGENVALUE, _MISSED_MARGIN = 1e-6, 1e-9
-"""Relative distance of eigenvalues that are polished together, and tolerance by which an eigenvalue found later counts
-as missed before."""
+"""Relative distance of eigenvalues polished together, and tolerance by which a later one counts as missed before."""
 _POLISHED, _POLISHING_STEPS = 1e-14, 4
-"""Relative change of an eigenvalue at which polishing ends, and most polishing steps, few since each squares the
-error."""
+"""Relative change of an eigenvalue at which polishing ends, and most steps, few since each squares the error."""
 _BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)
 """Relative distances from an eigenvalue at which D is factored in turn, until it is not singular."""
 _RESOLVED, _SHIFT_ROUNDS = 0.1, 8
@@ -86,9 +83,7 @@ class RigidMotions:
 
 
 def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs | None:
-    """Eigenvalues in rad/s and shapes of the lowest modes without rigid bodies, or None where sparse methods fail.
-
-    There are at least ``count``, by |lambda|.
+    """Eigenvalues (rad/s) and shapes of at least ``count`` lowest vibrations, or None where sparse methods fail.
 
     None with too few degrees of freedom for so many modes, or where the sparse search is not accurate to within
     `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with their errors.
@@ -164,9 +159,7 @@ def _eigenpairs(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> E
 
 @dataclass(frozen=True)
 class _Pencil:
-    """Sparse matrix D(z) of a system over scaled coordinates, z = s, or omega^2 without damping.
-
-    The coordinates are q = scale * (those used here).
+    """Sparse matrix D(z) of a system over scaled coordinates, q = scale * (those used here).
 
     Without damping the variable is z = omega^2 and D = K - z M, else z = s and D = z^2 M + z C + K.
     """
@@ -252,10 +245,7 @@ class _Pencil:
         return splu(self.gram(self.laws(z)), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
 
     def value(self, shape: AnyArray, near: Any) -> Any:
-        """Eigenvalue z near a given one from a shape, as the root of q^T D(z) q next to it.
-
-        Its error is quadratic in that of the shape.
-        """
+        """Eigenvalue z near a given one from a shape, as root of q^T D(z) q, with the square of the shape's error."""
         squares = (self.rows @ shape) ** 2
         m, c, k = self.inertia @ squares, self.damping @ squares, self.stiffness @ squares
         if self.undamped:
