@@ -40,7 +40,7 @@ class Decisions:
         self.unsure = np.zeros(count, dtype=bool)
 
     def decide(self, answers: Any) -> bool:
-        """Truth of a comparison for the first variant, while variants for which it differs are marked."""
+        """Truth of a comparison for the first variant, after marking the variants for which it differs."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first

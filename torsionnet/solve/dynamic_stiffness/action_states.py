@@ -114,9 +114,9 @@ def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatAr
 
 
 def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> tuple[FloatArray, float, FloatArray]:
-    """Companion matrices F (n, n) and h (n,) of R(s)/D(s), and their scale w in 1/s, above which no coefficient is.
+    """Companion matrices F (n, n) and h (n,) of a controller's R(s)/D(s), and their scale w in 1/s.
 
-    The form is z' = F z + w e y, T = h z with e the last state.
+    No coefficient is above w. The form is z' = F z + w e y, T = h z with e the last state.
     """
     d, r = ([float(value) for value in part] for part in (denominator, numerator))
     n = len(d) - 1

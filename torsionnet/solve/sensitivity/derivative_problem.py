@@ -37,7 +37,7 @@ ExactRow = Mapping[str, Fraction]
 
 @dataclass(frozen=True)
 class GapDerivative:
-    """Virtual motion that opens a gap for a torque that is read, and the share of the element's own laws in it."""
+    """Virtual motion that opens a rigid connection whose torque is read, and the share of the element's own laws."""
 
     motion: ExactRow
     own: Mapping[int, Fraction] = field(default_factory=dict)
